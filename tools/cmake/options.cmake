@@ -1,0 +1,25 @@
+# What every target of the project is compiled with.
+
+set(CMAKE_C_STANDARD 11)
+set(CMAKE_C_STANDARD_REQUIRED ON)
+set(CMAKE_C_EXTENSIONS OFF)
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+# A simulation gives the same bytes on each PC and with each compiler: no fused
+# multiply-add, no fast-math, no code tuned to the machine that builds it.
+add_compile_options(-ffp-contract=off)
+
+# Linked privately by each target of ours, so third-party code is not judged by it.
+add_library(nf_warnings INTERFACE)
+target_compile_options(nf_warnings INTERFACE
+    -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Wdouble-promotion -Wundef -Wvla
+    -pedantic -Werror
+    $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
+
+option(NF_GATES "Register the quality gates as tests" ON)
+option(NF_DRAFT "Skip listed sources that are not written yet" OFF)
+
+set(UNITY_ROOT ${CMAKE_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")

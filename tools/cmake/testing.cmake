@@ -1,0 +1,23 @@
+# The Unity test framework, as a library, and one function to add a test of it.
+
+find_path(UNITY_SOURCE_DIR unity.c
+    PATHS ${UNITY_ROOT} PATH_SUFFIXES src NO_DEFAULT_PATH NO_CACHE)
+if(NOT UNITY_SOURCE_DIR)
+    message(FATAL_ERROR
+        "There is no unity.c in ${UNITY_ROOT}.\n"
+        "Run `tools/dev setup`, or give a copy of Unity with -DUNITY_ROOT=DIR.")
+endif()
+
+add_library(unity STATIC ${UNITY_SOURCE_DIR}/unity.c)
+target_include_directories(unity SYSTEM PUBLIC ${UNITY_SOURCE_DIR})
+target_compile_definitions(unity PUBLIC UNITY_SUPPORT_64 UNITY_INCLUDE_DOUBLE)
+
+# nf_add_unit_test(<name> SOURCES <file>... [LINK <target>...])
+#
+# A program of Unity tests, C or C++, registered under its own name.
+function(nf_add_unit_test name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
+    add_executable(${name} ${arg_SOURCES})
+    target_link_libraries(${name} PRIVATE ${arg_LINK} unity nf_warnings)
+    add_test(NAME ${name} COMMAND ${name})
+endfunction()
