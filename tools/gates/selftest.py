@@ -1,0 +1,124 @@
+"""gate.selftest: each gate that reads the sources fails when it must, and says why.
+
+A small clean tree is made in a temporary folder; then each fault alone is put into it.
+"""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+GATES = Path(__file__).resolve().parent
+
+CLEAN = {
+    "firmware/math/fx.h": "#include <stdint.h>\n",
+    "firmware/control/pi.h": '#include "fx.h"\n',
+    "firmware/control/pi.c": '#include "pi.h"\n\n/* no float here: "double" */\nint pi_step(void)\n'
+                             "{\n"
+                             "    // cppcheck-suppress misra-c2012-11.4 ; D1: reason\n"
+                             "    return 1;\n"
+                             "}\n",
+    "firmware/control/modulator.h": "",
+    "firmware/drive/drive.h": '#include "pi.h"\n',
+    "firmware/MISRA.md": "| 15.5 | reason |\n\n"
+                         "| D1 | 11.4 | `firmware/control/pi.c:pi_step` | reason |\n",
+    "hal/hal.h": '#include "drive.h"\n',
+    "firmware/app/control_isr.c": '#include "hal.h"\n',
+    "host_sim/plant/motor.h": "",
+}
+
+
+class GatesCanFail(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        subprocess.run(["git", "init", "-q", self.root], check=True)
+        # clang-format looks for its file upwards from the source.
+        style = (GATES.parents[1] / ".clang-format").read_text(encoding="utf-8")
+        for path, text in {**CLEAN, ".clang-format": style}.items():
+            self.write(path, text)
+
+    def write(self, path, text):
+        (self.root / path).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / path).write_text(text, encoding="utf-8")
+
+    def append(self, path, text):
+        self.write(path, (self.root / path).read_text(encoding="utf-8") + text)
+
+    def run_gate(self, gate):
+        run = subprocess.run([sys.executable, GATES / f"{gate}.py", "--root", self.root],
+                             capture_output=True, text=True)
+        return run.returncode, run.stdout + run.stderr
+
+    def assert_fails(self, gate, *texts):
+        code, output = self.run_gate(gate)
+        self.assertEqual(code, 1, output)
+        for text in texts:
+            self.assertIn(text, output)
+
+    def test_clean_tree_passes(self):
+        for gate in ("floors", "format", "misra_register", "no_float"):
+            code, output = self.run_gate(gate)
+            self.assertEqual(code, 0, output)
+
+    def test_no_float(self):
+        for line, word in (("float x;", "float"), ("int x = (int)1.5e3;", "1.5e3"),
+                           ("void *p = malloc(4);", "malloc")):
+            with self.subTest(line):
+                self.write("firmware/math/bad.c", f"/* */\n{line}\n")
+                self.assert_fails("no_float", f"firmware/math/bad.c:2: {word}")
+
+    def test_no_float_in_objects(self):
+        source, library = self.root / "log.c", self.root / "liblog.a"
+        source.write_text("double log(double); int f(int x) { return (int)log(x); }\n")
+        subprocess.run(["gcc", "-fno-builtin", "-c", source, "-o", self.root / "log.o"], check=True)
+        subprocess.run(["ar", "rc", library, self.root / "log.o"], check=True)
+        run = subprocess.run([sys.executable, GATES / "no_float.py", "--root", self.root, library],
+                             capture_output=True, text=True)
+        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
+        self.assertIn("liblog.a(log.o) calls log", run.stdout)
+
+    def test_floors(self):
+        for path, include in (
+                ("firmware/math/fx.h", '"pi.h"'),
+                ("firmware/control/pi.h", '"drive.h"'),
+                ("firmware/control/pi.c", '"modulator.h"'),
+                ("firmware/control/pi.c", "<stdio.h>"),
+                ("firmware/drive/drive.h", '"hal.h"'),
+                ("host_sim/plant/motor.h", '"fx.h"')):
+            with self.subTest(f"{path} includes {include}"):
+                self.setUp()
+                self.append(path, f"#include {include}\n")
+                self.assert_fails("floors", path, include)
+
+    def test_misra_tag_without_row(self):
+        self.append("firmware/control/modulator.h",
+                    "// cppcheck-suppress misra-c2012-11.5 ; D2: reason\n")
+        self.assert_fails("misra_register", "modulator.h: D2 (11.5) is tagged here but")
+
+    def test_misra_tag_without_id(self):
+        self.append("firmware/control/modulator.h", "// cppcheck-suppress misra-c2012-11.5\n")
+        self.assert_fails("misra_register", "modulator.h:1: a tag reads")
+
+    def test_misra_row_without_tag(self):
+        self.append("firmware/MISRA.md", "| D2 | 11.4 | firmware/math/fx.h:stdint | reason |\n")
+        self.assert_fails("misra_register", "D2 (11.4) has no tag in firmware/math/fx.h")
+
+    def test_misra_row_of_other_rule_file_or_function(self):
+        row = "| D1 | 11.4 | `firmware/control/pi.c:pi_step` |"
+        for wrong, text in ((row.replace("11.4", "11.6"), "D1 (11.6) has no tag"),
+                            (row.replace("pi.c", "pi.h"), "has no tag in firmware/control/pi.h"),
+                            (row.replace("pi_step", "gone"), "there is no")):
+            with self.subTest(wrong):
+                self.write("firmware/MISRA.md", f"{wrong} reason |\n")
+                self.assert_fails("misra_register", text)
+
+    def test_format(self):
+        self.append("firmware/control/pi.c", "int  *  p ;\n")
+        self.assert_fails("format", "firmware/control/pi.c:9", "tools/dev format")
+
+
+if __name__ == "__main__":
+    unittest.main()

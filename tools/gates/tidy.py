@@ -1,0 +1,34 @@
+"""gate.tidy: clang-tidy over firmware, hal and host_sim, as the given build compiles them."""
+
+import argparse
+import json
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import sources
+
+FOLDERS = {"firmware", "hal", "host_sim"}
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("build", type=Path, help="a build folder with compile_commands.json")
+args = parser.parse_args()
+
+
+def is_ours(path):
+    return path.is_relative_to(sources.ROOT) and path.relative_to(sources.ROOT).parts[0] in FOLDERS
+
+
+def tidy(path):
+    run = subprocess.run(["clang-tidy-19", "--quiet", "-p", str(args.build), str(path)],
+                         capture_output=True, text=True)
+    return run.stdout if run.returncode == 0 else run.stdout + run.stderr, run.returncode
+
+
+commands = json.loads((args.build / "compile_commands.json").read_text(encoding="utf-8"))
+paths = sorted({Path(c["file"]) for c in commands if is_ours(Path(c["file"]))})
+with ThreadPoolExecutor(max_workers=2) as pool:
+    results = list(pool.map(tidy, paths))
+bad = [output.strip() for output, code in results if code]
+sources.finish("tidy", bad, "Change the code; a check that is wrong for the project is "
+               "switched off in .clang-tidy with its reason.")
