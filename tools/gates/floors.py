@@ -19,10 +19,12 @@ BELOW = {
     "hal": ["firmware/math", "firmware/control", "firmware/drive"],
     "host_sim/plant": [],
 }
-# A control module that is built of another one.
+# A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
-    "current_loop": ["pi"],
+    "current_loop": ["pi", "transforms"],
+    "modulator": ["transforms"],
     "motion_loop": ["pi"],
+    "nn_observer": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
