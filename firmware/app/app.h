@@ -1,0 +1,27 @@
+/*
+ * The application shared by every target: one drive on one hardware binding.
+ */
+#ifndef APP_H
+#define APP_H
+
+#include "drive.h"
+#include "hal.h"
+
+typedef struct {
+    drive_t drive;
+    drive_command_t command; /* written by the background, one aligned field at a time */
+    hal_t *hal;
+    drive_in_t in; /* the frames of the last tick, for traces and recordings */
+    drive_out_t out;
+} app_t;
+
+/*
+ * Open the gates and bring the drive to INIT. Call once, before the control interrupt is enabled.
+ * Returns what drive_init returns: NULL, or the name of the configuration field that is refused.
+ */
+const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
+
+/* The control interrupt: sample, step, apply. Call once a PWM period, never re-entered. */
+void control_isr(app_t *app);
+
+#endif

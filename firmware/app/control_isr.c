@@ -1,0 +1,19 @@
+#include "app.h"
+
+const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
+{
+    hal_open_gates(hal);
+    app->hal = hal;
+    app->command = (drive_command_t){0};
+    app->in = (drive_in_t){0};
+    app->out = (drive_out_t){0};
+    return drive_init(&app->drive, cfg);
+}
+
+void control_isr(app_t *app)
+{
+    hal_sample(app->hal, &app->in);
+    app->in.command = app->command;
+    drive_step(&app->drive, &app->in, &app->out);
+    hal_apply(app->hal, &app->out);
+}

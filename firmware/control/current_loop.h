@@ -1,0 +1,42 @@
+/*
+ * Current control in the rotor frame: one PI an axis, decoupling, voltage limited to a circle.
+ *
+ *     v_d = PI_d(i_d* − i_d) − ω·L_q·i_q
+ *     v_q = PI_q(i_q* − i_q) + ω·(L_d·i_d + φ)             motor equations (1), (2) of paper A
+ *     √(v_d² + v_q²) ≤ v_limit, the d axis first: it holds the flux
+ *
+ * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total; call once a
+ * control tick.
+ */
+#ifndef CURRENT_LOOP_H
+#define CURRENT_LOOP_H
+
+#include "pi.h"
+#include "transforms.h"
+
+#include <stdint.h>
+
+typedef struct {
+    pi_cfg_t pi_d;
+    pi_cfg_t pi_q;
+    int16_t reactance_d_q13; /* Ω_b·L_d·I_b/U_b, 0…4 */
+    int16_t reactance_q_q13; /* Ω_b·L_q·I_b/U_b */
+    int16_t emf_q13;         /* Ω_b·φ/U_b */
+} current_loop_cfg_t;
+
+typedef struct {
+    pi_t pi_d;
+    pi_t pi_q;
+} current_loop_t;
+
+/* Zero both integrals. */
+void current_loop_reset(current_loop_t *loop);
+
+/*
+ * One tick: the voltage to apply. limit: radius of the voltage circle, Q15, 0…32767. The square root of
+ * the circle is taken only when the demand leaves it; the cut is given back to the q integral.
+ */
+dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
+                       dq_t measured, int16_t speed, int16_t limit);
+
+#endif

@@ -1,0 +1,102 @@
+#include "motion_loop.h"
+
+#include "trig.h"
+
+#define Q32_TO_Q16 (65536)
+#define DISTANCE_MAX (0x8000U) /* in units; more than any braking distance */
+
+void speed_loop_reset(speed_loop_t *loop, step_t speed)
+{
+    pi_reset(&loop->pi, 0);
+    loop->reference = speed;
+}
+
+step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target)
+{
+    const step_t wanted = fx_clamp(target, -cfg->speed_max, cfg->speed_max);
+
+    return loop->reference + fx_clamp(wanted - loop->reference, -cfg->ramp, cfg->ramp);
+}
+
+int16_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                        step_t measured)
+{
+    const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
+    const step_t change = limited - loop->reference;
+    const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
+    const int32_t feed_forward = fx_clamp(torque, -cfg->current_max, cfg->current_max);
+    const int16_t error = fx_sat16(fx_asr(limited - measured, cfg->error_shift));
+
+    loop->reference = limited;
+    return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
+}
+
+void position_loop_reset(position_loop_t *loop, int64_t position_q32)
+{
+    loop->profile_q32 = position_q32;
+    loop->profile_speed = 0;
+}
+
+/* |distance| in units, saturated. */
+static uint32_t distance_units(const position_loop_cfg_t *cfg, int64_t distance_q32)
+{
+    const uint64_t magnitude =
+        (distance_q32 < 0) ? (0U - (uint64_t)distance_q32) : (uint64_t)distance_q32;
+    const uint64_t units = magnitude >> cfg->distance_shift;
+
+    return (units > DISTANCE_MAX) ? DISTANCE_MAX : (uint32_t)units;
+}
+
+/* The speed from which the profile can still stop after `units`. */
+static step_t braking_speed(const position_loop_cfg_t *cfg, uint32_t units)
+{
+    const int32_t c_q15 = cfg->softness_q15;
+    const uint32_t share_q30 = units * (uint32_t)cfg->braking_inverse;
+    const int32_t root_q15 = (int32_t)trig_sqrt(share_q30 + (uint32_t)(c_q15 * c_q15));
+
+    return fx_mul_32x16(cfg->speed_max, fx_min(root_q15 - c_q15, FX_Q15_MAX)) * 2;
+}
+
+static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cfg,
+                            int64_t target_q32)
+{
+    const int64_t distance_q32 = target_q32 - loop->profile_q32;
+    const uint32_t units = distance_units(cfg, distance_q32);
+
+    if (units == 0U) {
+        loop->profile_q32 = target_q32;
+        loop->profile_speed = 0;
+    } else {
+        const step_t speed = braking_speed(cfg, units);
+        const step_t wanted = (distance_q32 < 0) ? -speed : speed;
+
+        loop->profile_speed += fx_clamp(wanted - loop->profile_speed, -cfg->ramp, cfg->ramp);
+        loop->profile_q32 += (int64_t)loop->profile_speed * cfg->ticks;
+    }
+}
+
+/* lag in Q16 turns, saturated to half a turn. */
+static int16_t lag_q16(int64_t lag_q32)
+{
+    int16_t lag;
+
+    if (lag_q32 >= ((int64_t)FX_Q15_MAX * Q32_TO_Q16)) {
+        lag = FX_Q15_MAX;
+    } else if (lag_q32 <= ((int64_t)FX_Q15_MIN * Q32_TO_Q16)) {
+        lag = FX_Q15_MIN;
+    } else {
+        lag = (int16_t)fx_asr((int32_t)lag_q32, 16U);
+    }
+    return lag;
+}
+
+step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
+                          int64_t measured_q32)
+{
+    int32_t correction;
+
+    advance_profile(loop, cfg, target_q32);
+    correction =
+        fx_asr((int32_t)lag_q16(loop->profile_q32 - measured_q32) * cfg->gain, cfg->gain_shift);
+    return fx_clamp(loop->profile_speed + correction, -2 * cfg->speed_max, 2 * cfg->speed_max);
+}

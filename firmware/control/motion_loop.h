@@ -1,0 +1,75 @@
+/*
+ * Speed and position control, called at the slow rate (every N-th control tick).
+ *
+ * Speed: the target is ramped; a PI and an acceleration feed-forward turn the reference into i_q*.
+ * Position: a profile with limited speed, acceleration and deceleration runs to the target; the speed
+ * reference is the profile's speed plus a gain times the position lag.
+ *
+ * Speeds are step_t (2^32 = one electrical turn a control tick), positions Q32 electrical turns in 64
+ * bits, currents Q15 of I_b. Pure, total; call from the control interrupt.
+ */
+#ifndef MOTION_LOOP_H
+#define MOTION_LOOP_H
+
+#include "fx.h"
+#include "pi.h"
+
+#include <stdint.h>
+
+typedef struct {
+    pi_cfg_t pi;           /* speed error Q15 of Ω_b in, i_q* out; paper B (28)–(30) */
+    step_t ramp;           /* largest change of the reference in a slow period, > 0 */
+    step_t speed_max;      /* |reference| is kept within */
+    int16_t current_max;   /* |i_q*| is kept within, Q15 of I_b */
+    int16_t inertia;       /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift) */
+    uint8_t inertia_shift; /* 0…30 */
+    uint8_t error_shift;   /* Q15 of Ω_b = step >> error_shift */
+} speed_loop_cfg_t;
+
+typedef struct {
+    pi_t pi;
+    step_t reference; /* the speed asked for in the last slow period, after all limits */
+} speed_loop_t;
+
+typedef struct {
+    step_t ramp;             /* acceleration: change of the profile speed in a slow period, > 0 */
+    step_t speed_max;        /* profile speed limit, > 0 */
+    int32_t braking_inverse; /* 2^30 / B, B = braking distance from speed_max, 2^14…2^15 units */
+    int16_t softness_q15;    /* c of position_profile: braking fades out below c·speed_max */
+    int16_t gain;            /* 1/s: speed = (lag, Q16 turns) · gain / 2^gain_shift */
+    uint8_t gain_shift;      /* 0…30 */
+    uint8_t distance_shift;  /* one distance unit = 2^distance_shift of Q32 turns, 16…48 */
+    int16_t ticks;           /* N, control ticks in a slow period */
+} position_loop_cfg_t;
+
+typedef struct {
+    int64_t profile_q32;  /* where the profile is */
+    step_t profile_speed; /* how fast it goes */
+} position_loop_t;
+
+/* Start from the present speed with no current demand: no bump. */
+void speed_loop_reset(speed_loop_t *loop, step_t speed);
+
+/* The reference one slow period further on its ramp to `target`. */
+step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target);
+
+/*
+ * One slow period: follow `reference` (limited to ±speed_max), given the measured speed.
+ * Returns i_q*, saturated to ±current_max.
+ */
+int16_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                        step_t measured);
+
+/* Start the profile at the present position, at rest. */
+void position_loop_reset(position_loop_t *loop, int64_t position_q32);
+
+/*
+ * One slow period. The profile brakes along
+ *     v(d) = speed_max·(√(d/B + c²) − c),
+ * d the distance left: its deceleration stays below speed_max²/(2B) and fades out linearly at the end.
+ * Returns the speed reference, saturated to twice speed_max.
+ */
+step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
+                          int64_t measured_q32);
+
+#endif

@@ -1,0 +1,37 @@
+/*
+ * Rotor position by integration of the speed, paper A (23): θ̂(k+1) = θ̂(k) + T·ω̂(k).
+ *
+ * The speed is a step_t (advance per tick), so T·ω̂ is the step itself and the integration is exact:
+ * no rounding, no drift. Whole electrical turns are counted as well, ±2^31 of them.
+ * Pure; call from the control interrupt.
+ */
+#ifndef ROTOR_POSITION_H
+#define ROTOR_POSITION_H
+
+#include "fx.h"
+
+#include <stdint.h>
+
+typedef struct {
+    int64_t turns_q32; /* electrical turns since the reset, Q32; the lower word is the angle */
+} rotor_position_t;
+
+/* Put the rotor at `angle` within turn 0. */
+static inline void rotor_position_reset(rotor_position_t *position, angle_t angle)
+{
+    position->turns_q32 = (int64_t)angle;
+}
+
+/* (23), one tick. The turn count wraps after 2^31 turns (8 days at 3000 turns a second). */
+static inline void rotor_position_step(rotor_position_t *position, step_t speed)
+{
+    position->turns_q32 += speed;
+}
+
+/* θ̂ within its turn. */
+static inline angle_t rotor_position_angle(const rotor_position_t *position)
+{
+    return (angle_t)((uint64_t)position->turns_q32 & 0xFFFFFFFFU);
+}
+
+#endif

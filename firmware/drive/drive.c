@@ -1,0 +1,240 @@
+#include "drive.h"
+
+#include <stddef.h>
+
+#define ADC_MID_Q15 (32768)
+#define Q16_TO_Q32 (65536)
+
+static void open_gates(drive_t *drive, drive_out_t *out)
+{
+    const uint16_t half = (uint16_t)((uint32_t)drive->cfg->modulator.timer_counts / 2U);
+
+    *out = (drive_out_t){.compare = {.phase = {half, half, half}}, .gate_enable = false};
+}
+
+static void enter_fault(drive_t *drive, fault_t fault)
+{
+    drive->fault = fault;
+    drive->state = DRIVE_STATE_FAULT;
+}
+
+static void enter_offset_cal(drive_t *drive)
+{
+    drive->offset_a = 0;
+    drive->offset_b = 0;
+    drive->offset_samples = 0U;
+    drive->state = DRIVE_STATE_OFFSET_CAL;
+}
+
+/* The rotor is taken to be at rest at angle 0. */
+static void enter_run(drive_t *drive)
+{
+    nn_observer_reset(&drive->observer, &drive->cfg->observer);
+    rotor_position_reset(&drive->position, 0U);
+    current_loop_reset(&drive->current_loop);
+    speed_loop_reset(&drive->speed_loop, 0);
+    position_loop_reset(&drive->position_loop, 0);
+    drive->speed_reference = 0;
+    drive->ratio_pending = (dq_t){0, 0};
+    drive->ratio_acting = (dq_t){0, 0};
+    drive->signals.current_ref_q = 0;
+    drive->slow_count = 0U;
+    drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+    drive->state = DRIVE_STATE_RUN;
+}
+
+/* Raw counts to per unit. Before the calibration has ended the currents are meaningless. */
+static void convert_samples(drive_t *drive, const drive_in_t *in)
+{
+    const sampling_cfg_t *const cfg = &drive->cfg->sampling;
+    drive_signals_t *const s = &drive->signals;
+    const uint32_t a = (uint32_t)in->adc_ia << cfg->current_shift;
+    const uint32_t b = (uint32_t)in->adc_ib << cfg->current_shift;
+    const uint32_t bus = (uint32_t)in->adc_bus << cfg->bus_shift;
+
+    s->phase_a = fx_sat16((int32_t)a - drive->offset_a);
+    s->phase_b = fx_sat16((int32_t)b - drive->offset_b);
+    s->bus = fx_sat16((int32_t)bus);
+}
+
+static void watch(drive_t *drive, const drive_in_t *in)
+{
+    const bool running = (drive->state == DRIVE_STATE_RUN);
+    const protection_in_t measured = {
+        .phase_a = drive->signals.phase_a,
+        .phase_b = drive->signals.phase_b,
+        .bus = drive->signals.bus,
+        .break_input = (in->flags & DRIVE_FLAG_BREAK) != 0U,
+        .check_current = running || (drive->state == DRIVE_STATE_READY),
+        .check_undervoltage = running,
+    };
+    const fault_t fault = protection_check(&drive->cfg->protection, &measured);
+
+    if ((fault.id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+        enter_fault(drive, fault);
+    }
+}
+
+/* Average of 2^offset_log2 samples; the sum of 4096 full-scale samples fits 32 bits unsigned. */
+static void calibrate_step(drive_t *drive, const drive_in_t *in)
+{
+    const sampling_cfg_t *const cfg = &drive->cfg->sampling;
+
+    drive->offset_a += (int32_t)in->adc_ia;
+    drive->offset_b += (int32_t)in->adc_ib;
+    drive->offset_samples++;
+    if (drive->offset_samples == (uint16_t)(1UL << cfg->offset_log2)) {
+        const uint32_t shift = cfg->offset_log2;
+        const uint32_t scale = cfg->current_shift;
+        fault_t fault;
+
+        drive->offset_a = (int32_t)(((uint32_t)drive->offset_a << scale) >> shift);
+        drive->offset_b = (int32_t)(((uint32_t)drive->offset_b << scale) >> shift);
+        fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
+                                        drive->offset_b - ADC_MID_Q15);
+        drive->state = DRIVE_STATE_READY;
+        if (fault.id != FAULT_NONE) {
+            enter_fault(drive, fault);
+        }
+    }
+}
+
+/* State changes that the command asks for. */
+static void obey(drive_t *drive, const drive_command_t *command)
+{
+    const bool run = (command->request & DRIVE_REQUEST_RUN) != 0U;
+    const bool clear = (command->request & DRIVE_REQUEST_CLEAR) != 0U;
+
+    if (drive->state == DRIVE_STATE_INIT) {
+        enter_offset_cal(drive);
+    } else if ((drive->state == DRIVE_STATE_READY) && run) {
+        enter_run(drive);
+    } else if ((drive->state == DRIVE_STATE_RUN) && !run) {
+        drive->state = DRIVE_STATE_READY;
+    } else if ((drive->state == DRIVE_STATE_FAULT) && clear && !run) {
+        enter_offset_cal(drive);
+    } else {
+        /* stay */
+    }
+}
+
+/* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
+static dq_t applied_voltage(const drive_t *drive)
+{
+    const int16_t bus = (int16_t)fx_asr((int32_t)drive->bus_before + drive->signals.bus, 1U);
+
+    return (dq_t){
+        .d = fx_mul_q15(drive->ratio_acting.d, bus),
+        .q = fx_mul_q15(drive->ratio_acting.q, bus),
+    };
+}
+
+/* Measured phase currents to the estimated frame, and the observer's tick. */
+static void estimate(drive_t *drive)
+{
+    drive_signals_t *const s = &drive->signals;
+    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->position));
+
+    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    s->current = transforms_park(s->current_ab, angle);
+    s->voltage_applied = applied_voltage(drive);
+    nn_observer_step(&drive->observer, &drive->cfg->observer, s->current, s->voltage_applied);
+    s->speed = fx_sat16(fx_asr(drive->observer.speed, drive->cfg->speed_shift));
+}
+
+static void change_mode(drive_t *drive, uint8_t mode)
+{
+    drive->mode = mode;
+    position_loop_reset(&drive->position_loop, drive->position.turns_q32);
+}
+
+/* First half of the slow period: the speed reference. */
+static void plan_speed(drive_t *drive, const drive_command_t *command)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+
+    if (command->mode != drive->mode) {
+        change_mode(drive, command->mode);
+    }
+    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
+        drive->speed_reference =
+            position_loop_step(&drive->position_loop, &cfg->position_loop,
+                               (int64_t)command->target * Q16_TO_Q32, drive->position.turns_q32);
+    } else {
+        drive->speed_reference =
+            speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
+    }
+}
+
+/* The motion loops share one slow period: planning in its first tick, the speed PI in its second. */
+static void control_motion(drive_t *drive, const drive_command_t *command)
+{
+    if (drive->slow_count == 0U) {
+        plan_speed(drive, command);
+    } else if (drive->slow_count == 1U) {
+        drive->signals.current_ref_q =
+            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                            drive->observer.speed);
+    } else {
+        /* between */
+    }
+    drive->slow_count++;
+    if (drive->slow_count >= drive->cfg->slow_ticks) {
+        drive->slow_count = 0U;
+    }
+}
+
+/* Currents to compare values. The vector is turned for the middle of the period in which it acts. */
+static compare_t control_currents(drive_t *drive)
+{
+    drive_signals_t *const s = &drive->signals;
+    const drive_cfg_t *const cfg = drive->cfg;
+    const step_t step = drive->observer.speed_out;
+    const dq_t reference = {.d = 0, .q = s->current_ref_q};
+    const angle_t middle =
+        rotor_position_angle(&drive->position) + (angle_t)step + (angle_t)fx_asr(step, 1U);
+
+    s->voltage_limit = modulator_limit(&cfg->modulator, s->bus);
+    s->voltage = current_loop_step(&drive->current_loop, &cfg->current_loop, reference, s->current,
+                                   s->speed, s->voltage_limit);
+    s->ratio = modulator_ratio(&drive->modulator, s->voltage);
+    s->ratio_ab = transforms_park_inverse(s->ratio, trig_sincos(middle));
+    return modulator_compare(&cfg->modulator, s->ratio_ab);
+}
+
+static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    estimate(drive);
+    control_motion(drive, &in->command);
+    out->compare = control_currents(drive);
+    out->gate_enable = true;
+    rotor_position_step(&drive->position, drive->observer.speed_out);
+    drive->ratio_acting = drive->ratio_pending;
+    drive->ratio_pending = drive->signals.ratio;
+}
+
+const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
+{
+    *drive = (drive_t){.cfg = cfg, .state = DRIVE_STATE_INIT};
+    modulator_reset(&drive->modulator);
+    return params_check(cfg);
+}
+
+void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    convert_samples(drive, in);
+    watch(drive, in);
+    if (drive->state == DRIVE_STATE_OFFSET_CAL) {
+        calibrate_step(drive, in);
+    } else {
+        obey(drive, &in->command);
+    }
+    modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
+    if (drive->state == DRIVE_STATE_RUN) {
+        run_tick(drive, in, out);
+    } else {
+        open_gates(drive, out);
+    }
+    drive->bus_before = drive->signals.bus;
+    drive->tick++;
+}

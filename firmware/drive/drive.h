@@ -1,0 +1,127 @@
+/*
+ * The drive: one pure control step from an input frame to an output frame.
+ *
+ *     drive_step(&drive, &in, &out)
+ *
+ * reads its state and one frame of raw measurements and command, and writes its state and one frame
+ * of compare values. It has no clock, no hardware, no globals, no allocation; the same inputs give the
+ * same outputs on every machine. drive_t is a plain value: a snapshot is a copy.
+ *
+ * Timing. The frame of tick k is sampled at t_k, the start of PWM period k. Its compare values act
+ * from t_k+1 to t_k+2; gate_enable acts at once.
+ *
+ * States: INIT → OFFSET_CAL → READY ⇄ RUN; any → FAULT, latched, gates off in the same tick; FAULT →
+ * OFFSET_CAL on DRIVE_REQUEST_CLEAR without DRIVE_REQUEST_RUN.
+ */
+#ifndef DRIVE_H
+#define DRIVE_H
+
+#include "params.h"
+#include "protection.h"
+#include "rotor_position.h"
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    DRIVE_STATE_INIT = 0,
+    DRIVE_STATE_OFFSET_CAL,
+    DRIVE_STATE_READY,
+    DRIVE_STATE_RUN,
+    DRIVE_STATE_FAULT
+} drive_state_t;
+
+typedef enum {
+    DRIVE_MODE_SPEED = 0,
+    DRIVE_MODE_POSITION
+} drive_mode_t;
+
+#define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
+#define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
+
+#define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
+
+/* What the user wants. */
+typedef struct {
+    int32_t target; /* SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns */
+    uint8_t mode;   /* drive_mode_t; any other value counts as SPEED */
+    uint8_t request;
+} drive_command_t;
+
+/* One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command. */
+typedef struct {
+    uint16_t adc_ia;
+    uint16_t adc_ib;
+    uint16_t adc_bus;
+    uint16_t flags;
+    drive_command_t command;
+} drive_in_t;
+
+/* One output frame. */
+typedef struct {
+    compare_t compare;
+    bool gate_enable;
+} drive_out_t;
+
+/* The intermediates of the last tick in the order in which they are computed: for traces and probes. */
+typedef struct {
+    int16_t phase_a; /* Q15 of I_b, offset removed */
+    int16_t phase_b;
+    int16_t bus;           /* Q15 of U_b */
+    ab_t current_ab;       /* Q15 of I_b */
+    dq_t current;          /* turned with θ̂ */
+    dq_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
+    int16_t speed;         /* ω̂, Q15 of Ω_b */
+    int16_t current_ref_q; /* i_q*, Q15 of I_b */
+    int16_t voltage_limit; /* Q15 of U_b */
+    dq_t voltage;          /* demand */
+    dq_t ratio;            /* demand over bus, Q15 */
+    ab_t ratio_ab;
+} drive_signals_t;
+
+typedef struct {
+    const drive_cfg_t *cfg;
+    drive_state_t state;
+    fault_t fault;    /* why FAULT was entered last */
+    uint32_t tick;    /* since drive_init, wraps */
+    int32_t offset_a; /* sensor zero, Q15 with mid-scale = 32768; sum while calibrating */
+    int32_t offset_b;
+    uint16_t offset_samples;
+    uint8_t slow_count; /* 0…N − 1, position in the slow period */
+    uint8_t mode;       /* mode of the running motion loops */
+    nn_observer_t observer;
+    rotor_position_t position;
+    current_loop_t current_loop;
+    speed_loop_t speed_loop;
+    position_loop_t position_loop;
+    step_t speed_reference;
+    modulator_t modulator;
+    dq_t ratio_pending; /* asked for in the last tick: being applied from this instant on */
+    dq_t ratio_acting;  /* applied since the last instant */
+    int16_t bus_before; /* bus at the last instant */
+    drive_signals_t signals;
+} drive_t;
+
+/*
+ * Put the drive into INIT with this configuration, which must outlive it. Call before the first
+ * tick, never from the interrupt. Returns NULL, or the name of the field that params_check refuses;
+ * the drive must not be stepped then.
+ */
+const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
+
+/* One control tick, from the control interrupt only. Total: every input frame is allowed. */
+void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
+
+/* Speed estimate (22) in steps per tick and position estimate in Q32 electrical turns. */
+static inline step_t drive_speed(const drive_t *drive)
+{
+    return drive->observer.speed;
+}
+
+static inline int64_t drive_position_q32(const drive_t *drive)
+{
+    return drive->position.turns_q32;
+}
+
+#endif

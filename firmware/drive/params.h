@@ -1,0 +1,44 @@
+/*
+ * The whole configuration of a drive in per-unit integers, and its check.
+ *
+ * Written by one piece of code from motor, board and tuning files in SI units (host_sim/config), which
+ * also documents how each number comes about; DESIGN.md lists bases and formats. Constant while the
+ * drive runs.
+ */
+#ifndef PARAMS_H
+#define PARAMS_H
+
+#include "current_loop.h"
+#include "fx.h"
+#include "modulator.h"
+#include "motion_loop.h"
+#include "nn_observer.h"
+#include "protection.h"
+
+#include <stdint.h>
+
+typedef struct {
+    uint8_t current_shift; /* ADC counts to Q15: 16 − bits, 0…8 */
+    uint8_t bus_shift;     /* ADC counts to Q15: 15 − bits, 0…7 */
+    uint8_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
+} sampling_cfg_t;
+
+typedef struct {
+    sampling_cfg_t sampling;
+    protection_cfg_t protection;
+    nn_observer_cfg_t observer;
+    current_loop_cfg_t current_loop;
+    speed_loop_cfg_t speed_loop;
+    position_loop_cfg_t position_loop;
+    modulator_cfg_t modulator;
+    uint8_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
+    uint8_t slow_ticks;  /* N: the motion loops run every N-th tick, 2…100 */
+} drive_cfg_t;
+
+/*
+ * Check every field against the range its arithmetic needs. Returns NULL when all hold, else the name
+ * of the first field that does not, as a constant string.
+ */
+const char *params_check(const drive_cfg_t *cfg);
+
+#endif

@@ -1,0 +1,52 @@
+/*
+ * Protection: which measurement means that the gates must open now.
+ *
+ * Called each control tick before anything else is computed; a fault is latched by the drive and the
+ * gates open in the same tick. Pure. Currents Q15 of I_b, bus Q15 of U_b.
+ */
+#ifndef PROTECTION_H
+#define PROTECTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    FAULT_NONE = 0,
+    FAULT_BREAK,         /* the power stage's own comparator opened the gates */
+    FAULT_OVERCURRENT,   /* value: the largest phase current */
+    FAULT_OVERVOLTAGE,   /* value: bus */
+    FAULT_UNDERVOLTAGE,  /* value: bus */
+    FAULT_CURRENT_OFFSET /* value: offset of the worse sensor from mid-scale */
+} fault_id_t;
+
+/* What happened, what was measured and what was allowed. */
+typedef struct {
+    fault_id_t id;
+    int16_t value;
+    int16_t limit;
+} fault_t;
+
+typedef struct {
+    int16_t current_max; /* |phase current|, > 0 */
+    int16_t bus_max;
+    int16_t bus_min;
+    int16_t offset_max; /* |sensor offset| */
+} protection_cfg_t;
+
+/* What is watched in this tick. */
+typedef struct {
+    int16_t phase_a;
+    int16_t phase_b;
+    int16_t bus;
+    bool break_input;
+    bool check_current;      /* the sensors are calibrated */
+    bool check_undervoltage; /* the drive runs */
+} protection_in_t;
+
+/* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
+fault_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in);
+
+/* Offsets of both sensors from mid-scale, after calibration. */
+fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);
+
+#endif

@@ -1,0 +1,110 @@
+/*
+ * Fixed-point arithmetic: saturation, shifts and mixed-width products.
+ *
+ * Formats. Qn means an integer that stands for value = integer / 2^n. Signals are Q15 in 16 bits
+ * (±1 per unit), controller and observer states are 32 bits wide with guard bits above ±1, so that a
+ * sum of a few products needs one clamp at its end and not one at each term.
+ *
+ * Cost. A 32×32→64 product is one instruction on Cortex-M3 and later but a library call on M0+; the
+ * widest product here is 32×16 with the lower 16 bits dropped, two 32-bit multiplications anywhere.
+ *
+ * All functions are pure, total over the stated ranges and callable from any context.
+ */
+#ifndef FX_H
+#define FX_H
+
+#include <stdint.h>
+
+/* One turn is 2^32, so angles wrap by themselves. Turns, not radians. */
+typedef uint32_t angle_t;
+
+/* Angle advance per control tick, signed, same unit as angle_t. 2^32 is one turn a tick. */
+typedef int32_t step_t;
+
+#define FX_Q15_MAX (32767)
+#define FX_Q15_MIN (-32768)
+
+/* x / 2^n rounded down (towards −∞). Range: any x, n 0…31. No saturation. */
+static inline int32_t fx_asr(int32_t x, uint32_t n)
+{
+    return x >> n; /* cppcheck-suppress misra-c2012-10.1 ; D1 */
+}
+
+/* The smaller/larger of two values. */
+static inline int32_t fx_min(int32_t a, int32_t b)
+{
+    return (a < b) ? a : b;
+}
+
+static inline int32_t fx_max(int32_t a, int32_t b)
+{
+    return (a > b) ? a : b;
+}
+
+/* x limited to lo…hi, lo ≤ hi. */
+static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
+{
+    return fx_min(fx_max(x, lo), hi);
+}
+
+/* |x|, INT32_MIN excluded. */
+static inline int32_t fx_abs(int32_t x)
+{
+    return (x < 0) ? -x : x;
+}
+
+/* x saturated to the 16-bit range −32768…32767. */
+static inline int16_t fx_sat16(int32_t x)
+{
+    return (int16_t)fx_clamp(x, FX_Q15_MIN, FX_Q15_MAX);
+}
+
+/* a + b saturated to −2^31…2^31 − 1. */
+static inline int32_t fx_add_sat(int32_t a, int32_t b)
+{
+    int32_t sum;
+
+    if ((b > 0) && (a > (INT32_MAX - b))) {
+        sum = INT32_MAX;
+    } else if ((b < 0) && (a < (INT32_MIN - b))) {
+        sum = INT32_MIN;
+    } else {
+        sum = a + b;
+    }
+    return sum;
+}
+
+/* a − b saturated to −2^31…2^31 − 1. */
+static inline int32_t fx_sub_sat(int32_t a, int32_t b)
+{
+    int32_t difference;
+
+    if ((b < 0) && (a > (INT32_MAX + b))) {
+        difference = INT32_MAX;
+    } else if ((b > 0) && (a < (INT32_MIN + b))) {
+        difference = INT32_MIN;
+    } else {
+        difference = a - b;
+    }
+    return difference;
+}
+
+/* Q15 × Q15 → Q15, rounded to nearest (half up). Only −1 × −1 exceeds Q15; it saturates. */
+static inline int16_t fx_mul_q15(int16_t a, int16_t b)
+{
+    return fx_sat16(fx_asr(((int32_t)a * b) + 0x4000, 15U));
+}
+
+/*
+ * floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t.
+ * With a = a_hi·2^16 + a_lo the result is a_hi·b + floor(a_lo·b / 2^16): |a_lo·b| < 2^31.
+ */
+static inline int32_t fx_mul_32x16(int32_t a, int32_t b)
+{
+    const int32_t a_hi = fx_asr(a, 16U);
+    const int32_t a_lo = (int32_t)((uint32_t)a & 0xFFFFU);
+
+    return (a_hi * b) + fx_asr(a_lo * b, 16U);
+}
+
+#endif

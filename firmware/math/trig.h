@@ -1,0 +1,34 @@
+/*
+ * Sine, cosine, arctangent and square root on integers, by table and linear interpolation.
+ * Pure functions, no state, callable from any context; none can fail.
+ */
+#ifndef TRIG_H
+#define TRIG_H
+
+#include "fx.h"
+
+#include <stdint.h>
+
+typedef struct {
+    int16_t sin; /* Q15, −32767…32767 */
+    int16_t cos; /* Q15, −32767…32767 */
+} sincos_t;
+
+/*
+ * Sine and cosine of an angle.
+ * angle: whole range. Result: Q15 with amplitude 32767, within 1 LSB of 32767·sin and 32767·cos
+ * (interpolation over 1/1024 turn 0.15 LSB, table rounding 0.5 LSB, result rounding 0.5 LSB).
+ */
+sincos_t trig_sincos(angle_t angle);
+
+/*
+ * Direction of the vector (x, y): the angle from the x axis towards the y axis.
+ * x, y: any scale, same format, whole 16-bit range. The result is within 2^-17 turn (0.003°) of the
+ * exact direction of the integers given; (0, 0) gives 0. One unsigned division.
+ */
+angle_t trig_atan2(int16_t y, int16_t x);
+
+/* floor(√x). Range: whole. A Q30 argument gives a Q15 root. */
+uint16_t trig_sqrt(uint32_t x);
+
+#endif

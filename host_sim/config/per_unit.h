@@ -1,0 +1,45 @@
+// From settings in SI units to the firmware's per-unit integers: the one place where this is done,
+// for the simulator at run time and for the header that targets compile.
+#pragma once
+
+#include "settings.h"
+
+extern "C" {
+#include "params.h"
+}
+
+#include <stdexcept>
+#include <string>
+
+namespace nf
+{
+
+// A setting that cannot be turned into the firmware's numbers. `key` is the one to change.
+struct SettingError : std::runtime_error {
+    SettingError(std::string key_, double value_, std::string allowed_);
+    std::string key;
+    double value;
+    std::string allowed; // range and reason, e.g. "at most 1914 rad/s electrical: …"
+};
+
+// SI value of one per-unit step of each firmware quantity.
+struct Bases {
+    double control_period_s;
+    double current_a;      // I_b: Q15 one
+    double voltage_v;      // U_b: Q15 one
+    double speed_el_rad_s; // Ω_b: Q15 one
+    int speed_shift;       // Q15 of Ω_b = step >> speed_shift
+    int pole_pairs;
+
+    double step_from_rpm(double rpm) const; // mechanical rpm to step_t
+    double rpm_from_step(double step) const;
+    double turns_from_mech_rad(double rad) const; // mechanical angle to electrical turns
+};
+
+Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
+
+// Throws SettingError naming the offending key; the result passes params_check.
+drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
+                           const TuningSettings &tuning, const ModelScales &model);
+
+} // namespace nf

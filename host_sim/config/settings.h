@@ -1,0 +1,90 @@
+// Settings in SI units, as read from the motor, board, tuning, scenario and imperfection files.
+// The unit of each number is the end of its name; keys in the files have the same names.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+// [motor] What the nameplate and a data sheet say. The plant is built from it, and so is the
+// controller's model unless [model] says otherwise.
+struct MotorSettings {
+    std::string name;
+    int pole_pairs = 0;
+    double resistance_ohm = 0;
+    double inductance_d_h = 0;
+    double inductance_q_h = 0;
+    double flux_linkage_wb = 0;
+    double rated_torque_nm = 0;
+    double rated_speed_rpm = 0;
+    double max_speed_rpm = 0; // the controller never asks for more
+    double max_current_a = 0; // peak phase current that the controller may ask for
+    double inertia_kg_m2 = 0; // with the load
+    double viscous_friction_nm_s = 0;
+};
+
+// [board] Power stage and sensing.
+struct BoardSettings {
+    std::string name;
+    double pwm_frequency_hz = 0; // also the control rate
+    double timer_clock_hz = 0;
+    int adc_bits = 0;
+    double current_full_scale_a = 0; // ± at the ends of the converter; the current base I_b
+    double bus_full_scale_v = 0;     // the voltage base U_b
+    double bus_nominal_v = 0;
+    double bus_min_v = 0; // under-voltage fault while running
+    double bus_max_v = 0; // over-voltage fault
+    double overcurrent_a = 0;
+    double offset_max_a = 0;     // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;  // share of the period kept free for sampling and dead time
+    int offset_samples_log2 = 0; // calibration averages 2^n samples
+};
+
+// [observer], [current_loop], [speed_loop], [position_loop]
+struct TuningSettings {
+    std::string name;
+    double observer_kappa = 0;    // share of the speed error removed per sample
+    double observer_kappa_p = 0;  // proportional path; 0 is the published law
+    double observer_momentum = 0; // alpha of paper A (19)
+    double current_bandwidth_hz = 0;
+    double speed_bandwidth_hz = 0;
+    double speed_damping = 0; // of the closed speed loop
+    double speed_ramp_rpm_s = 0;
+    double inertia_feed_forward = 0; // 0…1, share of J·dω/dt fed to the torque demand
+    double position_bandwidth_hz = 0;
+    double position_speed_rpm = 0;           // profile limits
+    double position_acceleration_rad_s2 = 0; // mechanical
+    double position_softness_s = 0;          // time constant with which the profile settles
+    int slow_ticks = 0;                      // control ticks in a slow period
+};
+
+// [model] How the controller's belief differs from the motor file, as factors.
+struct ModelScales {
+    double resistance = 1;
+    double inductance = 1;
+    double flux = 1;
+    double inertia = 1;
+};
+
+// [plant] How the real machine differs from the motor file, and what disturbs it.
+struct PlantSettings {
+    double resistance_scale = 1;
+    double inductance_scale = 1;
+    double flux_scale = 1;
+    double inertia_scale = 1;
+    double coulomb_friction_nm = 0;
+    double dead_time_s = 0;
+    double device_drop_v = 0;
+    double bus_ripple_pct = 0; // peak, of the nominal bus voltage
+    double bus_ripple_hz = 300;
+    double adc_noise_lsb = 0; // rms
+    std::array<double, 2> adc_offset_lsb = {0, 0};
+    std::array<double, 2> adc_gain_error_pct = {0, 0};
+};
+
+} // namespace nf
