@@ -1,0 +1,109 @@
+// A complete configuration, read from the motor, board, tuning, scenario and imperfection files.
+//
+// Layers, later ones override earlier ones key by key:
+//     motor, board and tuning file; the scenario's own tables; imperfection sets in the order
+//     given; `--set section.key=value` in the order given.
+// Every value is checked on its own in its layer, so a wrong line is named even if it is overridden.
+// Every function here throws ConfigError, and nothing else, for whatever the files hold.
+#pragma once
+
+#include "origin.h"
+#include "per_unit.h"
+#include "settings.h"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf {
+
+enum class DriveMode {
+    speed,
+    position
+};
+
+struct TimedValue {
+    double time_s;
+    double value;
+};
+
+// One [accept.SELECTION] table.
+struct AcceptLimits {
+    std::map<std::string, double> upper; // metric name to its largest accepted value
+    bool must_lock = false;              // the metric `locked` has to be true
+};
+
+// [scenario] What happens in a run. Times count from the end of the prelude.
+struct ScenarioSettings {
+    std::string id; // file name without its ending
+    std::string title;
+    std::string paper_figure;
+    DriveMode mode = DriveMode::speed;
+    double duration_s = 0;
+    double prelude_s = 0;       // calibration and run-up before t = 0, not in the metrics
+    double evaluate_from_s = 0; // the metrics start here
+    unsigned seed = 1;          // of the sensor noise
+    double initial_angle_el_deg = 0;
+    double initial_speed_rpm = 0;
+    std::vector<TimedValue> command; // rpm, or mechanical rad in position mode; times rise
+    std::vector<TimedValue> load;    // N·m; times rise
+    std::map<std::string, AcceptLimits> accept; // by selection, see selection_name()
+
+    // The limits for a selection: those under its name, else those under `any`, else none.
+    const AcceptLimits *limits(const std::string &selection) const;
+};
+
+// The files that a configuration was read from, as shown to the user and in generated headers:
+// relative to the data folder when they are in it, else the bare file name.
+struct SourceFiles {
+    std::string motor;
+    std::string board;
+    std::string tuning;
+    std::string scenario; // empty without one
+    std::vector<std::string> imperfections;
+    std::vector<std::string> overrides; // the texts of --set
+};
+
+struct Config {
+    MotorSettings motor;
+    BoardSettings board;
+    TuningSettings tuning;
+    ModelScales model;
+    PlantSettings plant;
+    ScenarioSettings scenario; // empty after load_parts()
+    SourceFiles sources;
+    std::map<std::string, Origin> origins; // of "section.key"; keys at their default are absent
+};
+
+struct ScenarioInfo {
+    std::string id;
+    std::string title;
+    std::string paper_figure;
+};
+
+// A scenario by its name in the data folder or by a path, with imperfection sets (names or paths)
+// and overrides ("section.key=value"; also "motor=NAME", "board=NAME", "tuning=NAME").
+Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with = {},
+                     const std::vector<std::string> &set = {});
+
+// Motor, board and tuning alone, each by name or path.
+Config load_parts(const std::string &motor, const std::string &board, const std::string &tuning,
+                  const std::vector<std::string> &with = {},
+                  const std::vector<std::string> &set = {});
+
+// The firmware's configuration. What does not fit is reported with the file and line it came from.
+drive_cfg_t build(const Config &config);
+
+// What a choice of imperfection sets is called in [accept.*]: the names joined with '+', `ideal`
+// for none. A path counts as its file name without the ending.
+std::string selection_name(const std::vector<std::string> &with);
+
+// What the data folder holds, sorted by name.
+std::vector<ScenarioInfo> list_scenarios();
+std::vector<std::string> list_imperfections();
+std::vector<std::string> list_motors();
+std::vector<std::string> list_boards();
+std::vector<std::string> list_tunings();
+
+} // namespace nf
