@@ -1,0 +1,251 @@
+#include "bridge.h"
+
+/* Events handled in one segment before the rest of it is run without looking for more. A real
+ * segment has at most a few; the bound only keeps a degenerate case from going on for ever. */
+#define EVENTS_MAX 64
+
+/* Halvings that take the longest thinkable step, one second, below PLANT_BRIDGE_EVENT_S. */
+#define LOCATE_MAX 40
+
+static const plant_vector_t phase_axis[PLANT_LEGS] = {
+    {1.0, 0.0},
+    {-0.5, 0.5 * PLANT_SQRT3},
+    {-0.5, -0.5 * PLANT_SQRT3},
+};
+
+typedef struct {
+    double lower[PLANT_LEGS];
+    double upper[PLANT_LEGS];
+} limits_t;
+
+enum conduction {
+    ALL_DRIVEN,
+    ONE_FLOATS,
+    NO_CURRENT
+};
+
+/* Which legs conduct, and where. */
+typedef struct {
+    enum conduction kind;
+    int floating;                 /* the leg, if ONE_FLOATS */
+    int direction[PLANT_LEGS];    /* of the current of a diode-like leg: +1, -1; 0: not watched */
+    double potential[PLANT_LEGS]; /* of the conducting legs */
+} state_t;
+
+static limits_t leg_limits(const plant_segment_t *segment, double bus_v, double drop_v)
+{
+    limits_t limits;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        const bool high = ((segment->high >> leg) & 1U) != 0U;
+        const bool low = ((segment->low >> leg) & 1U) != 0U;
+        limits.lower[leg] = (high ? bus_v : 0.0) - drop_v;
+        limits.upper[leg] = (low ? 0.0 : bus_v) + drop_v;
+    }
+    return limits;
+}
+
+static void conduct(state_t *state, const limits_t *limits, int leg, int direction)
+{
+    const bool rigid = !(limits->lower[leg] < limits->upper[leg]);
+    state->direction[leg] = rigid ? 0 : direction;
+    state->potential[leg] = (direction > 0) ? limits->lower[leg] : limits->upper[leg];
+}
+
+static plant_vector_t voltage_without(const state_t *state, int leg)
+{
+    double v[PLANT_LEGS] = {state->potential[0], state->potential[1], state->potential[2]};
+    if (leg >= 0) {
+        v[leg] = 0.0;
+    }
+    return plant_bridge_clarke(v[0], v[1], v[2]);
+}
+
+/* The other two legs conduct: does this one float or begin to conduct? */
+static void resolve_single(const plant_motor_t *motor, const limits_t *limits, int leg,
+                           state_t *state)
+{
+    const double potential =
+        plant_motor_floating_potential(motor, voltage_without(state, leg), phase_axis[leg]);
+    state->kind = ALL_DRIVEN;
+    if (potential > limits->upper[leg]) {
+        conduct(state, limits, leg, -1);
+    } else if (potential < limits->lower[leg]) {
+        conduct(state, limits, leg, 1);
+    } else {
+        state->kind = ONE_FLOATS;
+        state->floating = leg;
+        state->direction[leg] = 0;
+    }
+}
+
+/* Without current a star-point potential must exist that keeps all terminals within their limits.
+ * Returns its play, negative if there is none; then current starts from leg *source (at its lower
+ * limit) to leg *sink (at its upper limit). */
+static double star_point_play(const plant_motor_t *motor, const limits_t *limits, int *source,
+                              int *sink)
+{
+    double emf[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_emf(motor), emf);
+    *source = 0;
+    *sink = 0;
+    for (int leg = 1; leg < PLANT_LEGS; leg++) {
+        if (limits->lower[leg] - emf[leg] > limits->lower[*source] - emf[*source]) {
+            *source = leg;
+        }
+        if (limits->upper[leg] - emf[leg] < limits->upper[*sink] - emf[*sink]) {
+            *sink = leg;
+        }
+    }
+    return (limits->upper[*sink] - emf[*sink]) - (limits->lower[*source] - emf[*source]);
+}
+
+static void resolve_none(const plant_motor_t *motor, const limits_t *limits, state_t *state)
+{
+    int source = 0;
+    int sink = 0;
+    if (star_point_play(motor, limits, &source, &sink) >= 0.0) {
+        state->kind = NO_CURRENT;
+        return;
+    }
+    conduct(state, limits, source, 1);
+    conduct(state, limits, sink, -1);
+    resolve_single(motor, limits, PLANT_LEGS - source - sink, state);
+}
+
+/* Finds the conduction state from the currents, or, for legs without, from the potentials. */
+static void resolve(const plant_motor_t *motor, const limits_t *limits, state_t *state)
+{
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(motor), current);
+    int idle = 0;
+    int last_idle = 0;
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        const bool rigid = !(limits->lower[leg] < limits->upper[leg]);
+        if (!rigid && fabs(current[leg]) <= PLANT_BRIDGE_ZERO_A) {
+            idle++;
+            last_idle = leg;
+        } else {
+            conduct(state, limits, leg, (current[leg] > 0.0) ? 1 : -1);
+        }
+    }
+    if (idle == 0) {
+        state->kind = ALL_DRIVEN;
+    } else if (idle == 1) {
+        resolve_single(motor, limits, last_idle, state);
+    } else {
+        resolve_none(motor, limits, state);
+    }
+}
+
+static void step(plant_motor_t *motor, const state_t *state, double step_s)
+{
+    if (state->kind == ALL_DRIVEN) {
+        plant_motor_step_driven(motor, step_s, voltage_without(state, -1));
+    } else if (state->kind == ONE_FLOATS) {
+        plant_motor_step_tied(motor, step_s, voltage_without(state, state->floating),
+                              phase_axis[state->floating]);
+    } else {
+        plant_motor_step_open(motor, step_s);
+    }
+}
+
+/* Smallest distance to leaving the conduction state, A or V; negative once it has been left.
+ * *leg tells a leg whose current has turned, -1 if it is a potential. */
+static double margin(const plant_motor_t *motor, const limits_t *limits, const state_t *state,
+                     int *leg)
+{
+    *leg = -1;
+    if (state->kind == NO_CURRENT) {
+        int source = 0;
+        int sink = 0;
+        return star_point_play(motor, limits, &source, &sink);
+    }
+    double least = HUGE_VAL;
+    if (state->kind == ONE_FLOATS) {
+        const int floating = state->floating;
+        const double potential = plant_motor_floating_potential(
+            motor, voltage_without(state, floating), phase_axis[floating]);
+        least = fmin(potential - limits->lower[floating], limits->upper[floating] - potential);
+    }
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(motor), current);
+    for (int k = 0; k < PLANT_LEGS; k++) {
+        if (state->direction[k] != 0 && (double)state->direction[k] * current[k] < least) {
+            least = (double)state->direction[k] * current[k];
+            *leg = k;
+        }
+    }
+    return least;
+}
+
+/* Steps to just beyond the event that lies within the step from before (no event yet) to motor
+ * (event passed, by -beyond): false position with bisection whenever it converges badly. Returns
+ * the time to it. */
+static double locate(plant_motor_t *motor, const plant_motor_t *before, const limits_t *limits,
+                     const state_t *state, double step_s, double beyond, int *leg)
+{
+    double low_s = 0.0;
+    double high_s = step_s;
+    double low_margin = fmax(margin(before, limits, state, leg), 0.0);
+    double high_margin = beyond;
+    (void)margin(motor, limits, state, leg);
+    for (int k = 0; k < LOCATE_MAX && high_s - low_s > PLANT_BRIDGE_EVENT_S &&
+                    high_margin < -PLANT_BRIDGE_ZERO_A;
+         k++) {
+        const double width = high_s - low_s;
+        const double slope_part = low_margin / (low_margin - high_margin);
+        const double part = ((k & 1) != 0) ? 0.5 : fmin(fmax(1.001 * slope_part, 0.001), 0.999);
+        plant_motor_t trial = *before;
+        int trial_leg = -1;
+        step(&trial, state, low_s + part * width);
+        const double trial_margin = margin(&trial, limits, state, &trial_leg);
+        if (trial_margin < 0.0) {
+            high_s = low_s + part * width;
+            high_margin = trial_margin;
+            *motor = trial;
+            *leg = trial_leg;
+        } else {
+            low_s += part * width;
+            low_margin = trial_margin;
+        }
+    }
+    return high_s;
+}
+
+/* One step of at most step_s, ended early by an event. Returns the time gone. */
+static double step_to_event(plant_motor_t *motor, const limits_t *limits, const state_t *state,
+                            double step_s)
+{
+    const plant_motor_t before = *motor;
+    int leg = -1;
+    step(motor, state, step_s);
+    const double beyond = margin(motor, limits, state, &leg);
+    if (!(beyond < -PLANT_BRIDGE_ZERO_A)) {
+        return step_s;
+    }
+    const double gone_s = locate(motor, &before, limits, state, step_s, beyond, &leg);
+    if (leg >= 0) {
+        plant_motor_clear_phase(motor, phase_axis[leg]);
+    }
+    return gone_s;
+}
+
+void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment, double bus_v,
+                      double drop_v)
+{
+    const limits_t limits = leg_limits(segment, bus_v, drop_v);
+    double left_s = segment->duration_s;
+    for (int event = 0; left_s > 0.0; event++) {
+        const double longest_s = PLANT_MOTOR_STEP / plant_motor_rate(motor);
+        const double steps = ceil(left_s / longest_s);
+        const double step_s = (steps > 1.0) ? left_s / steps : left_s;
+        state_t state = {0};
+        resolve(motor, &limits, &state);
+        if (event < EVENTS_MAX + (int)steps) {
+            left_s -= step_to_event(motor, &limits, &state, step_s);
+        } else {
+            step(motor, &state, step_s);
+            left_s -= step_s;
+        }
+    }
+}

@@ -1,0 +1,158 @@
+/*
+ * Permanent-magnet synchronous motor with saliency, and its shaft.
+ *
+ *   L_d di_d/dt = v_d - R i_d + w L_q i_q
+ *   L_q di_q/dt = v_q - R i_q - w L_d i_d - w phi             w = P w_m, dtheta/dt = w
+ *   T_e = 1.5 P (phi i_q + (L_d - L_q) i_d i_q)
+ *   J dw_m/dt = T_e - T_L - B w_m - T_C sign(w_m)
+ *
+ * Amplitude-invariant Clarke, d axis on the magnet flux, currents positive into the motor. No
+ * saturation, no iron loss, sinusoidal flux, star point floating (no zero-sequence current).
+ *
+ * Stiction: a shaft at rest stays exactly at rest while |T_e - T_L| <= T_C. A shaft that passes
+ * through zero speed stops there if that holds, else goes on against the reversed friction.
+ *
+ * Integration: Taylor series of the whole nonlinear system, fourth order in the currents, speed
+ * and voltage rotation, over steps in which the inverter voltage is constant in the stationary
+ * frame. Steps are no longer than PLANT_MOTOR_STEP / rate, rate = R/L + saliency * |w| +
+ * electromechanical natural frequency + B/J; the local error then is about
+ * PLANT_MOTOR_STEP^5 / 120 = 8e-8 of the quantities that drive the change, fifth order in the
+ * step, 3e-9 at half of it.
+ */
+#ifndef PLANT_MOTOR_H
+#define PLANT_MOTOR_H
+
+#include "rotation.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Bound on rate * step, dimensionless. */
+#define PLANT_MOTOR_STEP 0.1
+
+typedef struct {
+    unsigned pole_pairs;             /* 1 ... 100 */
+    double resistance_ohm;           /* Ohm, phase, >= 0 */
+    double inductance_d_h;           /* H, > 0 */
+    double inductance_q_h;           /* H, > 0; may be smaller or larger than inductance_d_h */
+    double flux_linkage_wb;          /* Wb, peak, >= 0; 0: pure reluctance motor */
+    double inertia_kg_m2;            /* kg m2, with the load, > 0 */
+    double viscous_friction_nm_s;    /* N m s/rad, mechanical, >= 0 */
+    double coulomb_friction_nm;      /* N m, >= 0; 0: no stiction either */
+    double initial_angle_el_rad;     /* rad, electrical, |x| < 1e6 */
+    double initial_speed_mech_rad_s; /* rad/s, mechanical */
+} plant_motor_cfg_t;
+
+typedef struct {
+    /* Constants, derived from the configuration. */
+    double pole_pairs;
+    double resistance_ohm;
+    double inductance_d_h;
+    double inductance_q_h;
+    double flux_linkage_wb;
+    double inverse_d;      /* 1/L_d */
+    double inverse_q;      /* 1/L_q */
+    double decay_d;        /* R/L_d, 1/s */
+    double decay_q;        /* R/L_q, 1/s */
+    double cross_d;        /* L_q/L_d */
+    double cross_q;        /* L_d/L_q */
+    double emf_d;          /* phi/L_d, A */
+    double emf_q;          /* phi/L_q, A */
+    double saliency;       /* 1/L_d - 1/L_q */
+    double torque_factor;  /* 1.5 P */
+    double torque_magnet;  /* 1.5 P phi, N m/A */
+    double torque_salient; /* 1.5 P (L_d - L_q), N m/A2 */
+    double acceleration;   /* P/J, electrical */
+    double decay_shaft;    /* B/J, 1/s */
+    double coulomb_nm;
+    double rate_constant; /* part of the step bound that does not depend on speed, 1/s */
+    double rate_speed;    /* and the factor of |w| */
+    /* State. */
+    double flux_d_wb; /* flux linkage, rotor frame, magnet included */
+    double flux_q_wb;
+    double omega_el_rad_s;
+    double theta_el_rad;       /* -pi ... pi after plant_motor_wrap, else up to one step beyond */
+    int64_t turns_el;          /* whole electrical turns to add to theta_el_rad */
+    plant_rotation_t rotation; /* cosine and sine of theta_el_rad */
+    /* Input. */
+    double load_torque_nm;
+} plant_motor_t;
+
+/* A vector in the stationary frame. */
+typedef struct {
+    double alpha;
+    double beta;
+} plant_vector_t;
+
+/* Returns false and names the offending field in *bad_field when a value is out of range.
+ * Starts without current and without load. */
+bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field);
+
+/* Currents in the rotor frame, A. */
+static inline double plant_motor_i_d(const plant_motor_t *motor)
+{
+    return (motor->flux_d_wb - motor->flux_linkage_wb) * motor->inverse_d;
+}
+
+static inline double plant_motor_i_q(const plant_motor_t *motor)
+{
+    return motor->flux_q_wb * motor->inverse_q;
+}
+
+/* Air-gap torque, N m: T_e = 1.5 P (psi_d i_q - psi_q i_d). */
+static inline double plant_motor_torque(const plant_motor_t *motor)
+{
+    return motor->torque_factor *
+           (motor->flux_d_wb * plant_motor_i_q(motor) - motor->flux_q_wb * plant_motor_i_d(motor));
+}
+
+/* Upper bound of the rates of change, 1/s: see the integration paragraph above. */
+static inline double plant_motor_rate(const plant_motor_t *motor)
+{
+    return motor->rate_constant + motor->rate_speed * fabs(motor->omega_el_rad_s);
+}
+
+/* Phase currents as a stationary vector, A. */
+plant_vector_t plant_motor_current(const plant_motor_t *motor);
+
+/* EMF without current, V. */
+plant_vector_t plant_motor_emf(const plant_motor_t *motor);
+
+/* Multi-turn mechanical angle, rad. */
+double plant_motor_angle_mech(const plant_motor_t *motor);
+
+/* Brings theta_el_rad back into -pi ... pi and counts the turn. Call at least once per turn. */
+void plant_motor_wrap(plant_motor_t *motor);
+
+/*
+ * The three ways to take one step of step_s seconds, 0 <= step_s * plant_motor_rate(motor) <=
+ * about PLANT_MOTOR_STEP:
+ * _driven:  terminal voltage v (stationary, V) on all phases.
+ * _tied:    the phase along the unit vector axis carries no current and floats; v is the voltage
+ *           vector with that terminal's potential taken as zero.
+ * _open:    no current at all.
+ */
+void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v);
+void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,
+                           plant_vector_t axis);
+void plant_motor_step_open(plant_motor_t *motor, double step_s);
+
+/* Potential of the floating terminal of _tied, V, at present. */
+double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t v,
+                                      plant_vector_t axis);
+
+/* Removes the current along a phase axis (a phase that has just stopped conducting). */
+void plant_motor_clear_phase(plant_motor_t *motor, plant_vector_t axis);
+
+/* Any duration with constant voltage on all phases: plant_motor_step_driven as often as needed. */
+void plant_motor_run_driven(plant_motor_t *motor, double duration_s, plant_vector_t v);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

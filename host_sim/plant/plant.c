@@ -1,0 +1,124 @@
+#include "plant.h"
+
+#include "bridge.h"
+#include "check.h"
+
+#include <string.h>
+
+static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
+{
+    const double lowest_v = cfg->voltage_v * (1.0 - cfg->ripple_fraction);
+    const plant_check_t checks[] = {
+        {"supply.voltage_v", plant_is_positive(cfg->voltage_v)},
+        {"supply.ripple_fraction", cfg->ripple_fraction >= 0.0 && cfg->ripple_fraction < 1.0},
+        {"supply.ripple_hz", plant_is_not_negative(cfg->ripple_hz)},
+        {"supply.device_drop_v",
+         plant_is_not_negative(cfg->device_drop_v) && 2.0 * cfg->device_drop_v < lowest_v},
+    };
+    return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
+}
+
+static double present_time_s(const plant_t *plant)
+{
+    return (double)plant->periods * plant->inverter.period_s;
+}
+
+static double bus_now_v(const plant_t *plant)
+{
+    const plant_supply_cfg_t *supply = &plant->supply;
+    if (!(supply->ripple_fraction > 0.0)) {
+        return supply->voltage_v;
+    }
+    const double cycles = supply->ripple_hz * present_time_s(plant);
+    const double phase_rad = PLANT_TWO_PI * (cycles - floor(cycles));
+    const double ripple = supply->ripple_fraction * plant_rotation_from_angle(phase_rad).sine;
+    return supply->voltage_v * (1.0 + ripple);
+}
+
+bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
+{
+    memset(plant, 0, sizeof *plant);
+    if (!plant_motor_init(&plant->motor, &cfg->motor, bad_field) ||
+        !plant_inverter_init(&plant->inverter, &cfg->inverter, bad_field) ||
+        !plant_sensors_init(&plant->sensors, &cfg->sensor, bad_field)) {
+        return false;
+    }
+    *bad_field = supply_bad_field(&cfg->supply);
+    if (*bad_field != NULL) {
+        return false;
+    }
+    plant->supply = cfg->supply;
+    plant->bus_v = bus_now_v(plant);
+    return true;
+}
+
+void plant_write_compare(plant_t *plant, const uint32_t compare[PLANT_LEGS])
+{
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        plant->compare_next[leg] = compare[leg];
+    }
+}
+
+void plant_set_gates(plant_t *plant, bool on)
+{
+    plant->gates_on = on;
+}
+
+void plant_set_load_torque(plant_t *plant, double torque_nm)
+{
+    plant->motor.load_torque_nm = torque_nm;
+}
+
+void plant_sample(plant_t *plant, plant_adc_t *adc)
+{
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(&plant->motor), current);
+    plant_sensors_convert(&plant->sensors, current[0], current[1], plant->bus_v, adc);
+}
+
+/* Ideal legs need no look at the currents: their potentials are the rails. */
+static void run_segment(plant_t *plant, const plant_segment_t *segment)
+{
+    const unsigned high = segment->high;
+    const double bus_v = plant->bus_v;
+    if ((high | segment->low) == PLANT_ALL_LEGS && !(plant->supply.device_drop_v > 0.0)) {
+        const plant_vector_t v = plant_bridge_clarke(((high & 1U) != 0U) ? bus_v : 0.0,
+                                                     ((high & 2U) != 0U) ? bus_v : 0.0,
+                                                     ((high & 4U) != 0U) ? bus_v : 0.0);
+        plant_motor_run_driven(&plant->motor, segment->duration_s, v);
+    } else {
+        plant_bridge_run(&plant->motor, segment, bus_v, plant->supply.device_drop_v);
+    }
+}
+
+void plant_step(plant_t *plant)
+{
+    plant_pattern_t pattern;
+    if (plant->gates_on) {
+        plant_inverter_pattern(&plant->inverter, plant->compare, &pattern);
+    } else {
+        plant_inverter_off(&plant->inverter, &pattern);
+    }
+    for (unsigned k = 0; k < pattern.count; k++) {
+        run_segment(plant, &pattern.segment[k]);
+    }
+    plant_motor_wrap(&plant->motor);
+    plant->periods++;
+    plant->bus_v = bus_now_v(plant);
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        plant->compare[leg] = plant->compare_next[leg];
+    }
+}
+
+void plant_view(const plant_t *plant, plant_view_t *view)
+{
+    view->time_s = present_time_s(plant);
+    view->theta_el_rad = plant->motor.theta_el_rad;
+    view->theta_mech_rad = plant_motor_angle_mech(&plant->motor);
+    view->omega_mech_rad_s = plant->motor.omega_el_rad_s / plant->motor.pole_pairs;
+    view->i_d_a = plant_motor_i_d(&plant->motor);
+    view->i_q_a = plant_motor_i_q(&plant->motor);
+    plant_bridge_phases(plant_motor_current(&plant->motor), view->i_abc_a);
+    view->torque_nm = plant_motor_torque(&plant->motor);
+    view->bus_v = plant->bus_v;
+}

@@ -1,0 +1,70 @@
+#include "sensors.h"
+
+#include "check.h"
+
+#include <math.h>
+
+#define ADC_BITS_MIN 6U
+#define ADC_BITS_MAX 16U
+
+static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
+{
+    const plant_check_t checks[] = {
+        {"sensor.adc_bits", cfg->adc_bits >= ADC_BITS_MIN && cfg->adc_bits <= ADC_BITS_MAX},
+        {"sensor.current_full_scale_a", plant_is_positive(cfg->current_full_scale_a)},
+        {"sensor.bus_full_scale_v", plant_is_positive(cfg->bus_full_scale_v)},
+        {"sensor.noise_lsb_rms", plant_is_not_negative(cfg->noise_lsb_rms)},
+        {"sensor.offset_lsb[0]", isfinite(cfg->offset_lsb[0])},
+        {"sensor.offset_lsb[1]", isfinite(cfg->offset_lsb[1])},
+        {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
+        {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
+    };
+    return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
+}
+
+bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
+                        const char **bad_field)
+{
+    *bad_field = sensors_bad_field(cfg);
+    if (*bad_field != NULL) {
+        return false;
+    }
+    const double half_scale = (double)(1UL << (cfg->adc_bits - 1U));
+    sensors->count_max = 2.0 * half_scale - 1.0;
+    for (int phase = 0; phase < 2; phase++) {
+        sensors->current_gain[phase] =
+            half_scale / cfg->current_full_scale_a * (1.0 + cfg->gain_error[phase]);
+        sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
+    }
+    sensors->bus_gain = sensors->count_max / cfg->bus_full_scale_v;
+    sensors->noise_lsb_rms = cfg->noise_lsb_rms;
+    plant_random_init(&sensors->random, cfg->seed);
+    return true;
+}
+
+static uint16_t quantise(double counts, double count_max)
+{
+    if (!(counts > 0.0)) {
+        return 0;
+    }
+    if (counts >= count_max) {
+        return (uint16_t)count_max;
+    }
+    return (uint16_t)(counts + 0.5);
+}
+
+void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
+                           plant_adc_t *adc)
+{
+    double counts_a = i_a * sensors->current_gain[0] + sensors->current_zero[0];
+    double counts_b = i_b * sensors->current_gain[1] + sensors->current_zero[1];
+    double counts_bus = bus_v * sensors->bus_gain;
+    if (sensors->noise_lsb_rms > 0.0) {
+        counts_a += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random);
+        counts_b += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random);
+        counts_bus += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random);
+    }
+    adc->ia = quantise(counts_a, sensors->count_max);
+    adc->ib = quantise(counts_b, sensors->count_max);
+    adc->bus = quantise(counts_bus, sensors->count_max);
+}

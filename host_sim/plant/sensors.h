@@ -1,0 +1,61 @@
+/*
+ * Current and bus sensing with an analogue-to-digital converter.
+ *
+ *   count = clip(round(x / lsb * (1 + gain_error) + zero + offset + noise), 0, 2^bits - 1)
+ *
+ * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
+ * Bus channel:      lsb = bus_full_scale_v / (2^bits - 1),   zero = 0, no gain error, no offset.
+ * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
+ * Conversion is instantaneous: both currents and the bus are taken at the same instant.
+ */
+#ifndef PLANT_SENSORS_H
+#define PLANT_SENSORS_H
+
+#include "random.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+    unsigned adc_bits;           /* 6 ... 16 */
+    double current_full_scale_a; /* A, > 0: range is -full scale ... +full scale - 1 LSB */
+    double bus_full_scale_v;     /* V, > 0: count 2^bits - 1 */
+    double noise_lsb_rms;        /* LSB, >= 0, all three channels; 0 switches the source off */
+    double offset_lsb[2];        /* LSB, phases a and b, finite */
+    double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
+    uint64_t seed;               /* of the noise */
+} plant_sensor_cfg_t;
+
+/* Straight binary. Zero current reads half scale, 2^(bits-1). */
+typedef struct {
+    uint16_t ia;
+    uint16_t ib;
+    uint16_t bus;
+} plant_adc_t;
+
+typedef struct {
+    double current_gain[2]; /* counts per ampere, gain error included */
+    double current_zero[2]; /* counts, offset included */
+    double bus_gain;        /* counts per volt */
+    double count_max;
+    double noise_lsb_rms;
+    plant_random_t random;
+} plant_sensors_t;
+
+/* Returns false and names the offending field in *bad_field when a value is out of range. */
+bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
+                        const char **bad_field);
+
+/* One conversion of both currents [A] and the bus [V]. With noise it draws three deviates. */
+void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
+                           plant_adc_t *adc);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
