@@ -16,7 +16,8 @@
 #include <string>
 #include <vector>
 
-namespace nf {
+namespace nf
+{
 
 enum class DriveMode {
     speed,

@@ -4,14 +4,15 @@
 #include <stdexcept>
 #include <string>
 
-namespace nf {
+namespace nf
+{
 
-// A line of a file, or an override of the command line (`file` empty).
+// A line of a file. Line 0 means a place without lines: the whole file, or an option such as --set.
 struct Origin {
     std::string file; // as it is shown to the user
     unsigned line = 0;
 
-    std::string text() const; // "FILE:LINE" or "--set"
+    std::string text() const; // "FILE:LINE" or "FILE"
 };
 
 // A wrong file or override. what() is the complete line for the user, without a line feed:
@@ -19,5 +20,10 @@ struct Origin {
 struct ConfigError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
+
+// Throws the ConfigError of that form. An empty value leaves out "= VALUE", an empty `allowed` the
+// end. Control characters become '?', so it stays one line.
+[[noreturn]] void fail(const Origin &origin, const std::string &key, const std::string &value,
+                       const std::string &problem, const std::string &allowed);
 
 } // namespace nf

@@ -1,0 +1,275 @@
+#include "config.h"
+
+#include "files.h"
+#include "layer.h"
+#include "scenario_file.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace fs = std::filesystem;
+
+namespace nf
+{
+namespace
+{
+
+const Origin COMMAND_LINE = {"command line", 0};
+const Origin WITH = {"--with", 0};
+constexpr std::size_t INCLUDE_DEPTH = 8;
+
+// A reference to a file: what was written, where, and what relative paths start from.
+struct Reference {
+    std::string text;
+    Origin origin;
+    fs::path base;
+};
+
+Layer read_file(FileKind kind, const fs::path &path)
+{
+    return read_layer(kind, display_name(path), read_bytes(path));
+}
+
+// The layers of an imperfection set, what it includes first.
+void read_imperfection(const Reference &reference, const std::string &key, std::size_t depth,
+                       std::vector<Layer> &layers)
+{
+    const fs::path path =
+        resolve(FileKind::imperfection, reference.text, reference.base, key, reference.origin);
+    if (depth > INCLUDE_DEPTH) {
+        fail(reference.origin, key, '"' + reference.text + '"', "includes itself",
+             fmt::format("at most {} levels", INCLUDE_DEPTH));
+    }
+    Layer layer = read_file(FileKind::imperfection, path);
+    const auto include = layer.top.find("include");
+    if (include != layer.top.end()) {
+        for (const Node &item : include->second.items) {
+            read_imperfection({item.text, item.origin, path.parent_path()}, "include", depth + 1,
+                              layers);
+        }
+    }
+    layers.push_back(std::move(layer));
+}
+
+// Everything that a configuration is made of.
+struct Sources {
+    std::map<FileKind, Reference> parts; // motor, board, tuning
+    std::vector<Layer> scenario;         // one or none
+    std::vector<Layer> imperfections;
+    std::vector<Layer> overrides;
+};
+
+void read_overrides(const std::vector<std::string> &set, Sources &sources)
+{
+    for (const std::string &text : set) {
+        Layer layer = read_override(text);
+        for (auto &[kind, reference] : sources.parts) {
+            const auto chosen = layer.top.find(kind_name(kind));
+            if (chosen != layer.top.end()) {
+                reference = {chosen->second.text, chosen->second.origin, ""};
+            }
+        }
+        sources.overrides.push_back(std::move(layer));
+    }
+}
+
+[[noreturn]] void missing(const Field &field, const Layer &home)
+{
+    const auto table = home.tables.find(field.section);
+    const Origin origin = table == home.tables.end() ? Origin{home.file, 1} : table->second;
+    fail(origin, field.name(), "", "is missing", field.allowed());
+}
+
+// Every required setting of the sections that `home` is there for has to be known by now.
+void check_complete(FileKind kind, const Layer &home, const Config &config)
+{
+    for (const Field &field : schema()) {
+        if (field.required && may_hold(kind, field.section) &&
+            config.origins.count(field.name()) == 0) {
+            missing(field, home);
+        }
+    }
+}
+
+// Two settings of which the first may not exceed the second.
+struct Order {
+    const char *smaller;
+    const char *larger;
+};
+constexpr Order ORDERS[] = {
+    {"board.bus_min_v", "board.bus_nominal_v"},
+    {"board.bus_nominal_v", "board.bus_max_v"},
+    {"board.bus_max_v", "board.bus_full_scale_v"},
+    {"board.overcurrent_a", "board.current_full_scale_a"},
+    {"motor.max_current_a", "board.overcurrent_a"},
+    {"position_loop.speed_rpm", "motor.max_speed_rpm"},
+    {"scenario.evaluate_from_s", "scenario.duration_s"},
+};
+
+double value_of(const Field &field, Config &config)
+{
+    return *std::get<double *>(field.target(config));
+}
+
+void check_orders(Config &config)
+{
+    for (const Order &order : ORDERS) {
+        const auto smaller = config.origins.find(order.smaller);
+        const auto larger = config.origins.find(order.larger);
+        if (smaller == config.origins.end() || larger == config.origins.end()) {
+            continue;
+        }
+        const Field &a = *find_field(order.smaller);
+        const Field &b = *find_field(order.larger);
+        if (value_of(a, config) > value_of(b, config)) {
+            fail(smaller->second, a.name(), fmt::format("{}", value_of(a, config)), "is too large",
+                 fmt::format("at most {} {}, which is {} ({})", value_of(b, config), b.unit,
+                             b.name(), larger->second.text()));
+        }
+    }
+}
+
+std::string &source_name(SourceFiles &files, FileKind kind)
+{
+    if (kind == FileKind::motor) {
+        return files.motor;
+    }
+    return kind == FileKind::board ? files.board : files.tuning;
+}
+
+// Applies all layers and checks the whole.
+Config assemble(const Sources &sources)
+{
+    Config config;
+    std::map<FileKind, Layer> homes;
+    for (const auto &[kind, reference] : sources.parts) {
+        const fs::path path =
+            resolve(kind, reference.text, reference.base, kind_name(kind), reference.origin);
+        homes[kind] = read_file(kind, path);
+        apply_layer(homes[kind], config);
+        source_name(config.sources, kind) = provenance_name(path);
+    }
+    for (const auto *layers : {&sources.scenario, &sources.imperfections, &sources.overrides}) {
+        for (const Layer &layer : *layers) {
+            apply_layer(layer, config);
+        }
+    }
+    for (const auto &[kind, home] : homes) {
+        check_complete(kind, home, config);
+    }
+    for (const Layer &layer : sources.scenario) {
+        check_complete(FileKind::scenario, layer, config);
+        apply_scenario(layer, config);
+    }
+    check_orders(config);
+    return config;
+}
+
+void name_sources(const std::vector<std::string> &with, const std::vector<std::string> &set,
+                  Config &config)
+{
+    for (const std::string &text : with) {
+        const fs::path path = resolve(FileKind::imperfection, text, "", "imperfection", WITH);
+        config.sources.imperfections.push_back(provenance_name(path));
+    }
+    config.sources.overrides = set;
+}
+
+Config finish(Sources &sources, const std::vector<std::string> &with,
+              const std::vector<std::string> &set)
+{
+    for (const std::string &text : with) {
+        read_imperfection({text, WITH, ""}, "imperfection", 0, sources.imperfections);
+    }
+    read_overrides(set, sources);
+    Config config = assemble(sources);
+    name_sources(with, set, config);
+    return config;
+}
+
+// Where a scenario says which motor, board or tuning it is for.
+Reference part_of(const Layer &scenario, FileKind kind, const fs::path &folder)
+{
+    const std::string key = kind_name(kind);
+    const auto found = scenario.top.find(key);
+    if (found == scenario.top.end()) {
+        fail({scenario.file, 1}, key, "", "is missing",
+             fmt::format("{} or a path ending in .toml", fmt::join(list_names(kind), ", ")));
+    }
+    return {found->second.text, found->second.origin, folder};
+}
+
+} // namespace
+
+Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with,
+                     const std::vector<std::string> &set)
+{
+    const fs::path path = resolve(FileKind::scenario, id_or_path, "", "scenario", COMMAND_LINE);
+    Sources sources;
+    sources.scenario.push_back(read_file(FileKind::scenario, path));
+    for (const FileKind kind : {FileKind::motor, FileKind::board, FileKind::tuning}) {
+        sources.parts[kind] = part_of(sources.scenario.front(), kind, path.parent_path());
+    }
+    Config config = finish(sources, with, set);
+    config.scenario.id = path.stem().string();
+    config.sources.scenario = provenance_name(path);
+    return config;
+}
+
+Config load_parts(const std::string &motor, const std::string &board, const std::string &tuning,
+                  const std::vector<std::string> &with, const std::vector<std::string> &set)
+{
+    Sources sources;
+    sources.parts[FileKind::motor] = {motor, COMMAND_LINE, ""};
+    sources.parts[FileKind::board] = {board, COMMAND_LINE, ""};
+    sources.parts[FileKind::tuning] = {tuning, COMMAND_LINE, ""};
+    return finish(sources, with, set);
+}
+
+drive_cfg_t build(const Config &config)
+{
+    try {
+        return make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+    } catch (const SettingError &error) {
+        const auto found = config.origins.find(error.key);
+        const Origin origin =
+            found == config.origins.end() ? Origin{config.sources.motor, 0} : found->second;
+        fail(origin, error.key, fmt::format("{}", error.value), "does not fit the firmware",
+             error.allowed);
+    }
+}
+
+std::vector<ScenarioInfo> list_scenarios()
+{
+    std::vector<ScenarioInfo> infos;
+    for (const std::string &id : list_names(FileKind::scenario)) {
+        const fs::path path = resolve(FileKind::scenario, id, "", "scenario", COMMAND_LINE);
+        Config config;
+        apply_layer(read_file(FileKind::scenario, path), config);
+        infos.push_back({id, config.scenario.title, config.scenario.paper_figure});
+    }
+    return infos;
+}
+
+std::vector<std::string> list_imperfections()
+{
+    return list_names(FileKind::imperfection);
+}
+
+std::vector<std::string> list_motors()
+{
+    return list_names(FileKind::motor);
+}
+
+std::vector<std::string> list_boards()
+{
+    return list_names(FileKind::board);
+}
+
+std::vector<std::string> list_tunings()
+{
+    return list_names(FileKind::tuning);
+}
+
+} // namespace nf

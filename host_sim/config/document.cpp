@@ -1,0 +1,215 @@
+#include "document.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+
+// The parser recurses into nested values and dotted keys; both are bounded here and in
+// check_dots(), so that no text can exhaust the stack.
+#define TOML_MAX_NESTED_VALUES 16
+#define TOML_EXCEPTIONS 0
+#define TOML_HEADER_ONLY 1
+#include <toml++/toml.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr std::ptrdiff_t DOTS_MAX = 64; // in one line
+constexpr std::size_t SHOWN_MAX = 60;   // bytes of a value in a message
+
+Node convert(const toml::node &source, const std::string &file);
+
+Origin origin_of(const toml::source_region &region, const std::string &file)
+{
+    return {file, region.begin.line};
+}
+
+void convert_table(const toml::table &table, const std::string &file, Node &node)
+{
+    using Place = std::tuple<unsigned, unsigned, const toml::key *, const toml::node *>;
+    std::vector<Place> places;
+    for (const auto &[key, value] : table) {
+        const auto &begin = key.source().begin;
+        places.emplace_back(begin.line, begin.column, &key, &value);
+    }
+    std::sort(places.begin(), places.end(), [](const Place &a, const Place &b) {
+        return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b));
+    });
+    for (const auto &[line, column, key, value] : places) {
+        Node member = convert(*value, file);
+        if (member.kind != Node::Kind::table && member.kind != Node::Kind::list) {
+            member.origin.line = line;
+        }
+        node.members.emplace_back(std::string(key->str()), std::move(member));
+    }
+}
+
+void convert_list(const toml::array &list, const std::string &file, Node &node)
+{
+    for (const auto &item : list) {
+        node.items.push_back(convert(item, file));
+    }
+}
+
+Node convert(const toml::node &source, const std::string &file)
+{
+    Node node;
+    node.origin = origin_of(source.source(), file);
+    if (const auto *table = source.as_table()) {
+        convert_table(*table, file, node);
+    } else if (const auto *list = source.as_array()) {
+        node.kind = Node::Kind::list;
+        convert_list(*list, file, node);
+    } else if (const auto *boolean = source.as_boolean()) {
+        node.kind = Node::Kind::boolean;
+        node.boolean = boolean->get();
+    } else if (const auto *integer = source.as_integer()) {
+        node.kind = Node::Kind::integer;
+        node.integer = integer->get();
+    } else if (const auto *real = source.as_floating_point()) {
+        node.kind = Node::Kind::real;
+        node.real = real->get();
+    } else if (const auto *text = source.as_string()) {
+        node.kind = Node::Kind::text;
+        node.text = text->get();
+    } else {
+        node.kind = Node::Kind::time;
+    }
+    return node;
+}
+
+void check_dots(const std::string &name, const std::string &text)
+{
+    unsigned line = 1;
+    auto begin = text.begin();
+    while (begin != text.end()) {
+        const auto end = std::find(begin, text.end(), '\n');
+        if (std::count(begin, end, '.') > DOTS_MAX) {
+            fail({name, line}, "", "",
+                 fmt::format("TOML syntax: more than {} dots in a line", DOTS_MAX), "");
+        }
+        begin = end == text.end() ? end : end + 1;
+        line++;
+    }
+}
+
+std::string shown_list(const Node &node)
+{
+    std::string text = "[";
+    for (const Node &item : node.items) {
+        if (text.size() > SHOWN_MAX) {
+            break;
+        }
+        text += (text.size() > 1 ? ", " : "") + shown(item);
+    }
+    return text + "]";
+}
+
+// Cuts a text without cutting a UTF-8 character.
+std::string shortened(const std::string &text)
+{
+    if (text.size() <= SHOWN_MAX) {
+        return text;
+    }
+    std::size_t end = SHOWN_MAX;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+        end--;
+    }
+    return text.substr(0, end) + "…";
+}
+
+std::string shown_real(double value)
+{
+    return fmt::format("{}", value);
+}
+
+} // namespace
+
+bool Node::is_number() const
+{
+    return kind == Kind::integer || kind == Kind::real;
+}
+
+double Node::number() const
+{
+    return kind == Kind::integer ? static_cast<double>(integer) : real;
+}
+
+Node parse_document(const std::string &name, const std::string &text)
+{
+    check_dots(name, text);
+    const toml::parse_result result = toml::parse(text, name);
+    if (!result) {
+        const toml::parse_error &error = result.error();
+        fail({name, error.source().begin.line}, "", "",
+             "TOML syntax: " + std::string(error.description()), "");
+    }
+    return convert(result.table(), name);
+}
+
+Node parse_override(const std::string &key, const std::string &value)
+{
+    const Origin origin = {"--set", 0};
+    if (value.empty()) {
+        fail(origin, key, "", "has no value", "KEY=VALUE");
+    }
+    Node node;
+    node.kind = Node::Kind::text;
+    node.text = value;
+    if (value.find_first_of("\r\n") == std::string::npos &&
+        std::count(value.begin(), value.end(), '.') <= DOTS_MAX) {
+        const toml::parse_result result = toml::parse("value = " + value);
+        if (result && result.table().size() == 1) {
+            node = convert(*result.table().get("value"), origin.file);
+        }
+    }
+    node.origin = origin;
+    return node;
+}
+
+std::string shown(const Node &node)
+{
+    switch (node.kind) {
+    case Node::Kind::table:
+        return "{…}";
+    case Node::Kind::list:
+        return shortened(shown_list(node));
+    case Node::Kind::boolean:
+        return node.boolean ? "true" : "false";
+    case Node::Kind::integer:
+        return fmt::format("{}", node.integer);
+    case Node::Kind::real:
+        return shown_real(node.real);
+    case Node::Kind::text:
+        return '"' + shortened(node.text) + '"';
+    case Node::Kind::time:
+        break;
+    }
+    return "a date or time";
+}
+
+const char *kind_name(const Node &node)
+{
+    switch (node.kind) {
+    case Node::Kind::table:
+        return "a table";
+    case Node::Kind::list:
+        return "a list";
+    case Node::Kind::boolean:
+        return "a boolean";
+    case Node::Kind::integer:
+        return "a whole number";
+    case Node::Kind::real:
+        return "a number with a fraction";
+    case Node::Kind::text:
+        return "a string";
+    case Node::Kind::time:
+        break;
+    }
+    return "a date or time";
+}
+
+} // namespace nf

@@ -1,0 +1,132 @@
+#include "files.h"
+
+#include "suggest.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include <fmt/format.h>
+
+namespace fs = std::filesystem;
+
+namespace nf
+{
+namespace
+{
+
+constexpr std::uintmax_t BYTES_MAX = 1U << 20U;
+
+fs::path folder_of(FileKind kind)
+{
+    return data_folder() / (std::string(kind_name(kind)) + "s");
+}
+
+bool is_path(const std::string &reference)
+{
+    const std::string end = ".toml";
+    return reference.find('/') != std::string::npos ||
+           (reference.size() > end.size() &&
+            reference.compare(reference.size() - end.size(), end.size(), end) == 0);
+}
+
+bool is_there(const fs::path &path)
+{
+    std::error_code ignored;
+    return fs::exists(path, ignored);
+}
+
+// `path` relative to `folder`, or empty when it is not inside.
+std::string inside(const fs::path &path, const fs::path &folder)
+{
+    const std::string relative =
+        path.lexically_normal().lexically_relative(folder.lexically_normal()).string();
+    return relative.compare(0, 2, "..") == 0 ? "" : relative;
+}
+
+fs::path made_absolute(const fs::path &path)
+{
+    std::error_code error;
+    fs::path result = fs::absolute(path, error);
+    return error ? path : result;
+}
+
+[[noreturn]] void not_found(FileKind kind, const std::string &reference, const std::string &key,
+                            const Origin &origin)
+{
+    const std::vector<std::string> names = list_names(kind);
+    const std::string near = nearest(reference, names);
+    fail(origin, key, '"' + reference + '"',
+         near.empty() ? "not found" : fmt::format("not found, did you mean {}?", near),
+         fmt::format("{} or a path ending in .toml", fmt::join(names, ", ")));
+}
+
+} // namespace
+
+fs::path data_folder()
+{
+    const char *chosen = std::getenv("NEUROFOC_DATA");
+    return chosen != nullptr && *chosen != '\0' ? fs::path(chosen) : fs::path(NF_DATA_FOLDER);
+}
+
+std::vector<std::string> list_names(FileKind kind)
+{
+    std::vector<std::string> names;
+    std::error_code error;
+    for (fs::directory_iterator at(folder_of(kind), error), end; !error && at != end;
+         at.increment(error)) {
+        if (at->path().extension() == ".toml") {
+            names.push_back(at->path().stem().string());
+        }
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+fs::path resolve(FileKind kind, const std::string &reference, const fs::path &base,
+                 const std::string &key, const Origin &origin)
+{
+    if (reference.empty() || reference.find('\0') != std::string::npos) {
+        not_found(kind, reference, key, origin);
+    }
+    const fs::path path =
+        is_path(reference) ? base / reference : folder_of(kind) / (reference + ".toml");
+    if (!is_there(path)) {
+        not_found(kind, reference, key, origin);
+    }
+    return path;
+}
+
+std::string read_bytes(const fs::path &path)
+{
+    const Origin origin = {display_name(path), 0};
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) {
+        fail(origin, "", "", "cannot be read", "a regular file");
+    }
+    if (fs::file_size(path, error) > BYTES_MAX || error) {
+        fail(origin, "", "", "is too large", fmt::format("at most {} bytes", BYTES_MAX));
+    }
+    std::ifstream stream(path, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    if (!stream) {
+        fail(origin, "", "", "cannot be read", "a file that you may read");
+    }
+    return bytes;
+}
+
+std::string display_name(const fs::path &path)
+{
+    std::error_code error;
+    const fs::path here = fs::current_path(error);
+    const std::string relative = error ? "" : inside(made_absolute(path), here);
+    return relative.empty() ? path.lexically_normal().string() : relative;
+}
+
+std::string provenance_name(const fs::path &path)
+{
+    const std::string relative = inside(made_absolute(path), made_absolute(data_folder()));
+    return relative.empty() ? path.filename().string() : relative;
+}
+
+} // namespace nf

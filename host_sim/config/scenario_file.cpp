@@ -1,0 +1,209 @@
+#include "scenario_file.h"
+
+#include "files.h"
+#include "suggest.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+// Metrics that a scenario may limit, besides `locked`.
+const std::vector<std::string> METRICS = {"speed_error_max_rpm",
+                                          "speed_error_rms_rpm",
+                                          "speed_error_max_pct",
+                                          "command_error_settled_pct",
+                                          "angle_error_max_deg",
+                                          "iq_error_max_a",
+                                          "settling_time_s",
+                                          "overshoot_pct",
+                                          "speed_dip_rpm",
+                                          "recovery_time_s",
+                                          "position_error_final_rad",
+                                          "id_settled_a"};
+const std::string LOCKED = "locked";
+const std::string ANY = "any";
+const std::string IDEAL = "ideal";
+
+// What the entries of a list of timed values hold.
+struct TimedKey {
+    const char *key;
+    const char *unit;
+    double largest; // either sign
+};
+constexpr TimedKey TIME = {"time_s", "s", 3600};
+constexpr TimedKey SPEED = {"speed_rpm", "rpm", 200000};
+constexpr TimedKey POSITION = {"position_rad", "rad", 10000};
+constexpr TimedKey TORQUE = {"torque_nm", "N·m", 10000};
+
+double read_timed(const std::string &list, const TimedKey &wanted, const Node &entry)
+{
+    const std::string name = fmt::format("{}.{}", list, wanted.key);
+    const std::string allowed = range_text(-wanted.largest, wanted.largest, wanted.unit);
+    for (const auto &[key, value] : entry.members) {
+        if (key == wanted.key) {
+            check_number(name, value, -wanted.largest, wanted.largest, allowed);
+            return value.number();
+        }
+    }
+    fail(entry.origin, name, "", "is missing", allowed);
+}
+
+void check_entry_keys(const std::string &list, const TimedKey &value_key, const Node &entry)
+{
+    if (entry.kind != Node::Kind::table) {
+        fail(entry.origin, list, shown(entry), std::string("is ") + kind_name(entry),
+             fmt::format("tables [[{}]]", list));
+    }
+    for (const auto &[key, value] : entry.members) {
+        if (key != TIME.key && key != value_key.key) {
+            fail(value.origin, list + '.' + key, shown(value), "unknown key",
+                 fmt::format("{}, {}", TIME.key, value_key.key));
+        }
+    }
+}
+
+std::vector<TimedValue> read_list(const std::string &list, const TimedKey &value_key,
+                                  const Node &node)
+{
+    if (node.kind != Node::Kind::list) {
+        fail(node.origin, list, shown(node), std::string("is ") + kind_name(node),
+             fmt::format("tables [[{}]]", list));
+    }
+    std::vector<TimedValue> values;
+    for (const Node &entry : node.items) {
+        check_entry_keys(list, value_key, entry);
+        const double time = read_timed(list, TIME, entry);
+        if (!values.empty() && time <= values.back().time_s) {
+            fail(entry.origin, list + ".time_s", fmt::format("{}", time), "does not rise",
+                 fmt::format("more than {} s", values.back().time_s));
+        }
+        values.push_back({time, read_timed(list, value_key, entry)});
+    }
+    return values;
+}
+
+void check_selection(const std::string &selection, const Origin &origin)
+{
+    std::vector<std::string> names = list_names(FileKind::imperfection);
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    while (begin <= selection.size()) {
+        const std::size_t end = std::min(selection.find('+', begin), selection.size());
+        parts.push_back(selection.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    const std::string name = fmt::format("[accept.{}]", selection);
+    names.insert(names.begin(), {ANY, IDEAL});
+    for (const std::string &part : parts) {
+        if (std::count(names.begin(), names.end(), part) == 0) {
+            const std::string near = nearest(part, names);
+            fail(origin, name, "",
+                 near.empty() ? "no such imperfection set"
+                              : fmt::format("no such imperfection set, did you mean {}?", near),
+                 fmt::format("{}; several joined with '+'", fmt::join(names, ", ")));
+        }
+    }
+    if (selection != ANY && selection_name(parts) != selection) {
+        fail(origin, name, "", "is not how this selection is written",
+             fmt::format("[accept.\"{}\"]", selection_name(parts)));
+    }
+}
+
+void read_limit(const std::string &table, const std::string &metric, const Node &value,
+                AcceptLimits &limits)
+{
+    const std::string name = fmt::format("{}.{}", table, metric);
+    if (metric == LOCKED) {
+        if (value.kind != Node::Kind::boolean || !value.boolean) {
+            fail(value.origin, name, shown(value), "is no limit", "true");
+        }
+        limits.must_lock = true;
+        return;
+    }
+    if (std::count(METRICS.begin(), METRICS.end(), metric) == 0) {
+        const std::string near = nearest(metric, METRICS);
+        fail(value.origin, name, shown(value),
+             near.empty() ? "unknown metric"
+                          : fmt::format("unknown metric, did you mean {}?", near),
+             fmt::format("{}, {}", LOCKED, fmt::join(METRICS, ", ")));
+    }
+    constexpr double largest = 1e6;
+    check_number(name, value, 0, largest, range_text(0, largest, ""));
+    limits.upper[metric] = value.number();
+}
+
+std::map<std::string, AcceptLimits> read_accept(const Node &accept)
+{
+    std::map<std::string, AcceptLimits> all;
+    for (const auto &[selection, limits] : accept.members) {
+        const std::string table = "accept." + selection;
+        if (limits.kind != Node::Kind::table) {
+            fail(limits.origin, table, shown(limits), std::string("is ") + kind_name(limits),
+                 "a table of limits");
+        }
+        check_selection(selection, limits.origin);
+        for (const auto &[metric, value] : limits.members) {
+            read_limit(table, metric, value, all[selection]);
+        }
+    }
+    return all;
+}
+
+void read_extra(const Layer &layer, ScenarioSettings &scenario)
+{
+    const TimedKey &command = scenario.mode == DriveMode::speed ? SPEED : POSITION;
+    for (const auto &[name, node] : layer.extra) {
+        if (name == "accept") {
+            scenario.accept = read_accept(node);
+        } else if (name == "load") {
+            scenario.load = read_list("scenario.load", TORQUE, node);
+        } else {
+            scenario.command = read_list("scenario.command", command, node);
+        }
+    }
+}
+
+} // namespace
+
+const AcceptLimits *ScenarioSettings::limits(const std::string &selection) const
+{
+    auto found = accept.find(selection);
+    if (found == accept.end()) {
+        found = accept.find(ANY);
+    }
+    return found == accept.end() ? nullptr : &found->second;
+}
+
+std::string selection_name(const std::vector<std::string> &with)
+{
+    std::vector<std::string> names;
+    for (const std::string &name : with) {
+        names.push_back(std::filesystem::path(name).stem().string());
+    }
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    if (names.size() > 1) {
+        names.erase(std::remove(names.begin(), names.end(), IDEAL), names.end());
+    }
+    return names.empty() ? IDEAL : fmt::format("{}", fmt::join(names, "+"));
+}
+
+void check_scenario(const Layer &layer)
+{
+    Config own;
+    apply_layer(layer, own);
+    read_extra(layer, own.scenario);
+}
+
+void apply_scenario(const Layer &layer, Config &config)
+{
+    read_extra(layer, config.scenario);
+}
+
+} // namespace nf

@@ -1,0 +1,15 @@
+// The parts of a scenario file that are no single settings: command, load and accepted limits.
+#pragma once
+
+#include "layer.h"
+
+namespace nf
+{
+
+// Checks them on their own, with the mode that the file itself states.
+void check_scenario(const Layer &layer);
+
+// Puts them into the configuration, whose mode is final.
+void apply_scenario(const Layer &layer, Config &config);
+
+} // namespace nf

@@ -1,0 +1,357 @@
+#include "schema.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+template <auto Part, auto Member> Target at(Config &config)
+{
+    return &(config.*Part.*Member);
+}
+
+template <auto Member> constexpr auto motor = at<&Config::motor, Member>;
+template <auto Member> constexpr auto board = at<&Config::board, Member>;
+template <auto Member> constexpr auto tuning = at<&Config::tuning, Member>;
+template <auto Member> constexpr auto model = at<&Config::model, Member>;
+template <auto Member> constexpr auto plant = at<&Config::plant, Member>;
+template <auto Member> constexpr auto scenario = at<&Config::scenario, Member>;
+
+using M = MotorSettings;
+using B = BoardSettings;
+using T = TuningSettings;
+using S = ScenarioSettings;
+using P = PlantSettings;
+
+constexpr double NAME_MAX = 80; // characters
+constexpr double SEED_MAX = 4294967295.0;
+constexpr bool NEEDED = true;
+constexpr bool OPTIONAL = false;
+
+// The ranges hold every motor from a drone's to a servo's; what a combination allows beyond them is
+// checked when it is turned into the firmware's numbers.
+// clang-format off
+const std::vector<Field> FIELDS = {
+    {"motor", "name", "", 1, NAME_MAX, NEEDED, motor<&M::name>, "what it is called in reports"},
+    {"motor", "pole_pairs", "", 1, 50, NEEDED, motor<&M::pole_pairs>, "pole pairs, half the number of poles"},
+    {"motor", "resistance_ohm", "Ω", 0.001, 50, NEEDED, motor<&M::resistance_ohm>, "phase resistance"},
+    {"motor", "inductance_d_h", "H", 1e-6, 1, NEEDED, motor<&M::inductance_d_h>, "phase inductance, d axis"},
+    {"motor", "inductance_q_h", "H", 1e-6, 1, NEEDED, motor<&M::inductance_q_h>, "phase inductance, q axis"},
+    {"motor", "flux_linkage_wb", "Wb", 1e-5, 10, NEEDED, motor<&M::flux_linkage_wb>, "magnet flux linkage, peak"},
+    {"motor", "rated_torque_nm", "N·m", 1e-5, 1e4, NEEDED, motor<&M::rated_torque_nm>, "rated torque"},
+    {"motor", "rated_speed_rpm", "rpm", 1, 200000, NEEDED, motor<&M::rated_speed_rpm>, "rated speed; metrics in % refer to it"},
+    {"motor", "max_speed_rpm", "rpm", 1, 200000, NEEDED, motor<&M::max_speed_rpm>, "the controller never asks for more"},
+    {"motor", "max_current_a", "A", 0.01, 1000, NEEDED, motor<&M::max_current_a>, "peak phase current the controller may ask for"},
+    {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
+    {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
+
+    {"board", "name", "", 1, NAME_MAX, NEEDED, board<&B::name>, "what it is called in reports"},
+    {"board", "pwm_frequency_hz", "Hz", 2000, 100000, NEEDED, board<&B::pwm_frequency_hz>, "PWM frequency and control rate"},
+    {"board", "timer_clock_hz", "Hz", 1e6, 1e9, NEEDED, board<&B::timer_clock_hz>, "clock of the PWM timer, centre-aligned"},
+    {"board", "adc_bits", "bit", 8, 15, NEEDED, board<&B::adc_bits>, "resolution of the converter"},
+    {"board", "current_full_scale_a", "A", 0.1, 2000, NEEDED, board<&B::current_full_scale_a>, "± current at the ends of the converter, base I_b"},
+    {"board", "bus_full_scale_v", "V", 5, 2000, NEEDED, board<&B::bus_full_scale_v>, "bus voltage at full scale, base U_b"},
+    {"board", "bus_nominal_v", "V", 5, 1000, NEEDED, board<&B::bus_nominal_v>, "bus voltage"},
+    {"board", "bus_min_v", "V", 1, 1000, NEEDED, board<&B::bus_min_v>, "under-voltage fault while running"},
+    {"board", "bus_max_v", "V", 5, 1500, NEEDED, board<&B::bus_max_v>, "over-voltage fault"},
+    {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
+    {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
+    {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
+    {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
+
+    {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
+    {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},
+    {"observer", "kappa_p", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law"},
+    {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)"},
+    {"current_loop", "bandwidth_hz", "Hz", 1, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop"},
+    {"speed_loop", "bandwidth_hz", "Hz", 0.01, 1000, NEEDED, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop"},
+    {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},
+    {"speed_loop", "ramp_rpm_s", "rpm/s", 0.1, 1e7, NEEDED, tuning<&T::speed_ramp_rpm_s>, "how fast the speed reference changes"},
+    {"speed_loop", "inertia_feed_forward", "", 0, 1, NEEDED, tuning<&T::inertia_feed_forward>, "share of J·dω/dt fed to the torque demand"},
+    {"speed_loop", "slow_ticks", "", 2, 100, NEEDED, tuning<&T::slow_ticks>, "control ticks in a period of the speed and position loop"},
+    {"position_loop", "bandwidth_hz", "Hz", 0.01, 500, NEEDED, tuning<&T::position_bandwidth_hz>, "of the position loop"},
+    {"position_loop", "speed_rpm", "rpm", 0.1, 200000, NEEDED, tuning<&T::position_speed_rpm>, "speed limit of the profile"},
+    {"position_loop", "acceleration_rad_s2", "rad/s²", 0.01, 1e7, NEEDED, tuning<&T::position_acceleration_rad_s2>, "acceleration limit of the profile, mechanical"},
+    {"position_loop", "softness_s", "s", 0, 10, NEEDED, tuning<&T::position_softness_s>, "time constant with which the profile settles"},
+
+    {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},
+    {"model", "inductance", "", 0.1, 10, OPTIONAL, model<&ModelScales::inductance>, "controller's belief / motor file"},
+    {"model", "flux", "", 0.1, 10, OPTIONAL, model<&ModelScales::flux>, "controller's belief / motor file"},
+    {"model", "inertia", "", 0.01, 100, OPTIONAL, model<&ModelScales::inertia>, "controller's belief / motor file"},
+
+    {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
+    {"plant", "inductance_scale", "", 0.1, 10, OPTIONAL, plant<&P::inductance_scale>, "real motor / motor file"},
+    {"plant", "flux_scale", "", 0.1, 10, OPTIONAL, plant<&P::flux_scale>, "real motor / motor file"},
+    {"plant", "inertia_scale", "", 0.01, 100, OPTIONAL, plant<&P::inertia_scale>, "real motor / motor file"},
+    {"plant", "coulomb_friction_nm", "N·m", 0, 1000, OPTIONAL, plant<&P::coulomb_friction_nm>, "constant friction torque"},
+    {"plant", "dead_time_s", "s", 0, 1e-5, OPTIONAL, plant<&P::dead_time_s>, "both switches of a leg off at each edge"},
+    {"plant", "device_drop_v", "V", 0, 10, OPTIONAL, plant<&P::device_drop_v>, "voltage across a conducting switch or diode"},
+    {"plant", "bus_ripple_pct", "%", 0, 50, OPTIONAL, plant<&P::bus_ripple_pct>, "peak of the bus ripple, of the nominal voltage"},
+    {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple"},
+    {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
+    {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
+    {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
+
+    {"scenario", "title", "", 1, NAME_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
+    {"scenario", "paper_figure", "", 0, NAME_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
+    {"scenario", "mode", "", 0, 0, NEEDED, scenario<&S::mode>, "what the command is"},
+    {"scenario", "duration_s", "s", 0.001, 3600, NEEDED, scenario<&S::duration_s>, "from t = 0 to the end"},
+    {"scenario", "prelude_s", "s", 0, 60, OPTIONAL, scenario<&S::prelude_s>, "simulated before t = 0, not in the metrics"},
+    {"scenario", "evaluate_from_s", "s", 0, 3600, OPTIONAL, scenario<&S::evaluate_from_s>, "the metrics start here"},
+    {"scenario", "seed", "", 0, SEED_MAX, OPTIONAL, scenario<&S::seed>, "of the random numbers"},
+    {"scenario", "initial_angle_el_deg", "°", -360, 360, OPTIONAL, scenario<&S::initial_angle_el_deg>, "electrical rotor angle at the start of the prelude"},
+    {"scenario", "initial_speed_rpm", "rpm", -200000, 200000, OPTIONAL, scenario<&S::initial_speed_rpm>, "speed at the start of the prelude"},
+};
+// clang-format on
+
+struct Section {
+    const char *name;
+    std::vector<FileKind> kinds; // that may hold it
+};
+
+const std::vector<Section> SECTIONS = {
+    {"motor", {FileKind::motor}},
+    {"board", {FileKind::board, FileKind::imperfection}},
+    {"tuning", {FileKind::tuning}},
+    {"observer", {FileKind::tuning, FileKind::scenario}},
+    {"current_loop", {FileKind::tuning, FileKind::scenario}},
+    {"speed_loop", {FileKind::tuning, FileKind::scenario}},
+    {"position_loop", {FileKind::tuning, FileKind::scenario}},
+    {"model", {FileKind::scenario, FileKind::imperfection}},
+    {"plant", {FileKind::scenario, FileKind::imperfection}},
+    {"scenario", {FileKind::scenario}},
+    {"accept", {FileKind::scenario}},
+};
+
+template <typename... Visitors> struct Overloaded : Visitors... {
+    using Visitors::operator()...;
+};
+template <typename... Visitors> Overloaded(Visitors...) -> Overloaded<Visitors...>;
+
+Target type_of(const Field &field)
+{
+    static Config any;
+    return field.target(any);
+}
+
+[[noreturn]] void wrong(const Field &field, const Node &value, const std::string &problem)
+{
+    fail(value.origin, field.name(), shown(value), problem, field.allowed());
+}
+
+void check_real(const Field &field, const Node &value)
+{
+    check_number(field.name(), value, field.min, field.max, field.allowed());
+}
+
+void check_whole(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::integer) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+    check_real(field, value);
+}
+
+void check_pair(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::list) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+    if (value.items.size() != 2) {
+        wrong(field, value, fmt::format("has {} items", value.items.size()));
+    }
+    for (Node item : value.items) {
+        item.origin = value.origin;
+        check_real(field, item);
+    }
+}
+
+bool is_printable(const std::string &text)
+{
+    return std::none_of(text.begin(), text.end(),
+                        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+std::size_t length_of(const std::string &text)
+{
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+        return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; // not inside a UTF-8 character
+    }));
+}
+
+void check_string(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::text) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+    const auto length = static_cast<double>(length_of(value.text));
+    if (length < field.min || length > field.max) {
+        wrong(field, value, fmt::format("has {} characters", length));
+    }
+    if (!is_printable(value.text)) {
+        wrong(field, value, "has a control character");
+    }
+}
+
+void check_mode(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::text) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+    if (value.text != "speed" && value.text != "position") {
+        wrong(field, value, "is no mode");
+    }
+}
+
+} // namespace
+
+const char *kind_name(FileKind kind)
+{
+    switch (kind) {
+    case FileKind::motor:
+        return "motor";
+    case FileKind::board:
+        return "board";
+    case FileKind::tuning:
+        return "tuning";
+    case FileKind::scenario:
+        return "scenario";
+    case FileKind::imperfection:
+        break;
+    }
+    return "imperfection";
+}
+
+std::string Field::name() const
+{
+    return fmt::format("{}.{}", section, key);
+}
+
+std::string Field::allowed() const
+{
+    const std::string range = range_text(min, max, unit);
+    return std::visit(
+        Overloaded{
+            [&](const double *) { return range; },
+            [&](const int *) { return "a whole number, " + range; },
+            [&](const unsigned *) { return "a whole number, " + range; },
+            [&](const std::string *) {
+                return fmt::format("a string of {} to {} characters", min, max);
+            },
+            [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+            [&](const DriveMode *) { return std::string(R"("speed" or "position")"); },
+        },
+        type_of(*this));
+}
+
+std::string Field::default_text() const
+{
+    if (required) {
+        return "required";
+    }
+    Config untouched;
+    return std::visit(Overloaded{
+                          [](const std::string *text) { return '"' + *text + '"'; },
+                          [](const std::array<double, 2> *pair) {
+                              return fmt::format("[{}, {}]", (*pair)[0], (*pair)[1]);
+                          },
+                          [](const DriveMode *mode) {
+                              return std::string(*mode == DriveMode::speed ? R"("speed")"
+                                                                           : R"("position")");
+                          },
+                          [](const auto *number) { return fmt::format("{}", *number); },
+                      },
+                      target(untouched));
+}
+
+const std::vector<Field> &schema()
+{
+    return FIELDS;
+}
+
+const Field *find_field(const std::string &name)
+{
+    const auto found = std::find_if(FIELDS.begin(), FIELDS.end(),
+                                    [&](const Field &field) { return field.name() == name; });
+    return found == FIELDS.end() ? nullptr : &*found;
+}
+
+bool may_hold(FileKind kind, const std::string &section)
+{
+    return std::any_of(SECTIONS.begin(), SECTIONS.end(), [&](const Section &s) {
+        return s.name == section && std::count(s.kinds.begin(), s.kinds.end(), kind) != 0;
+    });
+}
+
+std::vector<std::string> sections_of(FileKind kind)
+{
+    std::vector<std::string> names;
+    for (const Section &section : SECTIONS) {
+        if (may_hold(kind, section.name)) {
+            names.emplace_back(section.name);
+        }
+    }
+    return names;
+}
+
+std::string range_text(double min, double max, const std::string &unit)
+{
+    return fmt::format("{} to {}{}{}", min, max, unit.empty() ? "" : " ", unit);
+}
+
+void check_number(const std::string &key, const Node &value, double min, double max,
+                  const std::string &allowed)
+{
+    std::string problem;
+    if (!value.is_number()) {
+        problem = std::string("is ") + kind_name(value);
+    } else if (!std::isfinite(value.number())) {
+        problem = "is not a finite number";
+    } else if (value.number() < min) {
+        problem = "is too small";
+    } else if (value.number() > max) {
+        problem = "is too large";
+    }
+    if (!problem.empty()) {
+        fail(value.origin, key, shown(value), problem, allowed);
+    }
+}
+
+void check_value(const Field &field, const Node &value)
+{
+    std::visit(Overloaded{
+                   [&](const double *) { check_real(field, value); },
+                   [&](const int *) { check_whole(field, value); },
+                   [&](const unsigned *) { check_whole(field, value); },
+                   [&](const std::string *) { check_string(field, value); },
+                   [&](const std::array<double, 2> *) { check_pair(field, value); },
+                   [&](const DriveMode *) { check_mode(field, value); },
+               },
+               type_of(field));
+}
+
+void apply_value(const Field &field, const Node &value, Config &config)
+{
+    std::visit(Overloaded{
+                   [&](double *place) { *place = value.number(); },
+                   [&](int *place) { *place = static_cast<int>(value.integer); },
+                   [&](unsigned *place) { *place = static_cast<unsigned>(value.integer); },
+                   [&](std::string *place) { *place = value.text; },
+                   [&](std::array<double, 2> *place) {
+                       *place = {value.items[0].number(), value.items[1].number()};
+                   },
+                   [&](DriveMode *place) {
+                       *place = value.text == "speed" ? DriveMode::speed : DriveMode::position;
+                   },
+               },
+               field.target(config));
+    config.origins[field.name()] = value.origin;
+}
+
+} // namespace nf

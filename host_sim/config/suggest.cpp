@@ -1,0 +1,84 @@
+#include "suggest.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace nf
+{
+namespace
+{
+
+constexpr std::size_t NAME_MAX_LENGTH = 100; // a longer text is no misspelling
+constexpr std::size_t SECTION_MAX = 3;       // a quite different table counts no more than this
+constexpr std::size_t NO_MATCH = std::numeric_limits<std::size_t>::max();
+
+// Levenshtein distance.
+std::size_t distance(const std::string &a, const std::string &b)
+{
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); i++) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); j++) {
+            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+        }
+    }
+    return row.back();
+}
+
+bool starts_with(const std::string &text, const std::string &start)
+{
+    return text.compare(0, start.size(), start) == 0;
+}
+
+// How far a key is from a known one; a missing or different unit at its end counts little.
+std::size_t key_distance(const std::string &wrong, const std::string &known)
+{
+    constexpr std::size_t stem = 4;
+    if (wrong.size() >= stem && (starts_with(known, wrong) || starts_with(wrong, known))) {
+        return wrong == known ? 0 : 1;
+    }
+    const std::size_t found = distance(wrong, known);
+    return found <= std::max<std::size_t>(1, known.size() / 3) ? found : NO_MATCH;
+}
+
+std::string before_dot(const std::string &name)
+{
+    const std::size_t dot = name.rfind('.');
+    return dot == std::string::npos ? "" : name.substr(0, dot);
+}
+
+std::string after_dot(const std::string &name)
+{
+    return name.substr(name.rfind('.') + 1);
+}
+
+} // namespace
+
+std::string nearest(const std::string &wrong, const std::vector<std::string> &known)
+{
+    std::string best;
+    std::size_t best_distance = NO_MATCH;
+    if (wrong.size() > NAME_MAX_LENGTH) {
+        return best;
+    }
+    for (const std::string &name : known) {
+        const std::size_t key = key_distance(after_dot(wrong), after_dot(name));
+        if (key == NO_MATCH) {
+            continue;
+        }
+        const std::size_t section = distance(before_dot(wrong), before_dot(name));
+        const std::size_t d = key + std::min(section, SECTION_MAX);
+        if (d < best_distance) {
+            best_distance = d;
+            best = name;
+        }
+    }
+    return best;
+}
+
+} // namespace nf

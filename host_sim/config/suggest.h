@@ -1,0 +1,14 @@
+// The nearest known name to a misspelt one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+// The name of `known` that `wrong` most likely meant, or "". Of names with a dot, what
+// follows the dot counts most, so that a key in the wrong table is found.
+std::string nearest(const std::string &wrong, const std::vector<std::string> &known);
+
+} // namespace nf
