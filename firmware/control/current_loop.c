@@ -9,38 +9,36 @@ void current_loop_reset(current_loop_t *loop)
 }
 
 /* speed × gain, Q15. */
-static int32_t at_speed(int16_t speed, int16_t gain_q13)
+static int32_t at_speed(int32_t speed, int32_t gain_q13)
 {
-    return fx_sat16(fx_asr((int32_t)speed * gain_q13, REACTANCE_BITS));
+    return fx_clamp(fx_asr(speed * gain_q13, REACTANCE_BITS), -FX_Q15_MAX, FX_Q15_MAX);
 }
 
 /* v_q cut to what the circle leaves beside v_d. */
-static int16_t limit_q(pi_t *pi_q, dq_t v, int16_t limit)
+static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
 {
-    const int32_t room = ((int32_t)limit * limit) - ((int32_t)v.d * v.d);
+    const int32_t room = (limit * limit) - (v.d * v.d);
     int32_t v_q = v.q;
 
-    if (((int32_t)v.q * v.q) > room) {
-        const int32_t bound = (int32_t)trig_sqrt((uint32_t)fx_max(room, 0));
+    if ((v_q * v_q) > room) {
+        const int32_t bound = (int32_t)trig_sqrt((uint32_t)room);
 
         v_q = fx_clamp(v_q, -bound, bound);
         pi_unwind(pi_q, v.q - v_q);
     }
-    return (int16_t)v_q;
+    return v_q;
 }
 
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int16_t speed, int16_t limit)
+                       dq_t measured, int32_t speed, int32_t limit)
 {
     const int32_t cross_d = fx_asr(at_speed(speed, cfg->reactance_q_q13) * measured.q, 15U);
     const int32_t cross_q = fx_asr(at_speed(speed, cfg->reactance_d_q13) * measured.d, 15U);
     const int32_t emf = at_speed(speed, cfg->emf_q13);
-    const int32_t error_d = (int32_t)reference.d - measured.d;
-    const int32_t error_q = (int32_t)reference.q - measured.q;
     dq_t v;
 
-    v.d = pi_step(&loop->pi_d, &cfg->pi_d, fx_sat16(error_d), -cross_d, limit);
-    v.q = pi_step(&loop->pi_q, &cfg->pi_q, fx_sat16(error_q), cross_q + emf, limit);
+    v.d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, -cross_d, limit);
+    v.q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, cross_q + emf, limit);
     v.q = limit_q(&loop->pi_q, v, limit);
     return v;
 }

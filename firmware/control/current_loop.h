@@ -5,8 +5,8 @@
  *     v_q = PI_q(i_q* − i_q) + ω·(L_d·i_d + φ)             motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit, the d axis first: it holds the flux
  *
- * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total; call once a
- * control tick.
+ * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total within the
+ * ranges; call once a control tick.
  */
 #ifndef CURRENT_LOOP_H
 #define CURRENT_LOOP_H
@@ -19,9 +19,9 @@
 typedef struct {
     pi_cfg_t pi_d;
     pi_cfg_t pi_q;
-    int16_t reactance_d_q13; /* Ω_b·L_d·I_b/U_b, 0…4 */
-    int16_t reactance_q_q13; /* Ω_b·L_q·I_b/U_b */
-    int16_t emf_q13;         /* Ω_b·φ/U_b */
+    int32_t reactance_d_q13; /* Ω_b·L_d·I_b/U_b, 0…32767 */
+    int32_t reactance_q_q13; /* Ω_b·L_q·I_b/U_b */
+    int32_t emf_q13;         /* Ω_b·φ/U_b */
 } current_loop_cfg_t;
 
 typedef struct {
@@ -33,10 +33,11 @@ typedef struct {
 void current_loop_reset(current_loop_t *loop);
 
 /*
- * One tick: the voltage to apply. limit: radius of the voltage circle, Q15, 0…32767. The square root of
- * the circle is taken only when the demand leaves it; the cut is given back to the q integral.
+ * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 16384, |measured| ≤ 46340, |speed| ≤ 32767,
+ * limit 0…32767. Reactances saturate at 1. The square root of the circle is taken only when the demand
+ * leaves it; the cut is given back to the q integral.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int16_t speed, int16_t limit);
+                       dq_t measured, int32_t speed, int32_t limit);
 
 #endif

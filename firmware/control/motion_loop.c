@@ -18,14 +18,14 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
     return loop->reference + fx_clamp(wanted - loop->reference, -cfg->ramp, cfg->ramp);
 }
 
-int16_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured)
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
     const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
     const int32_t feed_forward = fx_clamp(torque, -cfg->current_max, cfg->current_max);
-    const int16_t error = fx_sat16(fx_asr(limited - measured, cfg->error_shift));
+    const int32_t error = fx_sat16(fx_asr(limited - measured, cfg->error_shift));
 
     loop->reference = limited;
     return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
@@ -76,16 +76,16 @@ static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cf
 }
 
 /* lag in Q16 turns, saturated to half a turn. */
-static int16_t lag_q16(int64_t lag_q32)
+static int32_t lag_q16(int64_t lag_q32)
 {
-    int16_t lag;
+    int32_t lag;
 
     if (lag_q32 >= ((int64_t)FX_Q15_MAX * Q32_TO_Q16)) {
         lag = FX_Q15_MAX;
     } else if (lag_q32 <= ((int64_t)FX_Q15_MIN * Q32_TO_Q16)) {
         lag = FX_Q15_MIN;
     } else {
-        lag = (int16_t)fx_asr((int32_t)lag_q32, 16U);
+        lag = fx_asr((int32_t)lag_q32, 16U);
     }
     return lag;
 }
@@ -96,7 +96,6 @@ step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg,
     int32_t correction;
 
     advance_profile(loop, cfg, target_q32);
-    correction =
-        fx_asr((int32_t)lag_q16(loop->profile_q32 - measured_q32) * cfg->gain, cfg->gain_shift);
+    correction = fx_asr(lag_q16(loop->profile_q32 - measured_q32) * cfg->gain, cfg->gain_shift);
     return fx_clamp(loop->profile_speed + correction, -2 * cfg->speed_max, 2 * cfg->speed_max);
 }

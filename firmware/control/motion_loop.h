@@ -17,13 +17,13 @@
 #include <stdint.h>
 
 typedef struct {
-    pi_cfg_t pi;           /* speed error Q15 of Ω_b in, i_q* out; paper B (28)–(30) */
-    step_t ramp;           /* largest change of the reference in a slow period, > 0 */
-    step_t speed_max;      /* |reference| is kept within */
-    int16_t current_max;   /* |i_q*| is kept within, Q15 of I_b */
-    int16_t inertia;       /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift) */
-    uint8_t inertia_shift; /* 0…30 */
-    uint8_t error_shift;   /* Q15 of Ω_b = step >> error_shift */
+    pi_cfg_t pi;            /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
+    step_t ramp;            /* largest change of the reference in a slow period, > 0 */
+    step_t speed_max;       /* |reference| is kept within, ≤ 2^29 */
+    int32_t current_max;    /* |i_q*| is kept within, Q15 of I_b, 1…16384 */
+    int32_t inertia;        /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift) */
+    uint32_t inertia_shift; /* 0…30 */
+    uint32_t error_shift;   /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
 } speed_loop_cfg_t;
 
 typedef struct {
@@ -33,13 +33,13 @@ typedef struct {
 
 typedef struct {
     step_t ramp;             /* acceleration: change of the profile speed in a slow period, > 0 */
-    step_t speed_max;        /* profile speed limit, > 0 */
+    step_t speed_max;        /* profile speed limit, 1…2^29 */
     int32_t braking_inverse; /* 2^30 / B, B = braking distance from speed_max, 2^14…2^15 units */
-    int16_t softness_q15;    /* c of position_profile: braking fades out below c·speed_max */
-    int16_t gain;            /* 1/s: speed = (lag, Q16 turns) · gain / 2^gain_shift */
-    uint8_t gain_shift;      /* 0…30 */
-    uint8_t distance_shift;  /* one distance unit = 2^distance_shift of Q32 turns, 16…48 */
-    int16_t ticks;           /* N, control ticks in a slow period */
+    int32_t softness_q15;    /* c below: braking fades out under c·speed_max, 0…32767 */
+    int32_t gain;            /* speed = (lag, Q16 turns) · gain / 2^gain_shift, 0…32767 */
+    uint32_t gain_shift;     /* 0…30 */
+    uint32_t distance_shift; /* one distance unit = 2^distance_shift of Q32 turns, 8…48 */
+    int32_t ticks;           /* N, control ticks in a slow period, 2…100 */
 } position_loop_cfg_t;
 
 typedef struct {
@@ -57,7 +57,7 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
  * One slow period: follow `reference` (limited to ±speed_max), given the measured speed.
  * Returns i_q*, saturated to ±current_max.
  */
-int16_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured);
 
 /* Start the profile at the present position, at rest. */

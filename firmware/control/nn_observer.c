@@ -1,9 +1,12 @@
 #include "nn_observer.h"
 
-#define STATE_LIMIT_Q27 ((1 << 27) - 1)
+#define STATE_LIMIT_Q27 (0x7FFFFFF)
 #define STATE_TO_Q15 (12U)
-#define ERROR_LIMIT (16383)      /* ±½: keeps b(k) below 2^30 */
-#define RADIANS_PER_STEP (25736) /* 2π·2^28/2^32·2^16: W2 in Q28 from step_t */
+#define ERROR_LIMIT (8191) /* keeps b(k) below 2^29 and (b >> 14)·rate below 2^30 */
+#define STEP_LIMIT (0x20000000)
+#define EIGHTH_OF_2PI_Q15 \
+    (25736) /* W2 = speed in Q15 of Ω_b times 2π/8, in 2^-(29 − speed_shift) rad */
+#define W2_SHIFT (17U)
 
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
 {
@@ -18,13 +21,18 @@ static int32_t limit_state(int32_t state_q27)
 /* (14)–(16): the network's forward pass. x, y: the states of k−1 in Q15 of I_x. */
 static void predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, int32_t x, int32_t y, dq_t v)
 {
-    const int32_t w2_q28 = -fx_mul_32x16(obs->speed_out, RADIANS_PER_STEP);
+    const int32_t minus_w2_q28 = fx_mul_32x16(obs->speed_out, RADIANS_PER_STEP);
+    const int32_t own_x = fx_asr((cfg->volt_gain * v.d) - (cfg->decay_d * x), cfg->weight_shift);
+    const int32_t own_y = fx_asr((cfg->volt_gain * v.q) - (cfg->decay_q * y), cfg->weight_shift);
 
     obs->x_q27 =
-        limit_state(obs->x_q27 - fx_mul_32x16(cfg->decay_d_q28, x) - fx_mul_32x16(w2_q28, y) +
-                    fx_mul_32x16(cfg->volt_gain_q28, v.d) + cfg->flux_drive_q27);
-    obs->y_q27 = limit_state(obs->y_q27 - fx_mul_32x16(cfg->decay_q_q28, y) +
-                             fx_mul_32x16(w2_q28, x) + fx_mul_32x16(cfg->volt_gain_q28, v.q));
+        limit_state(obs->x_q27 + own_x + fx_mul_32x16(minus_w2_q28, y) + cfg->flux_drive_q27);
+    obs->y_q27 = limit_state(obs->y_q27 + own_y - fx_mul_32x16(minus_w2_q28, x));
+}
+
+static int32_t limit_error(int32_t error)
+{
+    return fx_clamp(error, -ERROR_LIMIT, ERROR_LIMIT);
 }
 
 /* The network's output in the base of the measurement, and the output error (17). */
@@ -32,25 +40,27 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measu
 {
     const uint32_t shift = STATE_TO_Q15 - cfg->current_shift;
 
-    obs->current.d = fx_sat16(fx_asr(obs->x_q27 - cfg->flux_q27, shift));
-    obs->current.q = fx_sat16(fx_asr(fx_mul_32x16(obs->y_q27, cfg->iq_gain_q14), shift - 2U));
-    obs->error.d =
-        (int16_t)fx_clamp((int32_t)measured.d - obs->current.d, -ERROR_LIMIT, ERROR_LIMIT);
-    obs->error.q =
-        (int16_t)fx_clamp((int32_t)measured.q - obs->current.q, -ERROR_LIMIT, ERROR_LIMIT);
+    obs->current.d = fx_asr(obs->x_q27 - cfg->flux_q27, shift);
+    obs->current.q = fx_asr(fx_mul_32x16(obs->y_q27, cfg->iq_gain_q14), shift - 2U);
+    obs->error.d = limit_error(measured.d - obs->current.d);
+    obs->error.q = limit_error(measured.q - obs->current.q);
 }
 
 /* (19)–(22): train W2 along the descent direction. x, y as in predict(). */
 static void train(nn_observer_t *obs, const nn_observer_cfg_t *cfg, int32_t x, int32_t y)
 {
-    const int32_t descent = (obs->error.q * x) - (obs->error.d * y);
-    const step_t momentum = fx_mul_32x16(obs->weight_step, cfg->momentum_q15) * 2;
-    const step_t weight_step = fx_asr(fx_mul_32x16(descent, cfg->rate), cfg->rate_shift) + momentum;
+    const int32_t descent = fx_asr((obs->error.q * x) - (obs->error.d * y), 14U);
+    step_t weight_step = fx_asr(descent * cfg->rate, cfg->rate_shift);
 
-    obs->weight_step = fx_clamp(weight_step, -cfg->speed_limit, cfg->speed_limit);
-    obs->speed = fx_clamp(obs->speed - obs->weight_step, -cfg->speed_limit, cfg->speed_limit);
+    if (cfg->momentum_q15 != 0) {
+        weight_step += fx_mul_32x16(obs->weight_step, cfg->momentum_q15) * 2;
+        weight_step = fx_clamp(weight_step, -STEP_LIMIT, STEP_LIMIT);
+        obs->weight_step = weight_step;
+    }
+    obs->speed = fx_clamp(obs->speed - weight_step, -cfg->speed_limit, cfg->speed_limit);
     obs->speed_out =
-        obs->speed - fx_asr(fx_mul_32x16(descent, cfg->proportional), cfg->proportional_shift);
+        fx_clamp(obs->speed - fx_asr(descent * cfg->proportional, cfg->proportional_shift),
+                 -cfg->speed_limit, cfg->speed_limit);
 }
 
 void nn_observer_step(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured, dq_t voltage)

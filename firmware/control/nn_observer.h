@@ -21,11 +21,12 @@
  * stator flux linkages over L_d, for which the rotation by W2 is the same.
  *
  * Stability: forward Euler in (14) grows for ω > √(2/(T·τ)), τ = L/R; the configuration refuses such a
- * speed and `speed_limit` keeps ω̂ below it.
+ * speed and `speed_limit` keeps the estimate below it.
  *
- * Formats. Measured values are Q15 of the current base I_b. States are Q27 of I_x = 2^s·I_b, chosen
- * so that 1 > (1 + φ/(L_d·I_b))/2^s; sums of one step stay below 2^31 and are clamped once.
- * Speeds are step_t (2^32 = one electrical turn a tick). Voltages are Q15 of U_b.
+ * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
+ * Q27 of I_x = 2^s·I_b with 2^s > 1 + φ/(L_d·I_b); their upper 16 bits enter the products. Speeds are
+ * step_t (2^32 = one electrical turn a tick); W2 enters its products with 32 bits, for a bias of one
+ * LSB there would turn the angle at standstill.
  */
 #ifndef NN_OBSERVER_H
 #define NN_OBSERVER_H
@@ -35,39 +36,41 @@
 
 #include <stdint.h>
 
+/* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay_d_q28;    /* T·R/L_d = 1 − W1, 0…0.5 */
-    int32_t decay_q_q28;    /* T·R/L_q = 1 − W1' */
-    int32_t volt_gain_q28;  /* W3/L_d·U_b/I_x, < 8 */
-    int32_t flux_q27;       /* (φ/L_d)/I_x, the shift of (7) */
-    int32_t flux_drive_q27; /* T·R/L_d·(φ/L_d)/I_x, the constant part of v_x */
-    int16_t iq_gain_q14;    /* L_d/L_q, 0…2: i_q = y·L_d/L_q */
-    uint8_t current_shift;  /* s, 0…10 */
-    uint8_t rate_shift;     /* η: ΔW2 in steps = b·rate / 2^(16 + rate_shift) */
-    int16_t rate;           /* ≥ 0 */
-    int16_t momentum_q15;   /* α, 0…1 */
-    int16_t proportional;   /* κ_p: steps = b·proportional / 2^(16 + proportional_shift) */
-    uint8_t proportional_shift;
-    step_t speed_limit; /* |ω̂| is kept within, ≤ 2^29 */
+    int32_t decay_d;        /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
+    int32_t decay_q;        /* 1 − W1' = T·R/L_q, same format */
+    int32_t volt_gain;      /* W3/L_d·U_b/I_x, same format */
+    uint32_t weight_shift;  /* 2…15 */
+    int32_t flux_q27;       /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
+    int32_t flux_drive_q27; /* the constant part of v_x: T·R/L_d·(φ/L_d)/I_x, 0…2^26 */
+    int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
+    uint32_t current_shift; /* s, 0…10 */
+    int32_t rate;           /* η: ΔW2 in steps = (b >> 14)·rate / 2^rate_shift */
+    uint32_t rate_shift;    /* 1…30 */
+    int32_t proportional;   /* κ_p: steps = (b >> 14)·proportional / 2^proportional_shift */
+    uint32_t proportional_shift;
+    int32_t momentum_q15; /* α */
+    step_t speed_limit;   /* |ω̂|, |ω̂_out| are kept within, 1…2^29 */
 } nn_observer_cfg_t;
 
 typedef struct {
-    int32_t x_q27;      /* x̂ */
-    int32_t y_q27;      /* ŷ */
+    int32_t x_q27;      /* x̂, within ±(2^27 − 1) */
+    int32_t y_q27;      /* ŷ, within ±(2^27 − 1) */
     step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
     step_t speed_out;   /* ω̂_out: inside the network and for the angle */
-    step_t weight_step; /* ΔW2(k)/T, for the momentum term */
-    dq_t current;       /* î_d, î_q, Q15 of I_b */
-    dq_t error;         /* e_d, e_q, Q15 of I_b, kept within ±½ */
+    step_t weight_step; /* ΔW2(k)/T, for the momentum term; within ±2^29 */
+    dq_t current;       /* î_d, î_q */
+    dq_t error;         /* e_d, e_q, kept within ±8191 (¼) */
 } nn_observer_t;
 
 /* Start at rest with no current: x̂ = φ/L_d, everything else zero. */
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
 /*
- * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂ (Q15 of I_b). voltage: what the
- * inverter applied since the last instant, in the estimated frame at the middle of that interval
- * (Q15 of U_b). Total: states, speeds and errors saturate as stated at their fields.
+ * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂, |i| ≤ 65535. voltage: what the
+ * inverter applied since the last instant, in the estimated frame at the middle of that interval,
+ * |v| ≤ 32767. Total within these ranges: states, speeds and errors saturate as stated at their fields.
  */
 void nn_observer_step(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                       dq_t voltage);

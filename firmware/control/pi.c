@@ -2,36 +2,35 @@
 
 #include "fx.h"
 
-#include <stdbool.h>
+#define INTEGRAL_BITS (11U) /* of the integral below one LSB of the output */
+#define Q15_TO_Q26 (2048)
 
-#define Q15_TO_Q30 (32768)
-#define BASE_SHIFT (15U)
-
-void pi_reset(pi_t *pi, int16_t output)
+void pi_reset(pi_t *pi, int32_t output)
 {
-    pi->integral_q30 = (int32_t)output * Q15_TO_Q30;
+    pi->integral_q26 = output * Q15_TO_Q26;
 }
 
-int16_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
+int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
 {
-    const int32_t bound_q30 = limit * Q15_TO_Q30;
-    /* Both summands are below 2^30 in magnitude. */
-    const int32_t integral_q30 = fx_clamp(pi->integral_q30, -bound_q30, bound_q30) +
-                                 fx_asr(error * cfg->ki, (uint32_t)cfg->ki_shift - BASE_SHIFT);
-    const int32_t sum =
-        fx_asr(error * cfg->kp, cfg->kp_shift) + fx_asr(integral_q30, 15U) + feed_forward;
-    const int32_t output = fx_clamp(sum, -limit, limit);
-    const bool pushes_into_limit =
-        ((sum > limit) && (error > 0)) || ((sum < -limit) && (error < 0));
+    const int32_t bound_q26 = limit * Q15_TO_Q26;
+    const int32_t integral_q26 =
+        fx_clamp(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift), -bound_q26, bound_q26);
+    const int32_t proportional = fx_asr(error * cfg->kp, cfg->kp_shift);
+    int32_t output = proportional + fx_asr(integral_q26, INTEGRAL_BITS) + feed_forward;
 
-    if (!pushes_into_limit) {
-        pi->integral_q30 = fx_clamp(integral_q30, -bound_q30, bound_q30);
+    if (output > limit) {
+        output = limit;
+        pi->integral_q26 = fx_min(integral_q26, pi->integral_q26);
+    } else if (output < -limit) {
+        output = -limit;
+        pi->integral_q26 = fx_max(integral_q26, pi->integral_q26);
+    } else {
+        pi->integral_q26 = integral_q26;
     }
-    return (int16_t)output;
+    return output;
 }
 
 void pi_unwind(pi_t *pi, int32_t excess)
 {
-    pi->integral_q30 =
-        fx_sub_sat(pi->integral_q30, fx_clamp(excess, -FX_Q15_MAX, FX_Q15_MAX) * Q15_TO_Q30);
+    pi->integral_q26 -= excess * Q15_TO_Q26;
 }

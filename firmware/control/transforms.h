@@ -5,7 +5,8 @@
  * frame whose q axis points backwards. The standard form is used here everywhere:
  *     i_d =  i_α·cosθ + i_β·sinθ,   i_q = −i_α·sinθ + i_β·cosθ
  *
- * All values are Q15 per unit of one common base, saturated, rounded to nearest. Pure functions.
+ * Values are Q15 per unit of one common base, rounded to nearest. They are held in 32 bits and never
+ * saturate: a vector whose components stay within the stated range cannot overflow. Pure functions.
  */
 #ifndef TRANSFORMS_H
 #define TRANSFORMS_H
@@ -13,28 +14,30 @@
 #include "fx.h"
 #include "trig.h"
 
+#include <stdint.h>
+
 /* A vector in the stationary frame, Q15. */
 typedef struct {
-    int16_t alpha;
-    int16_t beta;
+    int32_t alpha;
+    int32_t beta;
 } ab_t;
 
 /* A vector in the rotor frame, Q15, d axis on the rotor flux. */
 typedef struct {
-    int16_t d;
-    int16_t q;
+    int32_t d;
+    int32_t q;
 } dq_t;
 
 /*
  * Phase values a, b (the third is −a − b) to the stationary frame: α = a, β = (a + 2b)/√3.
- * Saturation: β only, where |a + 2b| > √3. Error ≤ 1 LSB.
+ * Range: |a|, |b| ≤ 32767, where |β| stays below 56755. Error ≤ 1 LSB.
  */
-ab_t transforms_clarke(int16_t a, int16_t b);
+ab_t transforms_clarke(int32_t a, int32_t b);
 
-/* Stationary to rotor frame at the angle whose sine and cosine are given. Error ≤ 2 LSB. */
+/* Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. ≤ 2 LSB. */
 dq_t transforms_park(ab_t v, sincos_t angle);
 
-/* Rotor to stationary frame. Error ≤ 2 LSB. */
+/* Rotor to stationary frame. |d| + |q| ≤ 65534. Error ≤ 2 LSB. */
 ab_t transforms_park_inverse(dq_t v, sincos_t angle);
 
 #endif

@@ -2,12 +2,13 @@
 
 #include <stddef.h>
 
-#define ADC_MID_Q15 (32768)
+#define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
+#define PHASE_LIMIT (16383) /* keeps |(α, β)| and |(d, q)| below 1 */
 #define Q16_TO_Q32 (65536)
 
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
-    const uint16_t half = (uint16_t)((uint32_t)drive->cfg->modulator.timer_counts / 2U);
+    const uint16_t half = (uint16_t)(drive->cfg->modulator.timer_counts / 2);
 
     *out = (drive_out_t){.compare = {.phase = {half, half, half}}, .gate_enable = false};
 }
@@ -38,7 +39,7 @@ static void enter_run(drive_t *drive)
     drive->ratio_pending = (dq_t){0, 0};
     drive->ratio_acting = (dq_t){0, 0};
     drive->signals.current_ref_q = 0;
-    drive->slow_count = 0U;
+    drive->slow_count = drive->cfg->slow_ticks;
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
     drive->state = DRIVE_STATE_RUN;
 }
@@ -52,9 +53,9 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     const uint32_t b = (uint32_t)in->adc_ib << cfg->current_shift;
     const uint32_t bus = (uint32_t)in->adc_bus << cfg->bus_shift;
 
-    s->phase_a = fx_sat16((int32_t)a - drive->offset_a);
-    s->phase_b = fx_sat16((int32_t)b - drive->offset_b);
-    s->bus = fx_sat16((int32_t)bus);
+    s->phase_a = fx_clamp((int32_t)a - drive->offset_a, -PHASE_LIMIT, PHASE_LIMIT);
+    s->phase_b = fx_clamp((int32_t)b - drive->offset_b, -PHASE_LIMIT, PHASE_LIMIT);
+    s->bus = fx_min((int32_t)bus, FX_Q15_MAX);
 }
 
 static void watch(drive_t *drive, const drive_in_t *in)
@@ -68,10 +69,11 @@ static void watch(drive_t *drive, const drive_in_t *in)
         .check_current = running || (drive->state == DRIVE_STATE_READY),
         .check_undervoltage = running,
     };
-    const fault_t fault = protection_check(&drive->cfg->protection, &measured);
+    const protection_cfg_t *const cfg = &drive->cfg->protection;
+    const fault_id_t id = protection_check(cfg, &measured);
 
-    if ((fault.id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        enter_fault(drive, fault);
+    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+        enter_fault(drive, protection_record(cfg, &measured, id));
     }
 }
 
@@ -83,7 +85,7 @@ static void calibrate_step(drive_t *drive, const drive_in_t *in)
     drive->offset_a += (int32_t)in->adc_ia;
     drive->offset_b += (int32_t)in->adc_ib;
     drive->offset_samples++;
-    if (drive->offset_samples == (uint16_t)(1UL << cfg->offset_log2)) {
+    if (drive->offset_samples == (1UL << cfg->offset_log2)) {
         const uint32_t shift = cfg->offset_log2;
         const uint32_t scale = cfg->current_shift;
         fault_t fault;
@@ -121,11 +123,11 @@ static void obey(drive_t *drive, const drive_command_t *command)
 /* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
 static dq_t applied_voltage(const drive_t *drive)
 {
-    const int16_t bus = (int16_t)fx_asr((int32_t)drive->bus_before + drive->signals.bus, 1U);
+    const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
 
     return (dq_t){
-        .d = fx_mul_q15(drive->ratio_acting.d, bus),
-        .q = fx_mul_q15(drive->ratio_acting.q, bus),
+        .d = fx_asr(drive->ratio_acting.d * bus, 15U),
+        .q = fx_asr(drive->ratio_acting.q * bus, 15U),
     };
 }
 
@@ -139,7 +141,7 @@ static void estimate(drive_t *drive)
     s->current = transforms_park(s->current_ab, angle);
     s->voltage_applied = applied_voltage(drive);
     nn_observer_step(&drive->observer, &drive->cfg->observer, s->current, s->voltage_applied);
-    s->speed = fx_sat16(fx_asr(drive->observer.speed, drive->cfg->speed_shift));
+    s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
 }
 
 static void change_mode(drive_t *drive, uint8_t mode)
@@ -166,21 +168,19 @@ static void plan_speed(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* The motion loops share one slow period: planning in its first tick, the speed PI in its second. */
+/* The motion loops share one slow period: planning in its last tick but one, the speed PI after it. */
 static void control_motion(drive_t *drive, const drive_command_t *command)
 {
-    if (drive->slow_count == 0U) {
+    drive->slow_count--;
+    if (drive->slow_count == 1U) {
         plan_speed(drive, command);
-    } else if (drive->slow_count == 1U) {
+    } else if (drive->slow_count == 0U) {
         drive->signals.current_ref_q =
             speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                             drive->observer.speed);
+        drive->slow_count = drive->cfg->slow_ticks;
     } else {
         /* between */
-    }
-    drive->slow_count++;
-    if (drive->slow_count >= drive->cfg->slow_ticks) {
-        drive->slow_count = 0U;
     }
 }
 
@@ -197,7 +197,7 @@ static compare_t control_currents(drive_t *drive)
     s->voltage_limit = modulator_limit(&cfg->modulator, s->bus);
     s->voltage = current_loop_step(&drive->current_loop, &cfg->current_loop, reference, s->current,
                                    s->speed, s->voltage_limit);
-    s->ratio = modulator_ratio(&drive->modulator, s->voltage);
+    s->ratio = modulator_ratio(&drive->modulator, &cfg->modulator, s->voltage);
     s->ratio_ab = transforms_park_inverse(s->ratio, trig_sincos(middle));
     return modulator_compare(&cfg->modulator, s->ratio_ab);
 }

@@ -66,15 +66,15 @@ typedef struct {
 
 /* The intermediates of the last tick in the order in which they are computed: for traces and probes. */
 typedef struct {
-    int16_t phase_a; /* Q15 of I_b, offset removed */
-    int16_t phase_b;
-    int16_t bus;           /* Q15 of U_b */
+    int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
+    int32_t phase_b;
+    int32_t bus;           /* Q15 of U_b */
     ab_t current_ab;       /* Q15 of I_b */
     dq_t current;          /* turned with θ̂ */
     dq_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
-    int16_t speed;         /* ω̂, Q15 of Ω_b */
-    int16_t current_ref_q; /* i_q*, Q15 of I_b */
-    int16_t voltage_limit; /* Q15 of U_b */
+    int32_t speed;         /* ω̂, Q15 of Ω_b */
+    int32_t current_ref_q; /* i_q*, Q15 of I_b */
+    int32_t voltage_limit; /* Q15 of U_b */
     dq_t voltage;          /* demand */
     dq_t ratio;            /* demand over bus, Q15 */
     ab_t ratio_ab;
@@ -85,11 +85,11 @@ typedef struct {
     drive_state_t state;
     fault_t fault;    /* why FAULT was entered last */
     uint32_t tick;    /* since drive_init, wraps */
-    int32_t offset_a; /* sensor zero, Q15 with mid-scale = 32768; sum while calibrating */
+    int32_t offset_a; /* sensor zero, Q15 of I_b, mid-scale = 16384; sum while calibrating */
     int32_t offset_b;
-    uint16_t offset_samples;
-    uint8_t slow_count; /* 0…N − 1, position in the slow period */
-    uint8_t mode;       /* mode of the running motion loops */
+    uint32_t offset_samples;
+    uint32_t slow_count; /* N…1: ticks to the end of the slow period */
+    uint8_t mode;        /* mode of the running motion loops */
     nn_observer_t observer;
     rotor_position_t position;
     current_loop_t current_loop;
@@ -99,7 +99,7 @@ typedef struct {
     modulator_t modulator;
     dq_t ratio_pending; /* asked for in the last tick: being applied from this instant on */
     dq_t ratio_acting;  /* applied since the last instant */
-    int16_t bus_before; /* bus at the last instant */
+    int32_t bus_before; /* bus at the last instant */
     drive_signals_t signals;
 } drive_t;
 

@@ -2,10 +2,16 @@
 
 #include <stddef.h>
 
-#define Q27_ONE (1 << 27)
-#define Q28_HALF (1 << 27)
-#define STEP_MAX (1 << 29)
+#define Q27_ONE (0x8000000)
+#define STEP_MAX (0x20000000)
 #define SHIFT_MAX (30)
+#define CURRENT_MAX (16384)
+
+/* A shift count as the signed value that range() compares; anything above 2^31 is out of range too. */
+static int32_t shift_value(uint32_t shift)
+{
+    return (shift > (uint32_t)INT32_MAX) ? -1 : (int32_t)shift;
+}
 
 /* `bad` when something was wrong before, else `name` when value is outside lo…hi, else NULL. */
 static const char *range(const char *bad, const char *name, int32_t value, int32_t lo, int32_t hi)
@@ -22,16 +28,16 @@ static const char *check_sampling(const char *before, const sampling_cfg_t *cfg)
 {
     const char *bad = before;
 
-    bad = range(bad, "sampling.current_shift", cfg->current_shift, 0, 8);
-    bad = range(bad, "sampling.bus_shift", cfg->bus_shift, 0, 7);
-    return range(bad, "sampling.offset_log2", cfg->offset_log2, 0, 12);
+    bad = range(bad, "sampling.current_shift", shift_value(cfg->current_shift), 0, 7);
+    bad = range(bad, "sampling.bus_shift", shift_value(cfg->bus_shift), 0, 7);
+    return range(bad, "sampling.offset_log2", shift_value(cfg->offset_log2), 0, 12);
 }
 
 static const char *check_protection(const char *before, const protection_cfg_t *cfg)
 {
     const char *bad = before;
 
-    bad = range(bad, "protection.current_max", cfg->current_max, 1, FX_Q15_MAX - 1);
+    bad = range(bad, "protection.current_max", cfg->current_max, 1, 16382);
     bad = range(bad, "protection.bus_max", cfg->bus_max, 1, FX_Q15_MAX - 1);
     bad = range(bad, "protection.bus_min", cfg->bus_min, 0, cfg->bus_max);
     return range(bad, "protection.offset_max", cfg->offset_max, 0, FX_Q15_MAX);
@@ -41,19 +47,32 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
 {
     const char *bad = before;
 
-    bad = range(bad, "observer.decay_d_q28", cfg->decay_d_q28, 0, Q28_HALF);
-    bad = range(bad, "observer.decay_q_q28", cfg->decay_q_q28, 0, Q28_HALF);
-    bad = range(bad, "observer.volt_gain_q28", cfg->volt_gain_q28, 1, INT32_MAX);
+    bad = range(bad, "observer.decay_d", cfg->decay_d, 0, FX_Q15_MAX);
+    bad = range(bad, "observer.decay_q", cfg->decay_q, 0, FX_Q15_MAX);
+    bad = range(bad, "observer.volt_gain", cfg->volt_gain, 1, FX_Q15_MAX);
+    bad = range(bad, "observer.weight_shift", shift_value(cfg->weight_shift), 2, 15);
     bad = range(bad, "observer.flux_q27", cfg->flux_q27, 1, Q27_ONE - 1);
     bad = range(bad, "observer.flux_drive_q27", cfg->flux_drive_q27, 0, Q27_ONE / 2);
     bad = range(bad, "observer.iq_gain_q14", cfg->iq_gain_q14, 1, FX_Q15_MAX);
-    bad = range(bad, "observer.current_shift", cfg->current_shift, 0, 10);
+    bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 10);
     bad = range(bad, "observer.rate", cfg->rate, 0, FX_Q15_MAX);
-    bad = range(bad, "observer.rate_shift", cfg->rate_shift, 0, SHIFT_MAX);
-    bad = range(bad, "observer.momentum_q15", cfg->momentum_q15, 0, FX_Q15_MAX);
+    bad = range(bad, "observer.rate_shift", shift_value(cfg->rate_shift), 1, SHIFT_MAX);
     bad = range(bad, "observer.proportional", cfg->proportional, 0, FX_Q15_MAX);
-    bad = range(bad, "observer.proportional_shift", cfg->proportional_shift, 0, SHIFT_MAX);
+    bad = range(bad, "observer.proportional_shift", shift_value(cfg->proportional_shift), 1,
+                SHIFT_MAX);
+    bad = range(bad, "observer.momentum_q15", cfg->momentum_q15, 0, FX_Q15_MAX);
     return range(bad, "observer.speed_limit", cfg->speed_limit, 1, STEP_MAX);
+}
+
+/* The observer's speed limit must fit Q15 of Ω_b. */
+static const char *check_speed_base(const char *before, const drive_cfg_t *cfg)
+{
+    const char *bad = range(before, "speed_shift", shift_value(cfg->speed_shift), 1, 16);
+
+    if ((bad == NULL) && (fx_asr(cfg->observer.speed_limit, cfg->speed_shift) > FX_Q15_MAX)) {
+        bad = "observer.speed_limit";
+    }
+    return bad;
 }
 
 static const char *check_pi(const char *before, const char *name, const pi_cfg_t *cfg)
@@ -61,9 +80,9 @@ static const char *check_pi(const char *before, const char *name, const pi_cfg_t
     const char *bad = before;
 
     bad = range(bad, name, cfg->kp, 0, FX_Q15_MAX);
-    bad = range(bad, name, cfg->kp_shift, 0, SHIFT_MAX);
+    bad = range(bad, name, shift_value(cfg->kp_shift), 1, SHIFT_MAX);
     bad = range(bad, name, cfg->ki, 0, FX_Q15_MAX);
-    return range(bad, name, cfg->ki_shift, 15, 45);
+    return range(bad, name, shift_value(cfg->ki_shift), 1, SHIFT_MAX);
 }
 
 static const char *check_current_loop(const char *before, const current_loop_cfg_t *cfg)
@@ -84,10 +103,10 @@ static const char *check_speed_loop(const char *before, const speed_loop_cfg_t *
     bad = check_pi(bad, "speed_loop.pi", &cfg->pi);
     bad = range(bad, "speed_loop.ramp", cfg->ramp, 1, STEP_MAX);
     bad = range(bad, "speed_loop.speed_max", cfg->speed_max, 1, STEP_MAX);
-    bad = range(bad, "speed_loop.current_max", cfg->current_max, 1, FX_Q15_MAX);
+    bad = range(bad, "speed_loop.current_max", cfg->current_max, 1, CURRENT_MAX);
     bad = range(bad, "speed_loop.inertia", cfg->inertia, 0, FX_Q15_MAX);
-    bad = range(bad, "speed_loop.inertia_shift", cfg->inertia_shift, 0, SHIFT_MAX);
-    return range(bad, "speed_loop.error_shift", cfg->error_shift, 1, 16);
+    bad = range(bad, "speed_loop.inertia_shift", shift_value(cfg->inertia_shift), 0, SHIFT_MAX);
+    return range(bad, "speed_loop.error_shift", shift_value(cfg->error_shift), 1, 17);
 }
 
 static const char *check_position_loop(const char *before, const position_loop_cfg_t *cfg)
@@ -96,11 +115,11 @@ static const char *check_position_loop(const char *before, const position_loop_c
 
     bad = range(bad, "position_loop.ramp", cfg->ramp, 1, STEP_MAX);
     bad = range(bad, "position_loop.speed_max", cfg->speed_max, 1, STEP_MAX);
-    bad = range(bad, "position_loop.braking_inverse", cfg->braking_inverse, 1 << 15, 1 << 16);
+    bad = range(bad, "position_loop.braking_inverse", cfg->braking_inverse, 0x8000, 0x10000);
     bad = range(bad, "position_loop.softness_q15", cfg->softness_q15, 0, FX_Q15_MAX);
     bad = range(bad, "position_loop.gain", cfg->gain, 0, FX_Q15_MAX);
-    bad = range(bad, "position_loop.gain_shift", cfg->gain_shift, 0, SHIFT_MAX);
-    bad = range(bad, "position_loop.distance_shift", cfg->distance_shift, 8, 48);
+    bad = range(bad, "position_loop.gain_shift", shift_value(cfg->gain_shift), 0, SHIFT_MAX);
+    bad = range(bad, "position_loop.distance_shift", shift_value(cfg->distance_shift), 8, 48);
     return range(bad, "position_loop.ticks", cfg->ticks, 2, 100);
 }
 
@@ -111,13 +130,12 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_sampling(bad, &cfg->sampling);
     bad = check_protection(bad, &cfg->protection);
     bad = check_observer(bad, &cfg->observer);
+    bad = check_speed_base(bad, cfg);
     bad = check_current_loop(bad, &cfg->current_loop);
     bad = check_speed_loop(bad, &cfg->speed_loop);
     bad = check_position_loop(bad, &cfg->position_loop);
     bad = range(bad, "modulator.timer_counts", cfg->modulator.timer_counts, 1, FX_Q15_MAX);
     bad = range(bad, "modulator.ratio_max_q15", cfg->modulator.ratio_max_q15, 1, 18918);
-    bad = range(bad, "modulator.inverse_max_q27", cfg->modulator.inverse_max_q27, Q27_ONE,
-                (8 * Q27_ONE) - 1);
-    bad = range(bad, "speed_shift", cfg->speed_shift, 1, 16);
-    return range(bad, "slow_ticks", cfg->slow_ticks, 2, 100);
+    bad = range(bad, "modulator.inverse_max_q12", cfg->modulator.inverse_max_q12, 4096, FX_Q15_MAX);
+    return range(bad, "slow_ticks", shift_value(cfg->slow_ticks), 2, 100);
 }

@@ -18,9 +18,9 @@
 #include <stdint.h>
 
 typedef struct {
-    uint8_t current_shift; /* ADC counts to Q15: 16 − bits, 0…8 */
-    uint8_t bus_shift;     /* ADC counts to Q15: 15 − bits, 0…7 */
-    uint8_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
+    uint32_t current_shift; /* ADC counts to Q15 of I_b (twice full scale): 15 − bits, 0…7 */
+    uint32_t bus_shift;     /* ADC counts to Q15 of U_b: 15 − bits, 0…7 */
+    uint32_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
 } sampling_cfg_t;
 
 typedef struct {
@@ -31,8 +31,8 @@ typedef struct {
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
     modulator_cfg_t modulator;
-    uint8_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
-    uint8_t slow_ticks;  /* N: the motion loops run every N-th tick, 2…100 */
+    uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
+    uint32_t slow_ticks;  /* N: the motion loops run every N-th tick, 2…100 */
 } drive_cfg_t;
 
 /*

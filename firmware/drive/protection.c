@@ -2,11 +2,6 @@
 
 #include "fx.h"
 
-static fault_t make_fault(fault_id_t id, int32_t value, int16_t limit)
-{
-    return (fault_t){.id = id, .value = fx_sat16(value), .limit = limit};
-}
-
 /* The largest magnitude of the three phase currents. */
 static int32_t largest_current(const protection_in_t *in)
 {
@@ -16,21 +11,35 @@ static int32_t largest_current(const protection_in_t *in)
     return fx_max(fx_max(fx_abs(a), fx_abs(b)), fx_abs(a + b));
 }
 
-fault_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in)
+fault_id_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in)
 {
-    const int32_t current = largest_current(in);
-    fault_t fault = {.id = FAULT_NONE};
+    fault_id_t id = FAULT_NONE;
 
     if (in->break_input) {
-        fault = make_fault(FAULT_BREAK, current, cfg->current_max);
-    } else if (in->check_current && (current > cfg->current_max)) {
-        fault = make_fault(FAULT_OVERCURRENT, current, cfg->current_max);
+        id = FAULT_BREAK;
+    } else if (in->check_current && (largest_current(in) > cfg->current_max)) {
+        id = FAULT_OVERCURRENT;
     } else if (in->bus > cfg->bus_max) {
-        fault = make_fault(FAULT_OVERVOLTAGE, in->bus, cfg->bus_max);
+        id = FAULT_OVERVOLTAGE;
     } else if (in->check_undervoltage && (in->bus < cfg->bus_min)) {
-        fault = make_fault(FAULT_UNDERVOLTAGE, in->bus, cfg->bus_min);
+        id = FAULT_UNDERVOLTAGE;
     } else {
         /* nothing wrong */
+    }
+    return id;
+}
+
+fault_t protection_record(const protection_cfg_t *cfg, const protection_in_t *in, fault_id_t id)
+{
+    fault_t fault = {.id = id, .value = in->bus, .limit = cfg->bus_max};
+
+    if ((id == FAULT_BREAK) || (id == FAULT_OVERCURRENT)) {
+        fault.value = largest_current(in);
+        fault.limit = cfg->current_max;
+    } else if (id == FAULT_UNDERVOLTAGE) {
+        fault.limit = cfg->bus_min;
+    } else {
+        /* over-voltage: as initialised */
     }
     return fault;
 }
@@ -38,10 +47,10 @@ fault_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in)
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b)
 {
     const int32_t worse = fx_max(fx_abs(offset_a), fx_abs(offset_b));
-    fault_t fault = {.id = FAULT_NONE};
 
-    if (worse > cfg->offset_max) {
-        fault = make_fault(FAULT_CURRENT_OFFSET, worse, cfg->offset_max);
-    }
-    return fault;
+    return (fault_t){
+        .id = (worse > cfg->offset_max) ? FAULT_CURRENT_OFFSET : FAULT_NONE,
+        .value = worse,
+        .limit = cfg->offset_max,
+    };
 }

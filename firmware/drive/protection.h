@@ -22,31 +22,34 @@ typedef enum {
 /* What happened, what was measured and what was allowed. */
 typedef struct {
     fault_id_t id;
-    int16_t value;
-    int16_t limit;
+    int32_t value;
+    int32_t limit;
 } fault_t;
 
 typedef struct {
-    int16_t current_max; /* |phase current|, > 0 */
-    int16_t bus_max;
-    int16_t bus_min;
-    int16_t offset_max; /* |sensor offset| */
+    int32_t current_max; /* |phase current|, Q15 of I_b, 1…16382 */
+    int32_t bus_max;     /* Q15 of U_b, 1…32766 */
+    int32_t bus_min;
+    int32_t offset_max; /* |sensor offset|, Q15 of I_b */
 } protection_cfg_t;
 
 /* What is watched in this tick. */
 typedef struct {
-    int16_t phase_a;
-    int16_t phase_b;
-    int16_t bus;
+    int32_t phase_a; /* ±16383 */
+    int32_t phase_b;
+    int32_t bus;
     bool break_input;
     bool check_current;      /* the sensors are calibrated */
     bool check_undervoltage; /* the drive runs */
 } protection_in_t;
 
 /* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
-fault_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in);
+fault_id_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in);
 
-/* Offsets of both sensors from mid-scale, after calibration. */
+/* The record of a fault that protection_check found: measured value and limit. */
+fault_t protection_record(const protection_cfg_t *cfg, const protection_in_t *in, fault_id_t id);
+
+/* Offsets of both sensors from mid-scale, after calibration: the record, or id FAULT_NONE. */
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);
 
 #endif

@@ -21,12 +21,12 @@ _Static_assert((-3 >> 1) == -2,
 #define ATAN_UNIT_SHIFT (29U - 16U) /* table unit: 2^-16 of an eighth turn, 2^29 */
 
 /* Table value at index + fraction / 2^15, rounded to nearest; neighbours differ by less than 2^8. */
-static inline int16_t interpolate(uint32_t index, int32_t fraction_q15)
+static inline int32_t interpolate(uint32_t index, int32_t fraction_q15)
 {
     const int32_t left = trig_sin_table[index];
     const int32_t right = trig_sin_table[index + 1U];
 
-    return (int16_t)(left + fx_asr(((right - left) * fraction_q15) + 0x4000, 15U));
+    return left + fx_asr(((right - left) * fraction_q15) + 0x4000, 15U);
 }
 
 sincos_t trig_sincos(angle_t angle)

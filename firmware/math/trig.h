@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 typedef struct {
-    int16_t sin; /* Q15, −32767…32767 */
-    int16_t cos; /* Q15, −32767…32767 */
+    int32_t sin; /* Q15, −32767…32767 */
+    int32_t cos; /* Q15, −32767…32767 */
 } sincos_t;
 
 /*

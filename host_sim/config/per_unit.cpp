@@ -13,16 +13,16 @@ namespace
 constexpr double PI = 3.14159265358979323846;
 constexpr double TWO_PI = 2 * PI;
 constexpr double STEPS_PER_TURN = 4294967296.0; // step_t and angle_t: 2^32
+constexpr double Q12 = 4096.0;
 constexpr double Q13 = 8192.0;
 constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
 constexpr double Q27 = 134217728.0;
-constexpr double Q28 = 268435456.0;
 constexpr double Q30 = 1073741824.0;
 constexpr double MANTISSA_MAX = 32767.0;
 
-// The speed base leaves room for the error between full speed one way and the other.
-constexpr double SPEED_HEADROOM = 2.2;
+// The converter's full scale is half the current base, so that no vector of three currents overflows.
+constexpr double CURRENT_BASE_RATIO = 2.0;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;
 // The current PI integrates at least this much faster than the motor's own R/L would: disturbances
@@ -53,8 +53,8 @@ void store(Field &field, double value, double lo, double hi, const char *key, do
 }
 
 struct Mantissa {
-    int16_t value;
-    uint8_t shift;
+    int32_t value;
+    uint32_t shift;
 };
 
 // value ≈ mantissa / 2^shift with as many significant bits as the shift range allows.
@@ -71,8 +71,8 @@ Mantissa normalise(double value, int shift_min, int shift_max, const char *key, 
     while (shift > shift_min && std::round(std::ldexp(value, shift)) > MANTISSA_MAX) {
         shift--;
     }
-    return {static_cast<int16_t>(std::lround(std::ldexp(value, shift))),
-            static_cast<uint8_t>(shift)};
+    return {static_cast<int32_t>(std::lround(std::ldexp(value, shift))),
+            static_cast<uint32_t>(shift)};
 }
 
 struct Model {
@@ -123,8 +123,8 @@ void check_euler(const MotorSettings &motor, const Model &m, double period)
 sampling_cfg_t make_sampling(const BoardSettings &board)
 {
     sampling_cfg_t c{};
-    store(c.current_shift, 16 - board.adc_bits, 1, 8, "board.adc_bits", board.adc_bits,
-          "16 − bits");
+    store(c.current_shift, 15 - board.adc_bits, 0, 7, "board.adc_bits", board.adc_bits,
+          "15 − bits");
     store(c.bus_shift, 15 - board.adc_bits, 0, 7, "board.adc_bits", board.adc_bits, "15 − bits");
     store(c.offset_log2, board.offset_samples_log2, 0, 12, "board.offset_samples_log2",
           board.offset_samples_log2, "the exponent");
@@ -135,7 +135,7 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
 {
     protection_cfg_t c{};
     const double top = MANTISSA_MAX - 1;
-    store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, top, "board.overcurrent_a",
+    store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, Q14 - 2, "board.overcurrent_a",
           board.overcurrent_a, "its share of board.current_full_scale_a in Q15");
     store(c.bus_max, board.bus_max_v / b.voltage_v * Q15, 1, top, "board.bus_max_v",
           board.bus_max_v, "its share of board.bus_full_scale_v in Q15");
@@ -176,25 +176,28 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const TuningSettings
     const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
     nn_observer_cfg_t c{};
 
-    store(c.decay_d_q28, decay_d * Q28, 0, Q28 / 2, "motor.resistance_ohm", motor.resistance_ohm,
-          "T·R/L_d in Q28");
-    store(c.decay_q_q28, decay_q * Q28, 0, Q28 / 2, "motor.resistance_ohm", motor.resistance_ohm,
-          "T·R/L_q in Q28");
-    store(c.volt_gain_q28, period / m.inductance_d * b.voltage_v / base_x * Q28, 1, 8 * Q28 - 1,
-          "motor.inductance_d_h", motor.inductance_d_h, "T/L_d·U_b/I_x in Q28");
+    const double volt_gain = period / m.inductance_d * b.voltage_v / base_x;
+    const Mantissa largest = normalise(std::ldexp(std::max({decay_d, decay_q, volt_gain}), 12), 2,
+                                       15, "motor.inductance_d_h", motor.inductance_d_h,
+                                       "the larger of T·R/L and T/L·U_b/I_x, times 4096,");
+    c.weight_shift = largest.shift;
+    const double weight = std::ldexp(1.0, 12 + static_cast<int>(largest.shift));
+    c.decay_d = static_cast<int32_t>(std::lround(decay_d * weight));
+    c.decay_q = static_cast<int32_t>(std::lround(decay_q * weight));
+    c.volt_gain = static_cast<int32_t>(std::lround(volt_gain * weight));
     store(c.flux_q27, m.flux_current / base_x * Q27, 1, Q27 - 1, "motor.flux_linkage_wb",
           motor.flux_linkage_wb, "(φ/L_d)/I_x in Q27");
     store(c.flux_drive_q27, decay_d * m.flux_current / base_x * Q27, 0, Q27 / 2,
           "motor.flux_linkage_wb", motor.flux_linkage_wb, "the constant of v_x in Q27");
     store(c.iq_gain_q14, m.inductance_d / m.inductance_q * Q14, 1, MANTISSA_MAX,
           "motor.inductance_d_h", motor.inductance_d_h, "L_d/L_q in Q14");
-    c.current_shift = static_cast<uint8_t>(s);
-    const Mantissa eta = normalise(std::ldexp(rate, 16), 0, 30, "observer.kappa",
+    c.current_shift = static_cast<uint32_t>(s);
+    const Mantissa eta = normalise(std::ldexp(rate, 14), 1, 30, "observer.kappa",
                                    tuning.observer_kappa, "the learning rate");
     c.rate = eta.value;
     c.rate_shift = eta.shift;
     const Mantissa prop =
-        normalise(std::ldexp(tuning.observer_kappa_p * steps, 16), 0, 30, "observer.kappa_p",
+        normalise(std::ldexp(tuning.observer_kappa_p * steps, 14), 1, 30, "observer.kappa_p",
                   tuning.observer_kappa_p, "the proportional path");
     c.proportional = prop.value;
     c.proportional_shift = prop.shift;
@@ -211,8 +214,9 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const TuningSettings
 
 pi_cfg_t make_pi(double kp, double ki, const char *key, double setting)
 {
-    const Mantissa p = normalise(kp, 0, 30, key, setting, "the proportional gain per unit");
-    const Mantissa i = normalise(ki, 15, 45, key, setting, "the integral gain per unit and period");
+    const Mantissa p = normalise(kp, 1, 30, key, setting, "the proportional gain per unit");
+    const Mantissa i =
+        normalise(std::ldexp(ki, 11), 1, 30, key, setting, "the integral gain per unit and period");
     pi_cfg_t c{};
     c.kp = p.value;
     c.kp_shift = p.shift;
@@ -260,7 +264,8 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
 {
     const double omega = TWO_PI * tuning.speed_bandwidth_hz;
     const double slow_period = b.control_period_s * tuning.slow_ticks;
-    const double per_unit = b.speed_el_rad_s / b.current_a / m.torque_acceleration;
+    // The error between full speed one way and the other fits 2·Ω_b.
+    const double per_unit = 2 * b.speed_el_rad_s / b.current_a / m.torque_acceleration;
     const double one_step_ramp = ramp_steps(1.0, tuning, b); // steps for 1 rad/s²
     speed_loop_cfg_t c{};
     c.pi =
@@ -270,9 +275,8 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
           Q30 / 2, "speed_loop.ramp_rpm_s", tuning.speed_ramp_rpm_s, "the ramp in steps");
     store(c.speed_max, b.step_from_rpm(motor.max_speed_rpm), 1, Q30 / 2, "motor.max_speed_rpm",
           motor.max_speed_rpm, "the advance per tick in steps");
-    store(c.current_max, motor.max_current_a / b.current_a * Q15, 1, MANTISSA_MAX,
-          "motor.max_current_a", motor.max_current_a,
-          "its share of board.current_full_scale_a in Q15");
+    store(c.current_max, motor.max_current_a / b.current_a * Q15, 1, Q14, "motor.max_current_a",
+          motor.max_current_a, "its share of board.current_full_scale_a in Q15");
     const double current_per_step =
         tuning.inertia_feed_forward / one_step_ramp / m.torque_acceleration / b.current_a * Q15;
     const Mantissa inertia =
@@ -280,7 +284,7 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
                   motor.inertia_kg_m2, "the acceleration feed-forward");
     c.inertia = inertia.value;
     c.inertia_shift = inertia.shift;
-    c.error_shift = static_cast<uint8_t>(b.speed_shift);
+    c.error_shift = static_cast<uint32_t>(b.speed_shift) + 1U;
     return c;
 }
 
@@ -319,7 +323,7 @@ position_loop_cfg_t make_position_loop(const MotorSettings &motor, const TuningS
                                  tuning.position_bandwidth_hz, "the position gain");
     c.gain = g.value;
     c.gain_shift = g.shift;
-    c.ticks = static_cast<int16_t>(tuning.slow_ticks);
+    c.ticks = tuning.slow_ticks;
     return c;
 }
 
@@ -330,8 +334,8 @@ modulator_cfg_t make_modulator(const BoardSettings &board, const Bases &b)
           "board.timer_clock_hz", board.timer_clock_hz, "clock/(2·board.pwm_frequency_hz)");
     store(c.ratio_max_q15, (1 - board.duty_margin_pct / 100) / std::sqrt(3.0) * Q15 - 0.5, 1, 18918,
           "board.duty_margin_pct", board.duty_margin_pct, "the largest voltage ratio in Q15");
-    store(c.inverse_max_q27, b.voltage_v / (board.bus_min_v * BUS_FLOOR) * Q27, Q27, 8 * Q27 - 1,
-          "board.bus_min_v", board.bus_min_v, "board.bus_full_scale_v/(0.8·bus_min) in Q27");
+    store(c.inverse_max_q12, b.voltage_v / (board.bus_min_v * BUS_FLOOR) * Q12, Q12, MANTISSA_MAX,
+          "board.bus_min_v", board.bus_min_v, "board.bus_full_scale_v/(0.8·bus_min) in Q12");
     return c;
 }
 
@@ -362,10 +366,10 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 {
     Bases b{};
     b.control_period_s = 1.0 / board.pwm_frequency_hz;
-    b.current_a = board.current_full_scale_a;
+    b.current_a = board.current_full_scale_a * CURRENT_BASE_RATIO;
     b.voltage_v = board.bus_full_scale_v;
     b.pole_pairs = motor.pole_pairs;
-    const double largest = b.step_from_rpm(motor.max_speed_rpm) * SPEED_HEADROOM;
+    const double largest = b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM;
     b.speed_shift = 1;
     while (std::ldexp(Q15, b.speed_shift) < largest && b.speed_shift < 16) {
         b.speed_shift++;
@@ -388,7 +392,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
     c.position_loop = make_position_loop(motor, tuning, b);
     c.modulator = make_modulator(board, b);
-    c.speed_shift = static_cast<uint8_t>(b.speed_shift);
+    c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     store(c.slow_ticks, tuning.slow_ticks, 2, 100, "speed_loop.slow_ticks", tuning.slow_ticks,
           "control ticks per slow period");
     if (const char *bad = params_check(&c)) {

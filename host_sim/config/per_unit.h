@@ -25,7 +25,7 @@ struct SettingError : std::runtime_error {
 // SI value of one per-unit step of each firmware quantity.
 struct Bases {
     double control_period_s;
-    double current_a;      // I_b: Q15 one
+    double current_a;      // I_b: Q15 one; twice the converter's full scale
     double voltage_v;      // U_b: Q15 one
     double speed_el_rad_s; // Ω_b: Q15 one
     int speed_shift;       // Q15 of Ω_b = step >> speed_shift

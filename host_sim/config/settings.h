@@ -34,7 +34,7 @@ struct BoardSettings {
     double pwm_frequency_hz = 0; // also the control rate
     double timer_clock_hz = 0;
     int adc_bits = 0;
-    double current_full_scale_a = 0; // ± at the ends of the converter; the current base I_b
+    double current_full_scale_a = 0; // ± at the ends of the converter; half the current base I_b
     double bus_full_scale_v = 0;     // the voltage base U_b
     double bus_nominal_v = 0;
     double bus_min_v = 0; // under-voltage fault while running
