@@ -11,17 +11,16 @@ from pathlib import Path
 
 GATES = Path(__file__).resolve().parent
 
+TAG = "    // cppcheck-suppress misra-c2012-11.4 ; D1: the address is given by the chip\n"
+
 CLEAN = {
     "firmware/math/fx.h": "#include <stdint.h>\n",
-    "firmware/control/pi.h": '#include "fx.h"\n',
-    "firmware/control/pi.c": '#include "pi.h"\n\n/* no float here: "double" */\nint pi_step(void)\n'
-                             "{\n"
-                             "    // cppcheck-suppress misra-c2012-11.4 ; D1: reason\n"
-                             "    return 1;\n"
-                             "}\n",
+    "firmware/control/pi.h": '#include "fx.h"\nint32_t pi_step(void);\n',
+    "firmware/control/pi.c": '#include "pi.h"\n\n/* no float here */\nint32_t pi_step(void)\n{\n'
+                             + TAG + "    return *(const volatile int32_t *)0x4000U;\n}\n",
     "firmware/control/modulator.h": "",
     "firmware/drive/drive.h": '#include "pi.h"\n',
-    "firmware/MISRA.md": "| 15.5 | reason |\n\n"
+    "firmware/MISRA.md": "| 8.7, 15.5 | reason |\n\n"
                          "| D1 | 11.4 | `firmware/control/pi.c:pi_step` | reason |\n",
     "hal/hal.h": '#include "drive.h"\n',
     "firmware/app/control_isr.c": '#include "hal.h"\n',
@@ -59,7 +58,7 @@ class GatesCanFail(unittest.TestCase):
             self.assertIn(text, output)
 
     def test_clean_tree_passes(self):
-        for gate in ("floors", "format", "misra_register", "no_float"):
+        for gate in ("floors", "format", "misra", "misra_register", "no_float"):
             code, output = self.run_gate(gate)
             self.assertEqual(code, 0, output)
 
@@ -92,6 +91,14 @@ class GatesCanFail(unittest.TestCase):
                 self.setUp()
                 self.append(path, f"#include {include}\n")
                 self.assert_fails("floors", path, include)
+
+    def test_misra(self):
+        self.write("firmware/control/pi.c", CLEAN["firmware/control/pi.c"].replace(TAG, ""))
+        self.assert_fails("misra", "firmware/control/pi.c:6: MISRA [misra-c2012-11.4]")
+
+    def test_misra_tag_that_suppresses_nothing(self):
+        self.append("firmware/control/pi.c", TAG.lstrip() + "typedef int32_t pi_t;\n")
+        self.assert_fails("misra", "firmware/control/pi.c:10", "unmatchedSuppression")
 
     def test_misra_tag_without_row(self):
         self.append("firmware/control/modulator.h",
