@@ -4,9 +4,7 @@
 #define STATE_TO_Q15 (12U)
 #define ERROR_LIMIT (8191) /* keeps b(k) below 2^29 and (b >> 14)·rate below 2^30 */
 #define STEP_LIMIT (0x20000000)
-#define EIGHTH_OF_2PI_Q15 \
-    (25736) /* W2 = speed in Q15 of Ω_b times 2π/8, in 2^-(29 − speed_shift) rad */
-#define W2_SHIFT (17U)
+#define RADIANS_PER_STEP (25736) /* 2π·2^28/2^32·2^16: W2 in Q28 from step_t */
 
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
 {
