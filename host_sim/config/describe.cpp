@@ -1,0 +1,189 @@
+#include "describe.h"
+
+#include <cmath>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double TWO_PI = 6.28318530717958647692;
+constexpr int PI_INTEGRAL_BITS = 11; // of pi_cfg_t: gain = ki / 2^(ki_shift + 11)
+
+double scaled(std::int64_t value, int bits)
+{
+    return std::ldexp(static_cast<double>(value), -bits);
+}
+
+struct Rows {
+    const Config &config;
+    const drive_cfg_t &built;
+    Bases bases;
+    std::vector<ConfigRow> rows;
+
+    template <typename Number, typename... Arguments>
+    void add(const std::string &path, Number value, fmt::format_string<Arguments...> meaning,
+             Arguments &&...arguments)
+    {
+        rows.push_back({path, value, std::is_unsigned_v<Number>, sizeof value,
+                        fmt::format(meaning, std::forward<Arguments>(arguments)...)});
+    }
+
+    double ampere(int32_t q15) const
+    {
+        return scaled(q15, 15) * bases.current_a;
+    }
+
+    double volt(int32_t q15) const
+    {
+        return scaled(q15, 15) * bases.voltage_v;
+    }
+
+    double slow_period() const
+    {
+        return bases.control_period_s * static_cast<double>(built.slow_ticks);
+    }
+};
+
+void add_sampling(Rows &to)
+{
+    const sampling_cfg_t &c = to.built.sampling;
+    to.add("sampling.current_shift", c.current_shift, "{} bit counts to Q15 of I_b = {:g} A",
+           to.config.board.adc_bits, to.bases.current_a);
+    to.add("sampling.bus_shift", c.bus_shift, "{} bit counts to Q15 of U_b = {:g} V",
+           to.config.board.adc_bits, to.bases.voltage_v);
+    to.add("sampling.offset_log2", c.offset_log2, "averages {:g} samples",
+           std::exp2(c.offset_log2));
+}
+
+void add_protection(Rows &to)
+{
+    const protection_cfg_t &c = to.built.protection;
+    to.add("protection.current_max", c.current_max, "{:.5g} A", to.ampere(c.current_max));
+    to.add("protection.bus_max", c.bus_max, "{:.5g} V", to.volt(c.bus_max));
+    to.add("protection.bus_min", c.bus_min, "{:.5g} V", to.volt(c.bus_min));
+    to.add("protection.offset_max", c.offset_max, "{:.5g} A", to.ampere(c.offset_max));
+}
+
+void add_network(Rows &to)
+{
+    const nn_observer_cfg_t &c = to.built.observer;
+    const int weight = 12 + static_cast<int>(c.weight_shift);
+    const double base_x = std::ldexp(to.bases.current_a, static_cast<int>(c.current_shift));
+    to.add("observer.decay_d", c.decay_d, "T·R/L_d = {:.5g}", scaled(c.decay_d, weight));
+    to.add("observer.decay_q", c.decay_q, "T·R/L_q = {:.5g}", scaled(c.decay_q, weight));
+    to.add("observer.volt_gain", c.volt_gain, "T/L_d = {:.5g} A/V",
+           scaled(c.volt_gain, weight) * base_x / to.bases.voltage_v);
+    to.add("observer.weight_shift", c.weight_shift, "the three above are times 2^{}", weight);
+    to.add("observer.flux_q27", c.flux_q27, "φ/L_d = {:.5g} A", scaled(c.flux_q27, 27) * base_x);
+    to.add("observer.flux_drive_q27", c.flux_drive_q27, "T·R/L_d·φ/L_d = {:.5g} A",
+           scaled(c.flux_drive_q27, 27) * base_x);
+    to.add("observer.iq_gain_q14", c.iq_gain_q14, "L_d/L_q = {:.5g}", scaled(c.iq_gain_q14, 14));
+    to.add("observer.current_shift", c.current_shift, "I_x = {:g} A", base_x);
+}
+
+void add_adaptation(Rows &to)
+{
+    const nn_observer_cfg_t &c = to.built.observer;
+    to.add("observer.rate", c.rate, "κ = {:g}", to.config.tuning.observer_kappa);
+    to.add("observer.rate_shift", c.rate_shift, "of the rate");
+    to.add("observer.proportional", c.proportional, "κ_p = {:g}",
+           to.config.tuning.observer_kappa_p);
+    to.add("observer.proportional_shift", c.proportional_shift, "of the proportional path");
+    to.add("observer.momentum_q15", c.momentum_q15, "α = {:.5g}", scaled(c.momentum_q15, 15));
+    to.add("observer.speed_limit", c.speed_limit, "{:.6g} rpm",
+           to.bases.rpm_from_step(c.speed_limit));
+}
+
+void add_pi(Rows &to, const std::string &name, const pi_cfg_t &c)
+{
+    to.add(name + ".kp", c.kp, "K_p = {:.5g} per unit", scaled(c.kp, static_cast<int>(c.kp_shift)));
+    to.add(name + ".ki", c.ki, "K_i·T = {:.5g} per unit",
+           scaled(c.ki, static_cast<int>(c.ki_shift) + PI_INTEGRAL_BITS));
+    to.add(name + ".kp_shift", c.kp_shift, "of K_p");
+    to.add(name + ".ki_shift", c.ki_shift, "of K_i·T, less {}", PI_INTEGRAL_BITS);
+}
+
+void add_current_loop(Rows &to)
+{
+    const current_loop_cfg_t &c = to.built.current_loop;
+    const double impedance = to.bases.voltage_v / to.bases.current_a;
+    const double inductance = impedance / to.bases.speed_el_rad_s;
+    add_pi(to, "current_loop.pi_d", c.pi_d);
+    add_pi(to, "current_loop.pi_q", c.pi_q);
+    to.add("current_loop.reactance_d_q13", c.reactance_d_q13, "L_d = {:.5g} H",
+           scaled(c.reactance_d_q13, 13) * inductance);
+    to.add("current_loop.reactance_q_q13", c.reactance_q_q13, "L_q = {:.5g} H",
+           scaled(c.reactance_q_q13, 13) * inductance);
+    to.add("current_loop.emf_q13", c.emf_q13, "φ = {:.5g} Wb",
+           scaled(c.emf_q13, 13) * to.bases.voltage_v / to.bases.speed_el_rad_s);
+}
+
+void add_speed_loop(Rows &to)
+{
+    const speed_loop_cfg_t &c = to.built.speed_loop;
+    add_pi(to, "speed_loop.pi", c.pi);
+    to.add("speed_loop.ramp", c.ramp, "{:.6g} rpm/s",
+           to.bases.rpm_from_step(c.ramp) / to.slow_period());
+    to.add("speed_loop.speed_max", c.speed_max, "{:.6g} rpm", to.bases.rpm_from_step(c.speed_max));
+    to.add("speed_loop.current_max", c.current_max, "{:.5g} A", to.ampere(c.current_max));
+    to.add("speed_loop.inertia", c.inertia, "{:g} of J = {:g} kg·m²",
+           to.config.tuning.inertia_feed_forward,
+           to.config.motor.inertia_kg_m2 * to.config.model.inertia);
+    to.add("speed_loop.inertia_shift", c.inertia_shift, "of the inertia");
+    to.add("speed_loop.error_shift", c.error_shift, "steps to the Q15 speed error");
+}
+
+void add_position_loop(Rows &to)
+{
+    const position_loop_cfg_t &c = to.built.position_loop;
+    const double unit = std::exp2(static_cast<double>(c.distance_shift) - 32);
+    to.add("position_loop.ramp", c.ramp, "{:.6g} rad/s² mechanical",
+           to.bases.rpm_from_step(c.ramp) * TWO_PI / 60 / to.slow_period());
+    to.add("position_loop.speed_max", c.speed_max, "{:.6g} rpm",
+           to.bases.rpm_from_step(c.speed_max));
+    to.add("position_loop.braking_inverse", c.braking_inverse,
+           "brakes from full speed in {:.5g} electrical turns",
+           std::exp2(30) / c.braking_inverse * unit);
+    to.add("position_loop.softness_q15", c.softness_q15, "settles with {:g} s",
+           to.config.tuning.position_softness_s);
+    to.add("position_loop.gain", c.gain, "bandwidth {:g} Hz",
+           to.config.tuning.position_bandwidth_hz);
+    to.add("position_loop.gain_shift", c.gain_shift, "of the gain");
+    to.add("position_loop.distance_shift", c.distance_shift,
+           "distance unit {:.4g} electrical turns", unit);
+    to.add("position_loop.ticks", c.ticks, "slow period {:g} s", to.slow_period());
+}
+
+void add_modulator(Rows &to)
+{
+    const modulator_cfg_t &c = to.built.modulator;
+    to.add("modulator.timer_counts", c.timer_counts, "{:g} Hz, centre-aligned, from {:g} Hz",
+           to.config.board.pwm_frequency_hz, to.config.board.timer_clock_hz);
+    to.add("modulator.ratio_max_q15", c.ratio_max_q15, "{:.5g} of the bus voltage",
+           scaled(c.ratio_max_q15, 15));
+    to.add("modulator.inverse_max_q12", c.inverse_max_q12, "down to {:.5g} V",
+           to.bases.voltage_v / scaled(c.inverse_max_q12, 12));
+}
+
+} // namespace
+
+std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
+{
+    Rows to = {config, built, make_bases(config.motor, config.board), {}};
+    add_sampling(to);
+    add_protection(to);
+    add_network(to);
+    add_adaptation(to);
+    add_current_loop(to);
+    add_speed_loop(to);
+    add_position_loop(to);
+    add_modulator(to);
+    to.add("slow_ticks", built.slow_ticks, "slow period {:g} s", to.slow_period());
+    return to.rows;
+}
+
+} // namespace nf

@@ -1,0 +1,136 @@
+// nfconfig: shows and checks configurations, and writes the header that targets compile.
+//
+// Exit code 0, or 2 with one line on stderr that says what is wrong.
+#include "config.h"
+#include "describe.h"
+#include "header.h"
+#include "schema.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iostream>
+
+namespace
+{
+
+constexpr int WRONG_INPUT = 2;
+
+struct Choice {
+    std::string motor;
+    std::string board;
+    std::string tuning = "robust";
+    std::vector<std::string> with;
+    std::vector<std::string> set;
+    std::string out;
+};
+
+void add_choice(CLI::App &command, Choice &choice)
+{
+    command.add_option("--motor", choice.motor, "Motor, by name or path")->required();
+    command.add_option("--board", choice.board, "Board, by name or path")->required();
+    command.add_option("--tuning", choice.tuning, "Tuning, by name or path")->capture_default_str();
+    command.add_option("--with", choice.with, "Imperfection set, by name or path; repeatable")
+        ->expected(1)
+        ->allow_extra_args(false);
+    command.add_option("--set", choice.set, "Override section.key=value; repeatable")
+        ->expected(1)
+        ->allow_extra_args(false);
+}
+
+nf::Config load(const Choice &choice)
+{
+    return nf::load_parts(choice.motor, choice.board, choice.tuning, choice.with, choice.set);
+}
+
+void write_header(const Choice &choice)
+{
+    const std::string text = nf::make_header(load(choice));
+    if (choice.out.empty()) {
+        std::cout << text;
+        return;
+    }
+    std::ofstream file(choice.out, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) {
+        nf::fail({choice.out, 0}, "", "", "cannot be written", "");
+    }
+}
+
+void show(const Choice &choice)
+{
+    const nf::Config config = load(choice);
+    for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
+        std::cout << fmt::format("{:32}{:>12}  {}\n", row.path, row.value, row.meaning);
+    }
+}
+
+void print_keys()
+{
+    std::cout << fmt::format("{:36}{:30}{:12}{}\n", "key", "allowed", "default", "meaning");
+    for (const nf::Field &field : nf::schema()) {
+        std::cout << fmt::format("{:36}{:30}{:12}{}\n", field.name(), field.allowed(),
+                                 field.default_text(), field.help);
+    }
+}
+
+void print_names(const char *kind, const std::vector<std::string> &names)
+{
+    std::cout << fmt::format("{:14}{}\n", kind, fmt::join(names, " "));
+}
+
+void print_lists()
+{
+    print_names("motors", nf::list_motors());
+    print_names("boards", nf::list_boards());
+    print_names("tunings", nf::list_tunings());
+    print_names("imperfections", nf::list_imperfections());
+    std::vector<std::string> ids;
+    for (const nf::ScenarioInfo &info : nf::list_scenarios()) {
+        ids.push_back(info.id);
+    }
+    print_names("scenarios", ids);
+}
+
+int run(int argc, char **argv)
+{
+    Choice choice;
+    CLI::App app("Shows and checks configurations, and writes the header that targets compile.");
+    app.require_subcommand(1);
+    CLI::App *header = app.add_subcommand("header", "Write the C header of a configuration");
+    add_choice(*header, choice);
+    header->add_option("--out", choice.out, "File to write; without it, standard output");
+    header->callback([&] { write_header(choice); });
+    CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
+    add_choice(*table, choice);
+    table->callback([&] { show(choice); });
+    app.add_subcommand("keys", "Every key with range, default and meaning")->callback(print_keys);
+    app.add_subcommand("list", "The files that can be referred to by name")->callback(print_lists);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success &help) {
+        return app.exit(help);
+    } catch (const CLI::ParseError &error) {
+        std::cerr << fmt::format("nfconfig: {}; see nfconfig --help\n", error.what());
+        return WRONG_INPUT;
+    }
+    std::cout.flush();
+    return std::cout ? 0 : 1;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    try {
+        return run(argc, argv);
+    } catch (const nf::ConfigError &error) {
+        std::cerr << error.what() << '\n';
+        return WRONG_INPUT;
+    } catch (const std::exception &error) {
+        std::cerr << "nfconfig: " << error.what() << '\n';
+        return 1;
+    }
+}
