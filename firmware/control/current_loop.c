@@ -35,10 +35,10 @@ dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
     const int32_t cross_d = fx_asr(at_speed(speed, cfg->reactance_q_q13) * measured.q, 15U);
     const int32_t cross_q = fx_asr(at_speed(speed, cfg->reactance_d_q13) * measured.d, 15U);
     const int32_t emf = at_speed(speed, cfg->emf_q13);
-    dq_t v;
+    const dq_t wanted = {
+        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, -cross_d, limit),
+        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, cross_q + emf, limit),
+    };
 
-    v.d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, -cross_d, limit);
-    v.q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, cross_q + emf, limit);
-    v.q = limit_q(&loop->pi_q, v, limit);
-    return v;
+    return (dq_t){.d = wanted.d, .q = limit_q(&loop->pi_q, wanted, limit)};
 }

@@ -52,7 +52,8 @@ static step_t braking_speed(const position_loop_cfg_t *cfg, uint32_t units)
 {
     const int32_t c_q15 = cfg->softness_q15;
     const uint32_t share_q30 = units * (uint32_t)cfg->braking_inverse;
-    const int32_t root_q15 = (int32_t)trig_sqrt(share_q30 + (uint32_t)(c_q15 * c_q15));
+    const uint32_t c_q30 = (uint32_t)c_q15 * (uint32_t)c_q15;
+    const int32_t root_q15 = (int32_t)trig_sqrt(share_q30 + c_q30);
 
     return fx_mul_32x16(cfg->speed_max, fx_min(root_q15 - c_q15, FX_Q15_MAX)) * 2;
 }

@@ -8,9 +8,10 @@
 
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
-    const uint16_t half = (uint16_t)(drive->cfg->modulator.timer_counts / 2);
+    const uint32_t half = (uint32_t)drive->cfg->modulator.timer_counts / 2U;
+    const uint16_t rest = (uint16_t)half;
 
-    *out = (drive_out_t){.compare = {.phase = {half, half, half}}, .gate_enable = false};
+    *out = (drive_out_t){.compare = {.phase = {rest, rest, rest}}, .gate_enable = false};
 }
 
 static void enter_fault(drive_t *drive, fault_t fault)
@@ -77,27 +78,37 @@ static void watch(drive_t *drive, const drive_in_t *in)
     }
 }
 
-/* Average of 2^offset_log2 samples; the sum of 4096 full-scale samples fits 32 bits unsigned. */
-static void calibrate_step(drive_t *drive, const drive_in_t *in)
+/* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
+static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
+{
+    const uint32_t scaled = (uint32_t)sum << cfg->current_shift;
+    const uint32_t mean = scaled >> cfg->offset_log2;
+
+    return (int32_t)mean;
+}
+
+static void finish_calibration(drive_t *drive)
 {
     const sampling_cfg_t *const cfg = &drive->cfg->sampling;
+    fault_t fault;
 
+    drive->offset_a = mean_sample(cfg, drive->offset_a);
+    drive->offset_b = mean_sample(cfg, drive->offset_b);
+    fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
+                                    drive->offset_b - ADC_MID_Q15);
+    drive->state = DRIVE_STATE_READY;
+    if (fault.id != FAULT_NONE) {
+        enter_fault(drive, fault);
+    }
+}
+
+static void calibrate_step(drive_t *drive, const drive_in_t *in)
+{
     drive->offset_a += (int32_t)in->adc_ia;
     drive->offset_b += (int32_t)in->adc_ib;
     drive->offset_samples++;
-    if (drive->offset_samples == (1UL << cfg->offset_log2)) {
-        const uint32_t shift = cfg->offset_log2;
-        const uint32_t scale = cfg->current_shift;
-        fault_t fault;
-
-        drive->offset_a = (int32_t)(((uint32_t)drive->offset_a << scale) >> shift);
-        drive->offset_b = (int32_t)(((uint32_t)drive->offset_b << scale) >> shift);
-        fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
-                                        drive->offset_b - ADC_MID_Q15);
-        drive->state = DRIVE_STATE_READY;
-        if (fault.id != FAULT_NONE) {
-            enter_fault(drive, fault);
-        }
+    if (drive->offset_samples == (1UL << drive->cfg->sampling.offset_log2)) {
+        finish_calibration(drive);
     }
 }
 

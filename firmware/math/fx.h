@@ -102,9 +102,9 @@ static inline int16_t fx_mul_q15(int16_t a, int16_t b)
 static inline int32_t fx_mul_32x16(int32_t a, int32_t b)
 {
     const int32_t a_hi = fx_asr(a, 16U);
-    const int32_t a_lo = (int32_t)((uint32_t)a & 0xFFFFU);
+    const uint32_t a_lo = (uint32_t)a & 0xFFFFU;
 
-    return (a_hi * b) + fx_asr(a_lo * b, 16U);
+    return (a_hi * b) + fx_asr((int32_t)a_lo * b, 16U);
 }
 
 #endif

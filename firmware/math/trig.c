@@ -5,8 +5,8 @@
 #include <stdbool.h>
 
 /* fx_asr relies on sign-extending right shifts, as every supported compiler has them. */
-_Static_assert((-3 >> 1) == -2,
-               "right shift must keep the sign"); /* cppcheck-suppress misra-c2012-10.1 ; D1 */
+/* cppcheck-suppress misra-c2012-10.1 ; D1 */
+_Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 
 #define INDEX_SHIFT (32U - TRIG_SIN_BITS)
 #define FRACTION_SHIFT (INDEX_SHIFT - 15U)
@@ -17,8 +17,10 @@ _Static_assert((-3 >> 1) == -2,
 #define HALF_TURN (0x80000000U)
 
 #define ATAN_FRACTION_BITS (16U - TRIG_ATAN_BITS)
-#define ATAN_FRACTION_MASK ((1U << ATAN_FRACTION_BITS) - 1U)
+#define ATAN_FRACTION_SCALE (0x100U)
+#define ATAN_FRACTION_MASK (0xFFU)
 #define ATAN_UNIT_SHIFT (29U - 16U) /* table unit: 2^-16 of an eighth turn, 2^29 */
+#define ATAN_SCALE (0x20U)          /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
 
 /* Table value at index + fraction / 2^15, rounded to nearest; neighbours differ by less than 2^8. */
 static inline int32_t interpolate(uint32_t index, int32_t fraction_q15)
@@ -32,11 +34,11 @@ static inline int32_t interpolate(uint32_t index, int32_t fraction_q15)
 sincos_t trig_sincos(angle_t angle)
 {
     const uint32_t index = angle >> INDEX_SHIFT;
-    const int32_t fraction_q15 = (int32_t)((angle >> FRACTION_SHIFT) & FRACTION_MASK);
+    const uint32_t fraction_q15 = (angle >> FRACTION_SHIFT) & FRACTION_MASK;
 
     return (sincos_t){
-        .sin = interpolate(index, fraction_q15),
-        .cos = interpolate(index + TRIG_SIN_QUARTER, fraction_q15),
+        .sin = interpolate(index, (int32_t)fraction_q15),
+        .cos = interpolate(index + TRIG_SIN_QUARTER, (int32_t)fraction_q15),
     };
 }
 
@@ -52,8 +54,7 @@ static angle_t atan_octant(uint32_t small, uint32_t large)
         const uint32_t left = trig_atan_table[index];
         const uint32_t right = trig_atan_table[index + 1U];
 
-        angle = ((left << ATAN_FRACTION_BITS) + ((right - left) * fraction))
-                << (ATAN_UNIT_SHIFT - ATAN_FRACTION_BITS);
+        angle = ((left * ATAN_FRACTION_SCALE) + ((right - left) * fraction)) * ATAN_SCALE;
     }
     return angle;
 }
