@@ -1,0 +1,126 @@
+/*
+ * A valid configuration, written out: motor A (paper A, table 1) on a 310 V inverter with 12-bit
+ * converters of ±20 A and 450 V, 10 kHz.
+ *
+ *   T = 100 µs, slow period 1 ms; I_b = 40 A (twice full scale), U_b = 450 V
+ *   R = 2.125 Ω, L = 11.6 mH, φ = 0.387 Wb, 2 pole pairs, J = 0.003 kg·m², up to 2000 rpm
+ *   2000 rpm = 418.879 rad/s el. = 28633115 steps; speed_shift 11: Ω_b = 2^26/2^32·2π/T = 981.748 rad/s
+ *   φ/L = 33.362 A < I_b, so s = 1 and I_x = 80 A
+ */
+#ifndef EXAMPLE_CFG_H
+#define EXAMPLE_CFG_H
+
+#include "params.h"
+
+static inline sampling_cfg_t example_sampling_cfg(void)
+{
+    return (sampling_cfg_t){
+        .current_shift = 3U, /* 15 − 12 bits */
+        .bus_shift = 3U,
+        .offset_log2 = 8U,
+    };
+}
+
+static inline protection_cfg_t example_protection_cfg(void)
+{
+    return (protection_cfg_t){
+        .current_max = 14746, /* 18 A / 40 A */
+        .bus_max = 29127,     /* 400 V / 450 V */
+        .bus_min = 14564,     /* 200 V / 450 V */
+        .offset_max = 819,    /* 1 A / 40 A */
+    };
+}
+
+/* κ = 0.005, κ_p = 0.1, no momentum. */
+static inline nn_observer_cfg_t example_observer_cfg(void)
+{
+    return (nn_observer_cfg_t){
+        .decay_d = 9604,    /* T·R/L = 0.0183190, times 2^19 */
+        .decay_q = 9604,    /* the same: L_d = L_q */
+        .volt_gain = 25423, /* T/L·U_b/I_x = 0.0484914, times 2^19 */
+        .weight_shift = 7U,
+        .flux_q27 = 55972264,      /* 33.362 A / 80 A, times 2^27 */
+        .flux_drive_q27 = 1025354, /* 0.0183190 of it */
+        .iq_gain_q14 = 16384,      /* L_d/L_q = 1 */
+        .current_shift = 1U,
+        .speed_shift = 11U,
+        /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^14 */
+        .rate = 19192,
+        .rate_shift = 7U,
+        .proportional = 23990, /* 0.183031, times 2^14, times 2^3 */
+        .proportional_shift = 3U,
+        .momentum_q15 = 0,
+        .speed_limit = 35791394, /* 2500 rpm */
+    };
+}
+
+/* 500 Hz, integral corner 50 Hz. */
+static inline current_loop_cfg_t example_current_loop_cfg(void)
+{
+    /* K_p = ω_c·L·I_b/U_b = 3.23933; K_i·T = K_p·314.16/s·T = 0.101767 */
+    const pi_cfg_t pi = {.kp = 26537, .ki = 26678, .kp_shift = 13U, .ki_shift = 7U};
+
+    return (current_loop_cfg_t){
+        .pi_d = pi,
+        .pi_q = pi,
+        .reactance_d_q13 = 8293, /* Ω_b·L·I_b/U_b = 1.01229 */
+        .reactance_q_q13 = 8293,
+        .emf_q13 = 6917, /* Ω_b·φ/U_b = 0.844303 */
+    };
+}
+
+/* 20 Hz, damping 1, ramp 10000 rpm/s; 774 rad/s² electrical per ampere of i_q. */
+static inline speed_loop_cfg_t example_speed_loop_cfg(void)
+{
+    return (speed_loop_cfg_t){
+        /* K_p = 2·2π·20/s·2·Ω_b/I_b/774 = 15.9393; K_i·T = (2π·20/s)²·2·Ω_b/I_b/774·1 ms = 1.00149 */
+        .pi = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
+        .ramp = 143166,        /* 2.0944 rad/s el. a slow period */
+        .speed_max = 28633115, /* 2000 rpm */
+        .current_max = 8192,   /* 10 A */
+        .inertia = 32471,      /* 0.0154835 of I_b per step of speed a slow period, times 2^21 */
+        .inertia_shift = 5U,
+        .error_shift = 12U, /* Q15 of 2·Ω_b */
+    };
+}
+
+/* 900 rpm, 800 rad/s² mechanical, braking with 720 rad/s². */
+static inline position_loop_cfg_t example_position_loop_cfg(void)
+{
+    return (position_loop_cfg_t){
+        .ramp = 109370,        /* 1.6 rad/s el. a slow period */
+        .speed_max = 12884902, /* 900 rpm */
+        /* B = (94.25 rad/s)²/(2·720 rad/s²) = 1.9635 el. turns = 32169.9 units of 2^18/2^32 turn */
+        .braking_inverse = 33377,
+        .softness_q15 = 2503, /* 10 ms·720/94.25, times 2^15 */
+        .gain = 26354,        /* 2π·5/s·T·2^16 = 205.887, times 2^7 */
+        .gain_shift = 7U,
+        .distance_shift = 18U,
+        .ticks = 10,
+    };
+}
+
+static inline modulator_cfg_t example_modulator_cfg(void)
+{
+    return (modulator_cfg_t){
+        .timer_counts = 8500,     /* 170 MHz / (2·10 kHz) */
+        .ratio_max_q15 = 17972,   /* 0.95/√3, rounded down */
+        .inverse_max_q12 = 11520, /* 450 V / 160 V */
+    };
+}
+
+static inline drive_cfg_t example_drive_cfg(void)
+{
+    return (drive_cfg_t){
+        .sampling = example_sampling_cfg(),
+        .protection = example_protection_cfg(),
+        .observer = example_observer_cfg(),
+        .current_loop = example_current_loop_cfg(),
+        .speed_loop = example_speed_loop_cfg(),
+        .position_loop = example_position_loop_cfg(),
+        .modulator = example_modulator_cfg(),
+        .slow_ticks = 10U,
+    };
+}
+
+#endif

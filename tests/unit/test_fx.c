@@ -1,0 +1,215 @@
+/* Fixed-point primitives: exact results, saturation on both sides, direction of rounding. */
+#include "fx.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define SEEDED_CASES (200000)
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* floor(x / 2^n) without shifting a negative number. */
+static int64_t floor_div_pow2(int64_t x, uint32_t n)
+{
+    const int64_t divisor = (int64_t)1 << n;
+    const int64_t quotient = x / divisor;
+
+    return ((x % divisor) < 0) ? (quotient - 1) : quotient;
+}
+
+static int32_t saturate32(int64_t x)
+{
+    int64_t result = x;
+
+    if (x > INT32_MAX) {
+        result = INT32_MAX;
+    } else if (x < INT32_MIN) {
+        result = INT32_MIN;
+    }
+    return (int32_t)result;
+}
+
+static void test_shift_rounds_towards_minus_infinity(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-2, fx_asr(-3, 1U));
+    TEST_ASSERT_EQUAL_INT32(1, fx_asr(3, 1U));
+    TEST_ASSERT_EQUAL_INT32(-1, fx_asr(-1, 31U));
+    TEST_ASSERT_EQUAL_INT32(0, fx_asr(INT32_MAX, 31U));
+    TEST_ASSERT_EQUAL_INT32(-1, fx_asr(INT32_MIN, 31U));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, fx_asr(INT32_MIN, 0U));
+}
+
+static void test_shift_equals_floor_division_for_every_shift(void)
+{
+    seeded_t seed = {0x2545F491U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int32_t x = seeded_i32(&seed);
+        const uint32_t n = (uint32_t)i % 32U;
+
+        TEST_ASSERT_EQUAL_INT64(floor_div_pow2(x, n), fx_asr(x, n));
+    }
+}
+
+static void test_min_and_max_choose_in_both_orders_and_at_equality(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-7, fx_min(-7, 7));
+    TEST_ASSERT_EQUAL_INT32(-7, fx_min(7, -7));
+    TEST_ASSERT_EQUAL_INT32(7, fx_max(-7, 7));
+    TEST_ASSERT_EQUAL_INT32(7, fx_max(7, -7));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, fx_min(INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, fx_max(INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(5, fx_min(5, 5));
+    TEST_ASSERT_EQUAL_INT32(5, fx_max(5, 5));
+}
+
+static void test_clamp_passes_the_inside_and_stops_at_both_ends(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-10, fx_clamp(-11, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(-10, fx_clamp(-10, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(-9, fx_clamp(-9, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(20, fx_clamp(20, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(20, fx_clamp(21, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(-10, fx_clamp(INT32_MIN, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(20, fx_clamp(INT32_MAX, -10, 20));
+    TEST_ASSERT_EQUAL_INT32(3, fx_clamp(-5, 3, 3));
+}
+
+static void test_abs_of_the_whole_range_but_the_excluded_minimum(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, fx_abs(0));
+    TEST_ASSERT_EQUAL_INT32(1, fx_abs(-1));
+    TEST_ASSERT_EQUAL_INT32(32768, fx_abs(INT16_MIN));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, fx_abs(INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, fx_abs(INT32_MIN + 1));
+}
+
+static void test_sat16_saturates_on_both_sides_exactly_at_the_ends(void)
+{
+    TEST_ASSERT_EQUAL_INT16(32766, fx_sat16(32766));
+    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(32767));
+    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(32768));
+    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(INT32_MAX));
+    TEST_ASSERT_EQUAL_INT16(-32767, fx_sat16(-32767));
+    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(-32768));
+    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(-32769));
+    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(INT32_MIN));
+}
+
+/* Pairs around every edge of 32-bit addition and subtraction. */
+static const int32_t EDGES[] = {
+    INT32_MIN, INT32_MIN + 1, -65537, -65536, -65535, -32769, -32768, -32767,        -1,        0,
+    1,         32767,         32768,  32769,  65535,  65536,  65537,  INT32_MAX - 1, INT32_MAX,
+};
+
+static void test_add_and_sub_saturate_like_the_exact_sum_on_all_edges(void)
+{
+    for (size_t i = 0; i < COUNT(EDGES); i++) {
+        for (size_t j = 0; j < COUNT(EDGES); j++) {
+            const int64_t a = EDGES[i];
+            const int64_t b = EDGES[j];
+
+            TEST_ASSERT_EQUAL_INT32(saturate32(a + b), fx_add_sat(EDGES[i], EDGES[j]));
+            TEST_ASSERT_EQUAL_INT32(saturate32(a - b), fx_sub_sat(EDGES[i], EDGES[j]));
+        }
+    }
+}
+
+static void test_add_and_sub_saturate_like_the_exact_sum_on_seeded_pairs(void)
+{
+    seeded_t seed = {0x9E3779B9U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int32_t a = seeded_i32(&seed);
+        const int32_t b = seeded_i32(&seed);
+
+        TEST_ASSERT_EQUAL_INT32(saturate32((int64_t)a + b), fx_add_sat(a, b));
+        TEST_ASSERT_EQUAL_INT32(saturate32((int64_t)a - b), fx_sub_sat(a, b));
+    }
+}
+
+static void test_q15_product_rounds_to_nearest_with_ties_up(void)
+{
+    /* 16384 is ½: an odd factor gives a tie. */
+    TEST_ASSERT_EQUAL_INT16(2, fx_mul_q15(3, 16384));
+    TEST_ASSERT_EQUAL_INT16(-1, fx_mul_q15(-3, 16384));
+    TEST_ASSERT_EQUAL_INT16(1, fx_mul_q15(1, 16384));
+    TEST_ASSERT_EQUAL_INT16(0, fx_mul_q15(-1, 16384));
+    /* One below and one above the tie. */
+    TEST_ASSERT_EQUAL_INT16(0, fx_mul_q15(1, 16383));
+    TEST_ASSERT_EQUAL_INT16(-1, fx_mul_q15(-1, 16385));
+}
+
+static void test_q15_product_saturates_only_for_minus_one_squared(void)
+{
+    TEST_ASSERT_EQUAL_INT16(32767, fx_mul_q15(INT16_MIN, INT16_MIN));
+    TEST_ASSERT_EQUAL_INT16(-32767, fx_mul_q15(INT16_MIN, INT16_MAX));
+    TEST_ASSERT_EQUAL_INT16(32766, fx_mul_q15(INT16_MAX, INT16_MAX));
+    TEST_ASSERT_EQUAL_INT16(32767, fx_mul_q15(INT16_MIN, -32767));
+}
+
+static void test_q15_product_equals_the_rounded_exact_product(void)
+{
+    seeded_t seed = {0x1B873593U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int16_t a = seeded_i16(&seed);
+        const int16_t b = seeded_i16(&seed);
+        const int64_t exact = floor_div_pow2(((int64_t)a * b) + 16384, 15U);
+
+        TEST_ASSERT_EQUAL_INT64((exact > 32767) ? 32767 : exact, fx_mul_q15(a, b));
+    }
+}
+
+static void test_mul_32x16_is_the_floored_64_bit_product_on_all_edges(void)
+{
+    static const int32_t factors[] = {-32768, -32767, -2, -1, 0, 1, 2, 32766, 32767};
+
+    for (size_t i = 0; i < COUNT(EDGES); i++) {
+        for (size_t j = 0; j < COUNT(factors); j++) {
+            const int64_t exact = floor_div_pow2((int64_t)EDGES[i] * factors[j], 16U);
+
+            TEST_ASSERT_EQUAL_INT64(exact, fx_mul_32x16(EDGES[i], factors[j]));
+        }
+    }
+}
+
+static void test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs(void)
+{
+    seeded_t seed = {0xCC9E2D51U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int32_t a = seeded_i32(&seed);
+        const int32_t b = seeded_i16(&seed);
+
+        TEST_ASSERT_EQUAL_INT64(floor_div_pow2((int64_t)a * b, 16U), fx_mul_32x16(a, b));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_shift_rounds_towards_minus_infinity);
+    RUN_TEST(test_shift_equals_floor_division_for_every_shift);
+    RUN_TEST(test_min_and_max_choose_in_both_orders_and_at_equality);
+    RUN_TEST(test_clamp_passes_the_inside_and_stops_at_both_ends);
+    RUN_TEST(test_abs_of_the_whole_range_but_the_excluded_minimum);
+    RUN_TEST(test_sat16_saturates_on_both_sides_exactly_at_the_ends);
+    RUN_TEST(test_add_and_sub_saturate_like_the_exact_sum_on_all_edges);
+    RUN_TEST(test_add_and_sub_saturate_like_the_exact_sum_on_seeded_pairs);
+    RUN_TEST(test_q15_product_rounds_to_nearest_with_ties_up);
+    RUN_TEST(test_q15_product_saturates_only_for_minus_one_squared);
+    RUN_TEST(test_q15_product_equals_the_rounded_exact_product);
+    RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_all_edges);
+    RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs);
+    return UNITY_END();
+}

@@ -1,0 +1,290 @@
+/* Sine, cosine, arctangent and square root against libm, over whole ranges where that is possible. */
+#include "figure.h"
+#include "seeded.h"
+#include "trig.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#define TURN (4294967296.0) /* angle units in a turn */
+#define TWO_PI (6.283185307179586)
+#define AMPLITUDE (32767.0)
+#define EIGHTH_TURN (0x20000000U)
+#define QUARTER_TURN (0x40000000U)
+#define HALF_TURN (0x80000000U)
+
+/*
+ * Largest error of sine and cosine in LSB, from its sources:
+ *   interpolation between 1024 points a turn: (2π/1024)²/8 · 32767   0.1542
+ *   table rounding, carried over by the interpolation                0.5
+ *   result rounding                                                  0.5
+ *   fraction cut to 15 bits, largest slope 2π·32767/1024 a point     201.1 / 2^15 = 0.0061
+ */
+#define SIN_BOUND_LSB (1.161)
+
+/*
+ * Largest error of the arctangent in angle units, from its sources:
+ *   ratio cut to 16 bits, slope ≤ 1: 2^-16 rad            2^32 · 2^-16 / 2π = 10430
+ *   table rounding, half of 2^13                                               4096
+ *   interpolation between 257 points: (1/256)²/8 · 0.65 rad                      848
+ * The last entry is a further half unit low (65535.5 short of 65536); there the slope is ½, so the
+ * cut ratio costs only 5215 and the sum is lower. All together below the documented 2^-17 turn.
+ */
+#define ATAN_BOUND (15374.0)
+#define ATAN_DOCUMENTED (32768.0) /* 2^-17 turn */
+
+/* A measured maximum far below its bound would mean that the bound, or the measurement, is wrong. */
+#define LEAST_SHARE (0.5)
+
+#define SEEDED_CASES (400000)
+#define SMALL_VECTOR (300)
+#define CELL_STRIDE (1U) /* 1: a proof over all inputs */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static double larger(double a, double b)
+{
+    return (a > b) ? a : b;
+}
+
+static double sine_error(angle_t angle)
+{
+    return fabs((double)trig_sincos(angle).sin -
+                (AMPLITUDE * sin(TWO_PI * ((double)angle / TURN))));
+}
+
+static double cosine_error(angle_t angle)
+{
+    return fabs((double)trig_sincos(angle).cos -
+                (AMPLITUDE * cos(TWO_PI * ((double)angle / TURN))));
+}
+
+static void test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound(void)
+{
+    double worst = 0.0;
+
+    for (uint32_t k = 0U; k < 65536U; k++) {
+        worst = larger(worst, larger(sine_error(k << 16U), cosine_error(k << 16U)));
+    }
+    figure_check("sine and cosine, 65536 directions, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
+}
+
+static void test_sine_and_cosine_of_seeded_angles_stay_within_the_bound(void)
+{
+    seeded_t seed = {0xA5A5F00DU};
+    double worst = 0.0;
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const angle_t angle = seeded_u32(&seed);
+
+        worst = larger(worst, larger(sine_error(angle), cosine_error(angle)));
+    }
+    figure_check("sine and cosine, seeded angles, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
+}
+
+/* The result depends on the upper 25 bits only; the lower 7 move the true angle within the cell. */
+static void test_sine_of_every_distinct_input_stays_within_the_bound(void)
+{
+    double worst = 0.0;
+
+    for (uint32_t cell = 0U; cell < (1U << 25U); cell += CELL_STRIDE) {
+        worst = larger(worst, sine_error(cell << 7U));
+        worst = larger(worst, sine_error((cell << 7U) + 127U));
+    }
+    figure_check("sine, all table cells, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
+}
+
+static void test_cosine_is_the_sine_a_quarter_turn_on(void)
+{
+    seeded_t seed = {0x0BADF00DU};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const angle_t angle = seeded_u32(&seed);
+
+        TEST_ASSERT_EQUAL_INT16(trig_sincos(angle + QUARTER_TURN).sin, trig_sincos(angle).cos);
+    }
+}
+
+static void test_sine_is_exact_on_the_axes_and_symmetric(void)
+{
+    TEST_ASSERT_EQUAL_INT16(0, trig_sincos(0U).sin);
+    TEST_ASSERT_EQUAL_INT16(32767, trig_sincos(0U).cos);
+    TEST_ASSERT_EQUAL_INT16(32767, trig_sincos(QUARTER_TURN).sin);
+    TEST_ASSERT_EQUAL_INT16(0, trig_sincos(QUARTER_TURN).cos);
+    TEST_ASSERT_EQUAL_INT16(0, trig_sincos(HALF_TURN).sin);
+    TEST_ASSERT_EQUAL_INT16(-32767, trig_sincos(HALF_TURN).cos);
+    TEST_ASSERT_EQUAL_INT16(-32767, trig_sincos(HALF_TURN + QUARTER_TURN).sin);
+    TEST_ASSERT_EQUAL_INT16(0, trig_sincos(HALF_TURN + QUARTER_TURN).cos);
+    for (uint32_t k = 0U; k < 1024U; k++) {
+        const angle_t angle =
+            k << 22U; /* table points: no interpolation, so exactly odd and even */
+
+        TEST_ASSERT_EQUAL_INT16(-trig_sincos(angle).sin, trig_sincos(0U - angle).sin);
+        TEST_ASSERT_EQUAL_INT16(trig_sincos(angle).cos, trig_sincos(0U - angle).cos);
+    }
+}
+
+static void test_sine_never_leaves_its_amplitude(void)
+{
+    for (uint32_t cell = 0U; cell < (1U << 25U); cell += 61U) {
+        const sincos_t s = trig_sincos(cell << 7U);
+
+        TEST_ASSERT_TRUE((s.sin >= -32767) && (s.sin <= 32767));
+        TEST_ASSERT_TRUE((s.cos >= -32767) && (s.cos <= 32767));
+    }
+}
+
+/* Distance of the result from the exact direction of (x, y), in angle units, by the shorter way. */
+static double atan2_error(int16_t y, int16_t x)
+{
+    const double exact = atan2((double)y, (double)x) / TWO_PI * TURN;
+    const double difference = (double)trig_atan2(y, x) - exact;
+
+    return fabs(remainder(difference, TURN));
+}
+
+static void test_arctangent_of_all_65536_directions_stays_within_the_bound(void)
+{
+    double worst = 0.0;
+
+    for (uint32_t k = 0U; k < 65536U; k++) {
+        const double direction = TWO_PI * (double)k / 65536.0;
+        const int16_t x = (int16_t)lround(AMPLITUDE * cos(direction));
+        const int16_t y = (int16_t)lround(AMPLITUDE * sin(direction));
+
+        worst = larger(worst, atan2_error(y, x));
+    }
+    TEST_ASSERT_TRUE(ATAN_BOUND <= ATAN_DOCUMENTED);
+    figure_check("arctangent, 65536 directions, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
+}
+
+static void test_arctangent_of_every_small_vector_stays_within_the_bound(void)
+{
+    double worst = 0.0;
+
+    for (int32_t y = -SMALL_VECTOR; y <= SMALL_VECTOR; y++) {
+        for (int32_t x = -SMALL_VECTOR; x <= SMALL_VECTOR; x++) {
+            if ((x != 0) || (y != 0)) {
+                worst = larger(worst, atan2_error((int16_t)y, (int16_t)x));
+            }
+        }
+    }
+    figure_check("arctangent, small vectors, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
+}
+
+static void test_arctangent_of_seeded_vectors_stays_within_the_bound(void)
+{
+    seeded_t seed = {0x51ED270BU};
+    double worst = 0.0;
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        worst = larger(worst, atan2_error(seeded_i16(&seed), seeded_i16(&seed)));
+    }
+    figure_check("arctangent, seeded vectors, 2^-32 turn", worst, ATAN_BOUND, LEAST_SHARE);
+}
+
+static void test_arctangent_is_exact_on_axes_and_diagonals_of_any_length(void)
+{
+    static const int16_t lengths[] = {1, 2, 3, 255, 256, 16384, 32766, 32767};
+
+    for (uint32_t i = 0U; i < (sizeof lengths / sizeof lengths[0]); i++) {
+        const int16_t r = lengths[i];
+
+        TEST_ASSERT_EQUAL_HEX32(0U, trig_atan2(0, r));
+        TEST_ASSERT_EQUAL_HEX32(EIGHTH_TURN, trig_atan2(r, r));
+        TEST_ASSERT_EQUAL_HEX32(QUARTER_TURN, trig_atan2(r, 0));
+        TEST_ASSERT_EQUAL_HEX32(QUARTER_TURN + EIGHTH_TURN, trig_atan2(r, (int16_t)-r));
+        TEST_ASSERT_EQUAL_HEX32(HALF_TURN, trig_atan2(0, (int16_t)-r));
+        TEST_ASSERT_EQUAL_HEX32(HALF_TURN + EIGHTH_TURN, trig_atan2((int16_t)-r, (int16_t)-r));
+        TEST_ASSERT_EQUAL_HEX32(HALF_TURN + QUARTER_TURN, trig_atan2((int16_t)-r, 0));
+        TEST_ASSERT_EQUAL_HEX32(0U - EIGHTH_TURN, trig_atan2((int16_t)-r, r));
+    }
+}
+
+static void test_arctangent_takes_the_most_negative_components(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(HALF_TURN, trig_atan2(0, INT16_MIN));
+    TEST_ASSERT_EQUAL_HEX32(HALF_TURN + QUARTER_TURN, trig_atan2(INT16_MIN, 0));
+    TEST_ASSERT_EQUAL_HEX32(HALF_TURN + EIGHTH_TURN, trig_atan2(INT16_MIN, INT16_MIN));
+    TEST_ASSERT_TRUE(atan2_error(INT16_MIN, 1) <= ATAN_BOUND);
+    TEST_ASSERT_TRUE(atan2_error(1, INT16_MIN) <= ATAN_BOUND);
+    TEST_ASSERT_TRUE(atan2_error(INT16_MIN, INT16_MAX) <= ATAN_BOUND);
+}
+
+static void test_arctangent_of_the_null_vector_is_zero(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0U, trig_atan2(0, 0));
+}
+
+static void test_arctangent_rises_through_the_octant_without_a_step_back(void)
+{
+    angle_t before = 0U;
+
+    for (int32_t y = 1; y <= 32767; y++) {
+        const angle_t angle = trig_atan2((int16_t)y, 32767);
+
+        TEST_ASSERT_TRUE(angle >= before);
+        before = angle;
+    }
+    TEST_ASSERT_EQUAL_HEX32(EIGHTH_TURN, before);
+}
+
+static void test_square_root_is_exact_around_every_perfect_square(void)
+{
+    for (uint32_t root = 1U; root <= 65535U; root++) {
+        const uint32_t square = root * root;
+
+        TEST_ASSERT_EQUAL_UINT16(root - 1U, trig_sqrt(square - 1U));
+        TEST_ASSERT_EQUAL_UINT16(root, trig_sqrt(square));
+        TEST_ASSERT_EQUAL_UINT16(root, trig_sqrt(square + 1U));
+    }
+}
+
+static void test_square_root_of_the_ends_of_the_range(void)
+{
+    TEST_ASSERT_EQUAL_UINT16(0U, trig_sqrt(0U));
+    TEST_ASSERT_EQUAL_UINT16(1U, trig_sqrt(1U));
+    TEST_ASSERT_EQUAL_UINT16(1U, trig_sqrt(3U));
+    TEST_ASSERT_EQUAL_UINT16(65535U, trig_sqrt(UINT32_MAX));
+}
+
+static void test_square_root_is_the_floor_for_seeded_arguments(void)
+{
+    seeded_t seed = {0x7F4A7C15U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const uint32_t x = seeded_u32(&seed) >> (uint32_t)(i % 32);
+        const uint64_t root = trig_sqrt(x);
+
+        TEST_ASSERT_TRUE(((root * root) <= x) && (((root + 1U) * (root + 1U)) > x));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound);
+    RUN_TEST(test_sine_and_cosine_of_seeded_angles_stay_within_the_bound);
+    RUN_TEST(test_sine_of_every_distinct_input_stays_within_the_bound);
+    RUN_TEST(test_cosine_is_the_sine_a_quarter_turn_on);
+    RUN_TEST(test_sine_is_exact_on_the_axes_and_symmetric);
+    RUN_TEST(test_sine_never_leaves_its_amplitude);
+    RUN_TEST(test_arctangent_of_all_65536_directions_stays_within_the_bound);
+    RUN_TEST(test_arctangent_of_every_small_vector_stays_within_the_bound);
+    RUN_TEST(test_arctangent_of_seeded_vectors_stays_within_the_bound);
+    RUN_TEST(test_arctangent_is_exact_on_axes_and_diagonals_of_any_length);
+    RUN_TEST(test_arctangent_takes_the_most_negative_components);
+    RUN_TEST(test_arctangent_of_the_null_vector_is_zero);
+    RUN_TEST(test_arctangent_rises_through_the_octant_without_a_step_back);
+    RUN_TEST(test_square_root_is_exact_around_every_perfect_square);
+    RUN_TEST(test_square_root_of_the_ends_of_the_range);
+    RUN_TEST(test_square_root_is_the_floor_for_seeded_arguments);
+    return UNITY_END();
+}
