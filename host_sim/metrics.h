@@ -1,0 +1,156 @@
+// The figures of merit of a run, computed while it runs.
+//
+// Errors are actual − estimated, taken at the sampling instants: the truth at t_k against what the
+// drive believed about t_k. The evaluation covers every tick from `evaluate_from_s` to the end,
+// transients included.
+//
+// Commanded quantity: the mechanical speed [rpm], or in position mode the mechanical angle [rad].
+// Step:           the command or the load takes a new value. Steps before the evaluation do not count.
+// Step window:    from a step to the next one (of either kind) or to the end of the run.
+// Settled window: any stretch of the evaluation that begins 0.15 s after the last step, and after the
+//                 drive's own reference (speed ramp, position profile) has last moved.
+#pragma once
+
+#include "config.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+constexpr double SETTLED_AFTER_S = 0.15;
+constexpr double SETTLING_BAND = 0.02;  // of the height of a command step
+constexpr double RECOVERY_BAND = 0.002; // of rated speed
+constexpr double LOST_DEG = 90.0;       // electrical; beyond it torque has the wrong sign
+
+// Empty where a figure does not apply, or where what it waits for never came (a step that does not
+// settle, no settled window): a limit on an empty figure does not hold.
+struct MetricValues {
+    // ω − ω̂, mechanical: largest magnitude, root mean square; the first also as % of rated speed.
+    std::optional<double> speed_error_max_rpm;
+    std::optional<double> speed_error_rms_rpm;
+    std::optional<double> speed_error_max_pct;
+    // Speed mode: largest |command − ω| in settled windows, % of the command; of rated speed when
+    // the command is 0.
+    std::optional<double> command_error_settled_pct;
+    // θ − θ̂, electrical, wrapped to ±180°: largest magnitude.
+    std::optional<double> angle_error_max_deg;
+    // True i_q − î_q of the network: largest magnitude.
+    std::optional<double> iq_error_max_a;
+    // Command steps: time from the step until the commanded quantity stays within 2 % of the step's
+    // height of the command to the end of the step window. The longest.
+    std::optional<double> settling_time_s;
+    // Command steps: how far the commanded quantity passes the command, % of the step's height. The
+    // largest, 0 when it never does.
+    std::optional<double> overshoot_pct;
+    // Speed mode, load steps: largest |command − ω| in the step window, and the time from the step
+    // until it stays within 0.2 % of rated speed. The largest and the longest.
+    std::optional<double> speed_dip_rpm;
+    std::optional<double> recovery_time_s;
+    // Position mode: |command − angle|, mechanical, in the last tick before the next command step or
+    // the end. The largest.
+    std::optional<double> position_error_final_rad;
+    // Magnitude of the mean of the true i_d over a settled window. The largest.
+    std::optional<double> id_settled_a;
+    // In every tick the drive runs, without a fault, and the angle error is below 90° electrical.
+    bool locked = false;
+};
+
+// The numeric figures by their names in files, in the order of MetricValues.
+struct MetricField {
+    const char *name;
+    std::optional<double> MetricValues::*value;
+};
+const std::vector<MetricField> &metric_fields();
+
+// One control tick.
+struct Instant {
+    double speed_rpm;
+    double speed_estimated_rpm;
+    double angle_error_deg; // electrical, wrapped
+    double iq_error_a;
+    double i_d_a;
+    double actual;         // of the commanded quantity
+    bool running;          // in state RUN
+    bool reference_moving; // the drive's own reference is not the one of the tick before
+};
+
+class Metrics
+{
+public:
+    Metrics(DriveMode mode, double period_s, double rated_speed_rpm);
+
+    // The command in force when the evaluation begins.
+    void start(double command)
+    {
+        command_ = command;
+    }
+    // A step, before the tick at which it acts; of both in one tick, the command's first. A load step
+    // in the tick of a command step has no dip of its own.
+    void command_step(double command);
+    void load_step();
+
+    void add(const Instant &now);
+    // The evaluation ends after the last add(). Call once.
+    MetricValues finish();
+
+private:
+    // Time until the commanded quantity stays within a band of a value.
+    struct Wait {
+        bool active = false;
+        double band = 0;
+        int64_t since = 0;   // tick of the step
+        int64_t outside = 0; // one past the last tick outside the band
+    };
+    // The worst over several windows; a window without a result spoils it.
+    struct Worst {
+        double value = 0;
+        bool seen = false;
+        bool spoiled = false;
+        void add(double x);
+        std::optional<double> get() const;
+    };
+
+    void close_step_window();
+    void close_wait(Wait &wait, Worst &into) const;
+    void close_settled_window();
+    void add_settled(const Instant &now);
+
+    DriveMode mode_;
+    double period_s_;
+    double rated_rpm_;
+    int64_t settled_ticks_;
+
+    int64_t ticks_ = 0;
+    double command_ = 0;
+    double last_actual_ = 0;
+    bool locked_ = true;
+    double speed_error_max_ = 0;
+    double speed_error_squares_ = 0;
+    double angle_error_max_ = 0;
+    double iq_error_max_ = 0;
+
+    int64_t quiet_ticks_ = 0; // since the last step or movement of the reference
+    int64_t window_ticks_ = 0;
+    double window_id_sum_ = 0;
+    double command_scale_ = 0; // 100 / what the settled command error is a share of
+    Worst id_settled_;
+    Worst command_error_settled_;
+
+    Wait settling_;
+    Wait recovery_;
+    double step_sign_ = 0; // +1 up, −1 down
+    double step_height_ = 0;
+    double excess_ = 0; // beyond the command, in the direction of the step
+    double dip_ = 0;
+    Worst settling_time_;
+    Worst overshoot_;
+    Worst dips_;
+    Worst recovery_time_;
+    Worst position_error_;
+};
+
+} // namespace nf

@@ -1,0 +1,103 @@
+#include "report.h"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace nf
+{
+namespace
+{
+
+std::vector<std::string> imperfection_names(const Config &config)
+{
+    std::vector<std::string> names;
+    for (const std::string &file : config.sources.imperfections) {
+        names.push_back(std::filesystem::path(file).stem().string());
+    }
+    return names;
+}
+
+std::string line(const std::string &name, const std::string &value, const std::string &limit,
+                 bool holds)
+{
+    const char *verdict = limit.empty() ? "" : holds ? "ok" : "NOT MET";
+    const std::string text = fmt::format("  {:<28}{:>10}  {:>10}  {}", name, value, limit, verdict);
+    return text.substr(0, text.find_last_not_of(' ') + 1) + '\n';
+}
+
+std::string number_line(const std::string &metric, double value, const AcceptLimits &limits)
+{
+    const auto limit = limits.upper.find(metric);
+    const bool limited = limit != limits.upper.end();
+    return line(metric, fmt::format("{:.4g}", value),
+                limited ? fmt::format("{:g}", limit->second) : "",
+                limited && value <= limit->second);
+}
+
+std::string saturation_lines(const Saturations &saturations)
+{
+    std::string text;
+    for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
+        if (saturations.ticks()[k] > 0) {
+            text += line(
+                fmt::format("{} {}", k < FIRST_LIMIT ? "saturated" : "at limit", signal_name(k)),
+                fmt::format("{} ticks", saturations.ticks()[k]), "", true);
+        }
+    }
+    return text;
+}
+
+} // namespace
+
+std::string json_text(const Config &config, const RunResult &result)
+{
+    nlohmann::ordered_json json;
+    json["scenario"] = config.scenario.id;
+    json["with"] = imperfection_names(config);
+    json["seed"] = config.scenario.seed;
+    for (const MetricField &field : metric_fields()) {
+        const std::optional<double> &value = result.metrics.*field.value;
+        json[field.name] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+    }
+    json["locked"] = result.metrics.locked;
+    json["faults"] = result.faults;
+    json["saturations"] = nlohmann::ordered_json::object();
+    for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
+        json["saturations"][signal_name(k)] = result.saturations.ticks()[k];
+    }
+    json[SATURATION_INTERNAL_COUNT] = result.saturations.internal_count();
+    return json.dump(2) + '\n';
+}
+
+std::string table_text(const Config &config, const RunResult &result)
+{
+    static const AcceptLimits NO_LIMITS{};
+    const AcceptLimits *found = limits_of(config);
+    const AcceptLimits &limits = found == nullptr ? NO_LIMITS : *found;
+    std::string text = fmt::format(
+        "{}: {}\n  {}, tuning {}, imperfections: {}\n\n", config.scenario.id, config.scenario.title,
+        config.motor.name, config.tuning.name, selection_name(config.sources.imperfections));
+    text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");
+    text += line("locked", result.metrics.locked ? "true" : "false", limits.must_lock ? "true" : "",
+                 result.metrics.locked);
+    for (const MetricField &field : metric_fields()) {
+        const std::optional<double> &value = result.metrics.*field.value;
+        if (value) {
+            text += number_line(field.name, *value, limits);
+        } else if (limits.upper.count(field.name) > 0) {
+            text +=
+                line(field.name, "none", fmt::format("{:g}", limits.upper.at(field.name)), false);
+        }
+    }
+    text += number_line(SATURATION_INTERNAL_COUNT,
+                        static_cast<double>(result.saturations.internal_count()), limits);
+    text += saturation_lines(result.saturations);
+    for (const std::string &fault : result.faults) {
+        text += line("fault", fault, "", true);
+    }
+    return text;
+}
+
+} // namespace nf

@@ -1,0 +1,18 @@
+// The outcome of a run as JSON for programs and as a table for people.
+#pragma once
+
+#include "scenario.h"
+
+#include <string>
+
+namespace nf
+{
+
+// One flat object, each number in the unit at the end of its key; a figure that does not apply is
+// null. `saturations` holds the ticks at the end of their range of each signal (saturation.h).
+std::string json_text(const Config &config, const RunResult &result);
+
+// One line a figure: value, limit, whether it holds. Figures that do not apply are left out.
+std::string table_text(const Config &config, const RunResult &result);
+
+} // namespace nf

@@ -1,0 +1,54 @@
+// Runs a configuration from the start of its prelude to its end and judges it.
+//
+// The first tick is at t = −prelude_s, with the rotor as the scenario says and the drive in INIT. RUN
+// is requested as soon as the drive is READY; the prelude has to be long enough for that. Steps of
+// command and load act from the tick nearest to their time, before t = 0 as well.
+#pragma once
+
+#include "metrics.h"
+#include "saturation.h"
+#include "tick.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+struct RunOptions {
+    TickSink *sink = nullptr;                  // sees every tick
+    std::function<void(double)> progress = {}; // share of the run that is done, now and then
+};
+
+struct RunResult {
+    MetricValues metrics;
+    Saturations saturations;         // over the evaluation, while running
+    std::vector<std::string> faults; // "OVERCURRENT@1234": name and tick since the first
+    int64_t ticks = 0;
+};
+
+// Throws ConfigError, and what the sink throws.
+RunResult run_scenario(const Config &config, const RunOptions &options = {});
+
+constexpr const char *SATURATION_INTERNAL_COUNT = "saturation_internal_count";
+
+// A figure of the run by its name: those of metric_fields() and the one above.
+std::optional<double> figure(const RunResult &result, const std::string &metric);
+
+// A limit that does not hold. `value` is empty when the figure is (metrics.h).
+struct Violation {
+    std::string metric;
+    std::string value;
+    std::string limit;
+
+    std::string text() const; // one line
+};
+
+// The limits of the configuration's selection of imperfection sets; none: an empty list.
+std::vector<Violation> violations(const Config &config, const RunResult &result);
+
+// The limits themselves, or NULL.
+const AcceptLimits *limits_of(const Config &config);
+
+} // namespace nf

@@ -1,0 +1,113 @@
+#include "sim.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double PI = 3.14159265358979323846;
+constexpr double RAD_S_PER_RPM = PI / 30.0;
+constexpr double RAD_PER_DEG = PI / 180.0;
+constexpr double Q16 = 65536.0;
+
+plant_motor_cfg_t make_plant_motor(const Config &config)
+{
+    const MotorSettings &motor = config.motor;
+    const PlantSettings &real = config.plant;
+    plant_motor_cfg_t cfg{};
+    cfg.pole_pairs = static_cast<unsigned>(motor.pole_pairs);
+    cfg.resistance_ohm = motor.resistance_ohm * real.resistance_scale;
+    cfg.inductance_d_h = motor.inductance_d_h * real.inductance_scale;
+    cfg.inductance_q_h = motor.inductance_q_h * real.inductance_scale;
+    cfg.flux_linkage_wb = motor.flux_linkage_wb * real.flux_scale;
+    cfg.inertia_kg_m2 = motor.inertia_kg_m2 * real.inertia_scale;
+    cfg.viscous_friction_nm_s = motor.viscous_friction_nm_s;
+    cfg.coulomb_friction_nm = real.coulomb_friction_nm;
+    cfg.initial_angle_el_rad = config.scenario.initial_angle_el_deg * RAD_PER_DEG;
+    cfg.initial_speed_mech_rad_s = config.scenario.initial_speed_rpm * RAD_S_PER_RPM;
+    return cfg;
+}
+
+plant_sensor_cfg_t make_plant_sensor(const Config &config)
+{
+    const BoardSettings &board = config.board;
+    const PlantSettings &real = config.plant;
+    plant_sensor_cfg_t cfg{};
+    cfg.adc_bits = static_cast<unsigned>(board.adc_bits);
+    cfg.current_full_scale_a = board.current_full_scale_a;
+    cfg.bus_full_scale_v = board.bus_full_scale_v;
+    cfg.noise_lsb_rms = real.adc_noise_lsb;
+    for (std::size_t phase = 0; phase < real.adc_offset_lsb.size(); phase++) {
+        cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
+        cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
+    }
+    cfg.seed = config.scenario.seed;
+    return cfg;
+}
+
+// A command of the user as the drive's integer; what it cannot hold is as far as it goes.
+int32_t to_target(double value)
+{
+    return static_cast<int32_t>(std::clamp(std::round(value), -2147483647.0, 2147483647.0));
+}
+
+} // namespace
+
+plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
+{
+    plant_cfg_t cfg{};
+    cfg.motor = make_plant_motor(config);
+    cfg.inverter.pwm_frequency_hz = config.board.pwm_frequency_hz;
+    cfg.inverter.timer_counts = static_cast<uint32_t>(drive.modulator.timer_counts);
+    cfg.inverter.dead_time_s = config.plant.dead_time_s;
+    cfg.supply.voltage_v = config.board.bus_nominal_v;
+    cfg.supply.ripple_fraction = config.plant.bus_ripple_pct / 100.0;
+    cfg.supply.ripple_hz = config.plant.bus_ripple_hz;
+    cfg.supply.device_drop_v = config.plant.device_drop_v;
+    cfg.sensor = make_plant_sensor(config);
+    return cfg;
+}
+
+Simulation::Simulation(const Config &config)
+    : cfg_(build(config)), bases_(make_bases(config.motor, config.board))
+{
+    const plant_cfg_t plant_cfg = make_plant_cfg(config, cfg_);
+    const char *bad = nullptr;
+    if (!plant_init(&plant_, &plant_cfg, &bad)) {
+        throw ConfigError(fmt::format("the simulated hardware cannot have this {}", bad));
+    }
+    hal_host_init(&hal_, &plant_);
+    bad = app_init(&app_, &hal_, &cfg_);
+    if (bad != nullptr) {
+        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
+    }
+}
+
+void Simulation::request_run()
+{
+    app_.command.request = DRIVE_REQUEST_RUN;
+}
+
+void Simulation::command_speed_rpm(double rpm)
+{
+    app_.command.mode = DRIVE_MODE_SPEED;
+    app_.command.target = to_target(bases_.step_from_rpm(rpm));
+}
+
+void Simulation::command_position_rad(double mech_rad)
+{
+    app_.command.mode = DRIVE_MODE_POSITION;
+    app_.command.target = to_target(bases_.turns_from_mech_rad(mech_rad) * Q16);
+}
+
+void Simulation::set_load_nm(double torque_nm)
+{
+    plant_set_load_torque(&plant_, torque_nm);
+}
+
+} // namespace nf

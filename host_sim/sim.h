@@ -1,0 +1,84 @@
+// One motor, one inverter and one drive, coupled through the host's hardware binding.
+//
+// A tick is control(), then advance(). Before control() of tick k the drive holds what it believes
+// about t_k (its speed and angle estimate for this instant), and the plant is what is true at t_k.
+#pragma once
+
+#include "config.h"
+
+extern "C" {
+#include "app.h"
+#include "hal_host.h"
+#include "plant.h"
+}
+
+namespace nf
+{
+
+// The plant of a configuration: the motor file times the scales of [plant], and the board. The timer
+// is the one that the drive's compare values are meant for.
+plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive);
+
+class Simulation
+{
+public:
+    // Throws ConfigError when the drive or the plant refuses the configuration.
+    explicit Simulation(const Config &config);
+    // The drive keeps a pointer to its configuration.
+    Simulation(const Simulation &) = delete;
+    Simulation &operator=(const Simulation &) = delete;
+
+    // The control interrupt of the present instant.
+    void control()
+    {
+        control_isr(&app_);
+    }
+
+    // One PWM period goes by.
+    void advance()
+    {
+        hal_host_step(&hal_);
+    }
+
+    // Requests of the user, from the next control() on.
+    void request_run();
+    void command_speed_rpm(double rpm);
+    void command_position_rad(double mech_rad);
+    // From the present instant.
+    void set_load_nm(double torque_nm);
+
+    const drive_t &drive() const
+    {
+        return app_.drive;
+    }
+    // The frames of the last control().
+    const drive_in_t &in() const
+    {
+        return app_.in;
+    }
+    const drive_out_t &out() const
+    {
+        return app_.out;
+    }
+    const drive_cfg_t &cfg() const
+    {
+        return cfg_;
+    }
+    const Bases &bases() const
+    {
+        return bases_;
+    }
+    const plant_t &plant() const
+    {
+        return plant_;
+    }
+
+private:
+    drive_cfg_t cfg_;
+    Bases bases_;
+    plant_t plant_{};
+    hal_t hal_{};
+    app_t app_{};
+};
+
+} // namespace nf

@@ -1,0 +1,38 @@
+// One control tick of a run: what is true at t_k, and what the drive believed about it.
+#pragma once
+
+#include "sim.h"
+
+namespace nf
+{
+
+struct Tick {
+    const Simulation *sim;         // after control(): the drive's signals are those of t_k
+    plant_view_t truth;            // at t_k
+    step_t speed_estimate;         // ω̂(k), from before control()
+    int64_t position_estimate_q32; // θ̂(k), likewise
+    double time_s;                 // t_k, counted from the end of the prelude
+    DriveMode mode;
+    double command; // rpm, or mechanical rad in position mode
+    double load_nm;
+};
+
+// θ − θ̂, electrical, within ±180°.
+inline double angle_error_deg(const Tick &tick)
+{
+    constexpr double STEPS_PER_RAD = 4294967296.0 / 6.28318530717958647693;
+    constexpr double DEG_PER_STEP = 360.0 / 4294967296.0;
+    const auto truth = static_cast<int64_t>(tick.truth.theta_el_rad * STEPS_PER_RAD);
+    const auto error = static_cast<uint64_t>(truth - tick.position_estimate_q32);
+    return DEG_PER_STEP * static_cast<int32_t>(static_cast<uint32_t>(error & 0xFFFFFFFFU));
+}
+
+// Something that looks at every tick of a run.
+class TickSink
+{
+public:
+    virtual ~TickSink() = default;
+    virtual void add(const Tick &tick) = 0;
+};
+
+} // namespace nf
