@@ -4,7 +4,7 @@
  * segment has at most a few; the bound only keeps a degenerate case from going on for ever. */
 #define EVENTS_MAX 64
 
-/* Halvings that take the longest thinkable step, one second, below PLANT_BRIDGE_EVENT_S. */
+/* Trials to locate an event. Margins are smooth over a step, so two to four are used. */
 #define LOCATE_MAX 40
 
 static const plant_vector_t phase_axis[PLANT_LEGS] = {
@@ -121,7 +121,7 @@ static void resolve(const plant_motor_t *motor, const limits_t *limits, state_t 
     int last_idle = 0;
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
         const bool rigid = !(limits->lower[leg] < limits->upper[leg]);
-        if (!rigid && fabs(current[leg]) <= PLANT_BRIDGE_ZERO_A) {
+        if (!rigid && fabs(current[leg]) <= PLANT_BRIDGE_TOLERANCE) {
             idle++;
             last_idle = leg;
         } else {
@@ -178,52 +178,61 @@ static double margin(const plant_motor_t *motor, const limits_t *limits, const s
     return least;
 }
 
-/* Steps to just beyond the event that lies within the step from before (no event yet) to motor
- * (event passed, by -beyond): false position with bisection whenever it converges badly. Returns
- * the time to it. */
-static double locate(plant_motor_t *motor, const plant_motor_t *before, const limits_t *limits,
-                     const state_t *state, double step_s, double beyond, int *leg)
+/* An instant within a step, by its time from the beginning, and the margin there. */
+typedef struct {
+    double time_s;
+    double margin;
+} instant_t;
+
+/* Where the line through both reaches half the tolerance beyond the event. */
+static double aim(const instant_t *low, const instant_t *high)
 {
-    double low_s = 0.0;
-    double high_s = step_s;
-    double low_margin = fmax(margin(before, limits, state, leg), 0.0);
-    double high_margin = beyond;
-    (void)margin(motor, limits, state, leg);
-    for (int k = 0; k < LOCATE_MAX && high_s - low_s > PLANT_BRIDGE_EVENT_S &&
-                    high_margin < -PLANT_BRIDGE_ZERO_A;
-         k++) {
-        const double width = high_s - low_s;
-        const double slope_part = low_margin / (low_margin - high_margin);
-        const double part = ((k & 1) != 0) ? 0.5 : fmin(fmax(1.001 * slope_part, 0.001), 0.999);
-        plant_motor_t trial = *before;
-        int trial_leg = -1;
-        step(&trial, state, low_s + part * width);
-        const double trial_margin = margin(&trial, limits, state, &trial_leg);
-        if (trial_margin < 0.0) {
-            high_s = low_s + part * width;
-            high_margin = trial_margin;
-            *motor = trial;
-            *leg = trial_leg;
+    const double target = -0.5 * PLANT_BRIDGE_TOLERANCE;
+    const double part = (low->margin - target) / (low->margin - high->margin);
+    return low->time_s + part * (high->time_s - low->time_s);
+}
+
+/* The event lies between from, the beginning of a step, and high, its end. Goes to just beyond it, by false position with the stale end's margin halved (Illinois).
+ * Returns the time from the beginning of the step. */
+static double locate(plant_motor_t *motor, const plant_motor_state_t *from, const limits_t *limits,
+                     const state_t *state, instant_t high, int *leg)
+{
+    int stale = 0;
+    double time_s = high.time_s;
+    motor->now = *from;
+    instant_t low = {0.0, fmax(margin(motor, limits, state, leg), 0.0)};
+    for (int k = 0; k < LOCATE_MAX; k++) {
+        time_s = aim(&low, &high);
+        motor->now = *from;
+        step(motor, state, time_s);
+        const instant_t here = {time_s, margin(motor, limits, state, leg)};
+        if (here.margin < -PLANT_BRIDGE_TOLERANCE) {
+            low.margin *= (stale > 0) ? 0.5 : 1.0;
+            stale = 1;
+            high = here;
+        } else if (here.margin > 0.0) {
+            high.margin *= (stale < 0) ? 0.5 : 1.0;
+            stale = -1;
+            low = here;
         } else {
-            low_s += part * width;
-            low_margin = trial_margin;
+            break;
         }
     }
-    return high_s;
+    return time_s;
 }
 
 /* One step of at most step_s, ended early by an event. Returns the time gone. */
 static double step_to_event(plant_motor_t *motor, const limits_t *limits, const state_t *state,
                             double step_s)
 {
-    const plant_motor_t before = *motor;
+    const plant_motor_state_t from = motor->now;
     int leg = -1;
     step(motor, state, step_s);
-    const double beyond = margin(motor, limits, state, &leg);
-    if (!(beyond < -PLANT_BRIDGE_ZERO_A)) {
+    const instant_t high = {step_s, margin(motor, limits, state, &leg)};
+    if (!(high.margin < -PLANT_BRIDGE_TOLERANCE)) {
         return step_s;
     }
-    const double gone_s = locate(motor, &before, limits, state, step_s, beyond, &leg);
+    const double gone_s = locate(motor, &from, limits, state, high, &leg);
     if (leg >= 0) {
         plant_motor_clear_phase(motor, phase_axis[leg]);
     }
@@ -236,8 +245,8 @@ void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment, doub
     const limits_t limits = leg_limits(segment, bus_v, drop_v);
     double left_s = segment->duration_s;
     for (int event = 0; left_s > 0.0; event++) {
-        const double longest_s = PLANT_MOTOR_STEP / plant_motor_rate(motor);
-        const double steps = ceil(left_s / longest_s);
+        const double effort = left_s * plant_motor_rate(motor);
+        const double steps = (effort > PLANT_MOTOR_STEP) ? ceil(effort / PLANT_MOTOR_STEP) : 1.0;
         const double step_s = (steps > 1.0) ? left_s / steps : left_s;
         state_t state = {0};
         resolve(motor, &limits, &state);

@@ -14,8 +14,8 @@
  * to conduct there. This one rule covers the dead time, the drop of a conducting device, the
  * clamping of a current that reaches zero, and rectification by the diodes of an open bridge.
  *
- * Events (a current reaches zero, a floating potential reaches a limit) are located to
- * PLANT_BRIDGE_EVENT_S. Currents below PLANT_BRIDGE_ZERO_A count as zero.
+ * Events (a current reaches zero, a floating potential reaches a limit) are located in time until
+ * they are overstepped by less than PLANT_BRIDGE_TOLERANCE. Currents below it count as zero.
  */
 #ifndef PLANT_BRIDGE_H
 #define PLANT_BRIDGE_H
@@ -27,11 +27,8 @@
 extern "C" {
 #endif
 
-/* s; at 10^6 A/s a current is then wrong by 10^-6 A for one event. */
-#define PLANT_BRIDGE_EVENT_S 1.0e-12
-
 /* A, and V for potentials. */
-#define PLANT_BRIDGE_ZERO_A 1.0e-9
+#define PLANT_BRIDGE_TOLERANCE 1.0e-6
 
 /* Leg potentials to a stationary vector (amplitude-invariant Clarke), V. */
 static inline plant_vector_t plant_bridge_clarke(double a, double b, double c)

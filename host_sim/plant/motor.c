@@ -8,17 +8,105 @@
 /* Torque per unit of (potential of one terminal): Clarke's factor. */
 #define CLARKE (2.0 / 3.0)
 
-/* Turns a stationary vector into the frame of r. */
-static inline plant_vector_t into_frame(plant_rotation_t r, plant_vector_t u)
+/* Two components in one register, d then q or alpha then beta. The vector extension of gcc and
+ * clang: half the instructions in the innermost loop, the same bits as component by component. */
+typedef double pair_t __attribute__((vector_size(2 * sizeof(double))));
+
+static inline pair_t swapped(pair_t a)
 {
-    return (plant_vector_t){r.cosine * u.alpha + r.sine * u.beta,
-                            r.cosine * u.beta - r.sine * u.alpha};
+    return (pair_t){a[1], a[0]};
 }
 
-static inline void set_current(plant_motor_t *motor, double i_d_a, double i_q_a)
+/* With a = swapped(x) * y the cross product of x and y. */
+static inline double difference(pair_t a)
 {
-    motor->flux_d_wb = motor->inductance_d_h * i_d_a + motor->flux_linkage_wb;
-    motor->flux_q_wb = motor->inductance_q_h * i_q_a;
+    return a[1] - a[0];
+}
+
+/* The vector after a turn forwards by r (cosine, sine), and seen from a frame turned by r. */
+static inline pair_t turned(pair_t r, pair_t a)
+{
+    const pair_t sine = {-r[1], r[1]};
+    return r[0] * a + sine * swapped(a);
+}
+
+static inline pair_t turned_back(pair_t r, pair_t a)
+{
+    const pair_t sine = {r[1], -r[1]};
+    return r[0] * a + sine * swapped(a);
+}
+
+/* Cosine and sine of a small angle given as the sum of three: |turn| <= about PLANT_MOTOR_STEP, by
+ * power series up to 3e-17 (turn^10 / 10!); second, much smaller, to second order; third, smaller
+ * still, to first order. The later an angle is known, the fewer operations wait for it. */
+static inline pair_t small_turn(double turn, double second, double third)
+{
+    const double y = turn * turn;
+    const pair_t k1 = {1.0 / 2.0, 1.0 / 6.0};
+    const pair_t k2 = {1.0 / 24.0, 1.0 / 120.0};
+    const pair_t k3 = {1.0 / 720.0, 1.0 / 5040.0};
+    const pair_t k4 = {1.0 / 40320.0, 1.0 / 362880.0};
+    const pair_t first = {1.0, turn};
+    const pair_t late = {1.0 - 0.5 * second * second, second};
+    const pair_t by = turned(late, first * (1.0 - y * (k1 - y * (k2 - y * (k3 - y * k4)))));
+    const pair_t across = {-by[1], by[0]};
+    return by + third * across;
+}
+
+/* The state while it is worked on, in registers. */
+typedef struct {
+    pair_t flux;
+    pair_t axis; /* cosine and sine of theta */
+    double omega;
+    double theta;
+} core_t;
+
+static inline core_t load(const plant_motor_t *motor)
+{
+    const plant_motor_state_t *now = &motor->now;
+    return (core_t){
+        {now->flux_d_wb, now->flux_q_wb},
+        {now->cosine, now->sine},
+        now->omega_el_rad_s,
+        now->theta_el_rad,
+    };
+}
+
+static inline void store(plant_motor_t *motor, const core_t *core)
+{
+    plant_motor_state_t *now = &motor->now;
+    now->flux_d_wb = core->flux[0];
+    now->flux_q_wb = core->flux[1];
+    now->cosine = core->axis[0];
+    now->sine = core->axis[1];
+    now->omega_el_rad_s = core->omega;
+    now->theta_el_rad = core->theta;
+}
+
+static inline pair_t inverse_inductance(const plant_motor_t *m)
+{
+    return (pair_t){m->inverse_d, m->inverse_q};
+}
+
+static inline pair_t magnet(const plant_motor_t *m)
+{
+    return (pair_t){m->flux_linkage_wb, 0.0};
+}
+
+static inline pair_t current_of(const plant_motor_t *m, pair_t flux)
+{
+    return inverse_inductance(m) * (flux - magnet(m));
+}
+
+static inline pair_t flux_of(const plant_motor_t *m, pair_t current)
+{
+    const pair_t inductance = {m->inductance_d_h, m->inductance_q_h};
+    return inductance * current + magnet(m);
+}
+
+static inline double torque_of(const plant_motor_t *m, pair_t flux)
+{
+    return m->torque_factor * difference(swapped(flux) * current_of(m, flux));
 }
 
 /* ---- shaft ---------------------------------------------------------------------------------- */
@@ -29,54 +117,49 @@ typedef struct {
     double drag_nm; /* load and Coulomb torque */
 } shaft_t;
 
-static inline shaft_t shaft_now(const plant_motor_t *motor)
+static inline shaft_t shaft_of(const plant_motor_t *m, const core_t *core)
 {
-    shaft_t shaft = {motor->acceleration, motor->load_torque_nm};
-    if (motor->coulomb_nm > 0.0) {
-        const double omega = motor->omega_el_rad_s;
-        const double net = plant_motor_torque(motor) - motor->load_torque_nm;
-        const double direction = (omega != 0.0) ? omega : net;
-        shaft.drag_nm += copysign(motor->coulomb_nm, direction);
-        if (omega == 0.0 && fabs(net) <= motor->coulomb_nm) {
+    shaft_t shaft = {m->acceleration, m->load_torque_nm};
+    if (m->coulomb_nm > 0.0) {
+        const double net = torque_of(m, core->flux) - m->load_torque_nm;
+        const double direction = (core->omega != 0.0) ? core->omega : net;
+        shaft.drag_nm += copysign(m->coulomb_nm, direction);
+        if (core->omega == 0.0 && fabs(net) <= m->coulomb_nm) {
             shaft.gain = 0.0;
         }
     }
     return shaft;
 }
 
-/* Coulomb friction turned against the motion inside a step that began at omega_before: the shaft
+/* Coulomb friction turned against the motion inside a step that began at speed before: the shaft
  * stops, or leaves zero speed with the friction reversed for what was left of the step. */
-static void shaft_pass_zero(plant_motor_t *motor, double omega_before, double step_s)
+static double speed_past_zero(const plant_motor_t *m, const core_t *core, double before,
+                              double step_s)
 {
-    const double omega_after = motor->omega_el_rad_s;
-    const double left_s = step_s * omega_after / (omega_after - omega_before);
-    const double net = plant_motor_torque(motor) - motor->load_torque_nm;
-    if (fabs(net) <= motor->coulomb_nm) {
-        motor->omega_el_rad_s = 0.0;
-    } else {
-        const double driving = net - copysign(motor->coulomb_nm, net);
-        motor->omega_el_rad_s = motor->acceleration * driving * left_s;
+    const double left_s = step_s * core->omega / (core->omega - before);
+    const double net = torque_of(m, core->flux) - m->load_torque_nm;
+    if (fabs(net) <= m->coulomb_nm) {
+        return 0.0;
+    }
+    return m->acceleration * (net - copysign(m->coulomb_nm, net)) * left_s;
+}
+
+/* Takes over the speed at the end of a step. The flux must be that of the end already. */
+static inline void shaft_finish(const plant_motor_t *m, core_t *core, double omega, double step_s)
+{
+    const double before = core->omega;
+    core->omega = omega;
+    if (m->coulomb_nm > 0.0 && before * omega < 0.0) {
+        core->omega = speed_past_zero(m, core, before, step_s);
     }
 }
 
-/* Takes over the speed at the end of a step. */
-static inline void shaft_finish(plant_motor_t *motor, double omega, double step_s)
+/* Turns the rotor by the sum; returns cosine and sine of it. */
+static inline pair_t shaft_turn(core_t *core, double turn, double second, double third)
 {
-    const double before = motor->omega_el_rad_s;
-    motor->omega_el_rad_s = omega;
-    if (motor->coulomb_nm > 0.0 && before * omega < 0.0) {
-        shaft_pass_zero(motor, before, step_s);
-    }
-}
-
-/* Turns the rotor by both angles and returns that rotation. The turn at constant speed is known
- * early; what acceleration adds is small and comes late, so it is applied to second order. */
-static inline plant_rotation_t shaft_turn(plant_motor_t *motor, double turn_rad, double extra_rad)
-{
-    const plant_rotation_t extra = {1.0 - 0.5 * extra_rad * extra_rad, extra_rad};
-    const plant_rotation_t by = plant_rotation_compose(plant_rotation_small(turn_rad), extra);
-    motor->rotation = plant_rotation_compose(motor->rotation, by);
-    motor->theta_el_rad += turn_rad + extra_rad;
+    const pair_t by = small_turn(turn, second, third);
+    core->axis = turned(by, core->axis);
+    core->theta += turn + (second + third);
     return by;
 }
 
@@ -137,11 +220,14 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
         return false;
     }
     derive_constants(motor, cfg);
-    set_current(motor, 0.0, 0.0);
-    motor->omega_el_rad_s = motor->pole_pairs * cfg->initial_speed_mech_rad_s;
-    motor->theta_el_rad = cfg->initial_angle_el_rad;
+    const plant_rotation_t r = plant_rotation_from_angle(cfg->initial_angle_el_rad);
+    motor->now.flux_d_wb = cfg->flux_linkage_wb;
+    motor->now.flux_q_wb = 0.0;
+    motor->now.cosine = r.cosine;
+    motor->now.sine = r.sine;
+    motor->now.omega_el_rad_s = motor->pole_pairs * cfg->initial_speed_mech_rad_s;
+    motor->now.theta_el_rad = cfg->initial_angle_el_rad;
     motor->turns_el = 0;
-    motor->rotation = plant_rotation_from_angle(cfg->initial_angle_el_rad);
     motor->load_torque_nm = 0.0;
     plant_motor_wrap(motor);
     return true;
@@ -149,34 +235,42 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
 
 /* ---- read-outs ------------------------------------------------------------------------------ */
 
+double plant_motor_torque(const plant_motor_t *motor)
+{
+    return torque_of(motor, load(motor).flux);
+}
+
 plant_vector_t plant_motor_current(const plant_motor_t *motor)
 {
-    const plant_rotation_t r = motor->rotation;
-    const double i_d = plant_motor_i_d(motor);
-    const double i_q = plant_motor_i_q(motor);
-    return (plant_vector_t){r.cosine * i_d - r.sine * i_q, r.sine * i_d + r.cosine * i_q};
+    const core_t core = load(motor);
+    const pair_t current = turned(core.axis, current_of(motor, core.flux));
+    return (plant_vector_t){current[0], current[1]};
 }
 
 plant_vector_t plant_motor_emf(const plant_motor_t *motor)
 {
-    const double peak = motor->omega_el_rad_s * motor->flux_linkage_wb;
-    return (plant_vector_t){-peak * motor->rotation.sine, peak * motor->rotation.cosine};
+    const double peak = motor->now.omega_el_rad_s * motor->flux_linkage_wb;
+    return (plant_vector_t){-peak * motor->now.sine, peak * motor->now.cosine};
 }
 
 double plant_motor_angle_mech(const plant_motor_t *motor)
 {
-    return (motor->theta_el_rad + PLANT_TWO_PI * (double)motor->turns_el) / motor->pole_pairs;
+    return (motor->now.theta_el_rad + PLANT_TWO_PI * (double)motor->turns_el) / motor->pole_pairs;
 }
 
 void plant_motor_wrap(plant_motor_t *motor)
 {
-    if (motor->theta_el_rad >= PLANT_PI || motor->theta_el_rad < -PLANT_PI) {
-        const double turns = floor(motor->theta_el_rad / PLANT_TWO_PI + 0.5);
-        motor->theta_el_rad -= PLANT_TWO_PI * turns;
+    plant_motor_state_t *now = &motor->now;
+    plant_rotation_t r = {now->cosine, now->sine};
+    if (now->theta_el_rad >= PLANT_PI || now->theta_el_rad < -PLANT_PI) {
+        const double turns = floor(now->theta_el_rad / PLANT_TWO_PI + 0.5);
+        now->theta_el_rad -= PLANT_TWO_PI * turns;
         motor->turns_el += (int64_t)turns;
-        motor->rotation = plant_rotation_from_angle(motor->theta_el_rad);
+        r = plant_rotation_from_angle(now->theta_el_rad);
     }
-    motor->rotation = plant_rotation_unit(motor->rotation);
+    r = plant_rotation_unit(r);
+    now->cosine = r.cosine;
+    now->sine = r.sine;
 }
 
 /* ---- all phases driven: Taylor series ------------------------------------------------------- */
@@ -187,192 +281,209 @@ void plant_motor_wrap(plant_motor_t *motor)
  * needs a series. With M(delta) the inverse inductance seen from a rotor turned by delta,
  *   i = M psi - phi/L_d e,   M = m0 + m1 [cos 2 delta, sin 2 delta; sin 2 delta, -cos 2 delta],
  *   i' = M psi' + w i_delta,
- *   i'' = M psi'' + 2 w M_delta psi' + w^2 i_delta_delta + w' i_delta, at delta = 0.
+ *   i'' = M psi'' + 2 w M_delta psi' + w^2 i_delta_delta, at delta = 0;
+ * w' i_delta is left out of i'': it is of the size of the error of the third order in psi.
  */
 typedef struct {
-    double d;
-    double q;
-} pair_t;
-
-static inline double cross(pair_t a, pair_t b)
-{
-    return a.d * b.q - a.q * b.d;
-}
-
-/* Derivatives of the flux linkage and of the current in the held frame. */
-typedef struct {
-    pair_t flux;
+    pair_t flux; /* and its derivatives */
     pair_t flux_1;
     pair_t flux_2;
     pair_t flux_3;
-    pair_t current;
+    pair_t current; /* and its derivatives */
     pair_t current_1;
     pair_t current_2;
 } series_t;
 
-static inline series_t expand(const plant_motor_t *m, plant_vector_t u, double w)
+static inline series_t expand(const plant_motor_t *m, pair_t flux, pair_t voltage, double w)
 {
-    series_t s;
+    const pair_t inverse = inverse_inductance(m);
+    const pair_t emf = {m->emf_d, 0.0};
     const double r = m->resistance_ohm;
-    s.flux = (pair_t){m->flux_d_wb, m->flux_q_wb};
-    s.current = (pair_t){plant_motor_i_d(m), plant_motor_i_q(m)};
-    s.flux_1 = (pair_t){u.alpha - r * s.current.d, u.beta - r * s.current.q};
-    const pair_t by_angle = {m->saliency * s.flux.q, m->saliency * s.flux.d - m->emf_d};
-    s.current_1 = (pair_t){m->inverse_d * s.flux_1.d + w * by_angle.d,
-                           m->inverse_q * s.flux_1.q + w * by_angle.q};
-    s.flux_2 = (pair_t){-r * s.current_1.d, -r * s.current_1.q};
-    const double twist = m->saliency * 2.0 * w;
-    const double ww = w * w;
-    s.current_2 = (pair_t){
-        m->inverse_d * s.flux_2.d +
-            (twist * s.flux_1.q - ww * (2.0 * m->saliency * s.flux.d - m->emf_d)),
-        m->inverse_q * s.flux_2.q + (twist * s.flux_1.d + ww * (2.0 * m->saliency * s.flux.q)),
-    };
-    s.flux_3 = (pair_t){-r * s.current_2.d, -r * s.current_2.q};
+    const double k = m->saliency;
+    const pair_t k_flip = {-2.0 * k, 2.0 * k};
+    series_t s;
+    s.flux = flux;
+    s.current = current_of(m, flux);
+    s.flux_1 = voltage - r * s.current;
+    s.current_1 = inverse * s.flux_1 + w * (k * swapped(flux) - swapped(emf));
+    s.flux_2 = -r * s.current_1;
+    s.current_2 =
+        inverse * s.flux_2 + (2.0 * k * w * swapped(s.flux_1) + (w * w) * (k_flip * flux + emf));
+    s.flux_3 = -r * s.current_2;
     return s;
 }
 
-static inline void step_driven(plant_motor_t *m, double h, plant_vector_t v)
+static inline void advance(const plant_motor_t *m, core_t *core, double h, pair_t v)
 {
-    const shaft_t shaft = shaft_now(m);
-    const double w = m->omega_el_rad_s;
-    const series_t s = expand(m, into_frame(m->rotation, v), w);
+    const shaft_t shaft = shaft_of(m, core);
+    const double w = core->omega;
+    const series_t s = expand(m, core->flux, turned_back(core->axis, v), w);
+    const pair_t flux_x = swapped(s.flux);
+    const pair_t flux_1_x = swapped(s.flux_1);
     const double gain = shaft.gain * m->torque_factor;
+    const double slow = m->decay_shaft;
     const double w_1 =
-        gain * cross(s.flux, s.current) - (shaft.gain * shaft.drag_nm + m->decay_shaft * w);
-    const double w_2 =
-        gain * (cross(s.flux_1, s.current) + cross(s.flux, s.current_1)) - m->decay_shaft * w_1;
-    const double w_3 = gain * (cross(s.flux_2, s.current) + 2.0 * cross(s.flux_1, s.current_1) +
-                               cross(s.flux, s.current_2)) -
-                       m->decay_shaft * w_2;
+        gain * difference(flux_x * s.current) - (shaft.gain * shaft.drag_nm + slow * w);
+    const double w_2 = gain * difference(flux_1_x * s.current + flux_x * s.current_1) - slow * w_1;
+    const double w_3 = gain * difference(swapped(s.flux_2) * s.current +
+                                         (2.0 * flux_1_x * s.current_1 + flux_x * s.current_2)) -
+                       slow * w_2;
 
     const double h2 = h * h * (1.0 / 2.0);
     const double h3 = h * h2 * (1.0 / 3.0);
-    const double d = (s.flux.d + h * s.flux_1.d) + (h2 * s.flux_2.d + h3 * s.flux_3.d);
-    const double q = (s.flux.q + h * s.flux_1.q) + (h2 * s.flux_2.q + h3 * s.flux_3.q);
-    const plant_rotation_t by = shaft_turn(m, h * w, h2 * w_1 + h3 * w_2);
-    m->flux_d_wb = by.cosine * d + by.sine * q;
-    m->flux_q_wb = by.cosine * q - by.sine * d;
-    shaft_finish(m, (w + h * w_1) + (h2 * w_2 + h3 * w_3), h);
+    const pair_t flux = (s.flux + h * s.flux_1) + (h2 * s.flux_2 + h3 * s.flux_3);
+    core->flux = turned_back(shaft_turn(core, h * w, h2 * w_1, h3 * w_2), flux);
+    shaft_finish(m, core, (w + h * w_1) + (h2 * w_2 + h3 * w_3), h);
+}
+
+/* The only caller of advance, so that it is inlined here and the state stays in registers. */
+static void run(plant_motor_t *motor, unsigned count, const plant_interval_t interval[],
+                double rate)
+{
+    core_t core = load(motor);
+    for (unsigned k = 0; k < count; k++) {
+        const pair_t v = {interval[k].v.alpha, interval[k].v.beta};
+        double step_s = interval[k].duration_s;
+        double steps = 1.0;
+        if (step_s * rate > PLANT_MOTOR_STEP) {
+            steps = ceil(step_s * rate / PLANT_MOTOR_STEP);
+            step_s /= steps;
+        }
+        for (; steps > 0.0; steps -= 1.0) {
+            advance(motor, &core, step_s, v);
+        }
+    }
+    store(motor, &core);
 }
 
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v)
 {
-    step_driven(motor, step_s, v);
+    const plant_interval_t interval = {step_s, v};
+    run(motor, 1, &interval, 0.0);
 }
 
-void plant_motor_run_driven(plant_motor_t *motor, double duration_s, plant_vector_t v)
+void plant_motor_run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[])
 {
-    const double effort = duration_s * plant_motor_rate(motor);
-    if (effort <= PLANT_MOTOR_STEP) {
-        step_driven(motor, duration_s, v);
-        return;
-    }
-    const double steps = ceil(effort / PLANT_MOTOR_STEP);
-    const double step_s = duration_s / steps;
-    for (double done = 0.0; done < steps; done += 1.0) {
-        step_driven(motor, step_s, v);
-    }
+    run(motor, count, interval, plant_motor_rate(motor));
 }
 
 /* ---- one phase floating: Runge-Kutta -------------------------------------------------------- */
 
 typedef struct {
-    double d;
-    double q;
-    double w;
+    pair_t current;
+    double omega;
     double theta; /* from the beginning of the step */
 } point_t;
 
-/* Current derivatives with the floating terminal at zero, and the potential that terminal must
- * have for the current along n (axis, rotor frame) to stay at zero. */
-static double tied_slope(const plant_motor_t *m, const point_t *at, plant_vector_t v,
-                         plant_vector_t n, plant_vector_t *slope)
+/* Current slope with the floating terminal at zero, all in the rotor frame of the moment, and the
+ * potential that terminal must have for the current along n to stay at zero. */
+static inline double tied_slope(const plant_motor_t *m, const point_t *at, pair_t v, pair_t n,
+                                pair_t *slope)
 {
-    const double d = m->inverse_d * v.alpha - m->decay_d * at->d + m->cross_d * at->w * at->q;
-    const double q =
-        m->inverse_q * v.beta - m->decay_q * at->q - at->w * (m->cross_q * at->d + m->emf_q);
-    const double along = n.alpha * (d - at->w * at->q) + n.beta * (q + at->w * at->d);
-    const double compliance =
-        CLARKE * (n.alpha * n.alpha * m->inverse_d + n.beta * n.beta * m->inverse_q);
-    const double potential = -along / compliance;
-    slope->alpha = d + CLARKE * m->inverse_d * n.alpha * potential;
-    slope->beta = q + CLARKE * m->inverse_q * n.beta * potential;
+    const pair_t turning = {at->omega, -at->omega};
+    const pair_t inverse = inverse_inductance(m);
+    const pair_t flux = flux_of(m, at->current);
+    const pair_t free = inverse * (v - m->resistance_ohm * at->current + turning * swapped(flux));
+    const pair_t along = n * (free - turning * swapped(at->current));
+    const pair_t compliance = CLARKE * (n * n * inverse);
+    const double potential = -(along[0] + along[1]) / (compliance[0] + compliance[1]);
+    *slope = free + (CLARKE * potential) * (inverse * n);
     return potential;
 }
 
-static point_t tied_derivative(const plant_motor_t *m, const point_t *at, plant_vector_t v,
-                               plant_vector_t axis, shaft_t shaft)
+typedef struct {
+    pair_t v;
+    pair_t axis;
+    pair_t rotor;
+    shaft_t shaft;
+} tied_t;
+
+static point_t tied_derivative(const plant_motor_t *m, const tied_t *tied, const point_t *at)
 {
-    const plant_rotation_t r = plant_rotation_compose(m->rotation, plant_rotation_small(at->theta));
-    plant_vector_t slope;
-    (void)tied_slope(m, at, into_frame(r, v), into_frame(r, axis), &slope);
-    const double torque = (m->torque_magnet + m->torque_salient * at->d) * at->q;
-    return (point_t){slope.alpha, slope.beta,
-                     shaft.gain * (torque - shaft.drag_nm) - m->decay_shaft * at->w, at->w};
+    const pair_t rotor = turned(small_turn(at->theta, 0.0, 0.0), tied->rotor);
+    point_t derivative;
+    (void)tied_slope(m, at, turned_back(rotor, tied->v), turned_back(rotor, tied->axis),
+                     &derivative.current);
+    const double torque = torque_of(m, flux_of(m, at->current));
+    derivative.omega =
+        tied->shaft.gain * (torque - tied->shaft.drag_nm) - m->decay_shaft * at->omega;
+    derivative.theta = at->omega;
+    return derivative;
 }
 
-static inline point_t along(const point_t *from, const point_t *slope, double step)
+static inline point_t moved(const point_t *from, const point_t *slope, double step)
 {
-    return (point_t){from->d + step * slope->d, from->q + step * slope->q,
-                     from->w + step * slope->w, from->theta + step * slope->theta};
+    return (point_t){from->current + step * slope->current, from->omega + step * slope->omega,
+                     from->theta + step * slope->theta};
+}
+
+/* Takes the current along a phase axis away. */
+static inline pair_t without(pair_t current, pair_t n)
+{
+    const pair_t along = n * current;
+    return current - (along[0] + along[1]) * n;
 }
 
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,
                            plant_vector_t axis)
 {
-    const shaft_t shaft = shaft_now(motor);
-    const point_t start = {plant_motor_i_d(motor), plant_motor_i_q(motor), motor->omega_el_rad_s,
-                           0.0};
-    const point_t k1 = tied_derivative(motor, &start, v, axis, shaft);
-    const point_t p2 = along(&start, &k1, 0.5 * step_s);
-    const point_t k2 = tied_derivative(motor, &p2, v, axis, shaft);
-    const point_t p3 = along(&start, &k2, 0.5 * step_s);
-    const point_t k3 = tied_derivative(motor, &p3, v, axis, shaft);
-    const point_t p4 = along(&start, &k3, step_s);
-    const point_t k4 = tied_derivative(motor, &p4, v, axis, shaft);
-    point_t end = along(&start, &k1, step_s / 6.0);
-    end = along(&end, &k2, step_s / 3.0);
-    end = along(&end, &k3, step_s / 3.0);
-    end = along(&end, &k4, step_s / 6.0);
-    set_current(motor, end.d, end.q);
-    (void)shaft_turn(motor, step_s * start.w, end.theta - step_s * start.w);
-    shaft_finish(motor, end.w, step_s);
-    plant_motor_clear_phase(motor, axis);
+    core_t core = load(motor);
+    const tied_t tied = {
+        {v.alpha, v.beta}, {axis.alpha, axis.beta}, core.axis, shaft_of(motor, &core)};
+    const point_t start = {current_of(motor, core.flux), core.omega, 0.0};
+    const point_t k1 = tied_derivative(motor, &tied, &start);
+    const point_t p2 = moved(&start, &k1, 0.5 * step_s);
+    const point_t k2 = tied_derivative(motor, &tied, &p2);
+    const point_t p3 = moved(&start, &k2, 0.5 * step_s);
+    const point_t k3 = tied_derivative(motor, &tied, &p3);
+    const point_t p4 = moved(&start, &k3, step_s);
+    const point_t k4 = tied_derivative(motor, &tied, &p4);
+    point_t end = moved(&start, &k1, step_s * (1.0 / 6.0));
+    end = moved(&end, &k2, step_s * (1.0 / 3.0));
+    end = moved(&end, &k3, step_s * (1.0 / 3.0));
+    end = moved(&end, &k4, step_s * (1.0 / 6.0));
+
+    (void)shaft_turn(&core, step_s * start.omega, end.theta - step_s * start.omega, 0.0);
+    core.flux = flux_of(motor, without(end.current, turned_back(core.axis, tied.axis)));
+    shaft_finish(motor, &core, end.omega, step_s);
+    store(motor, &core);
 }
 
 double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t v,
                                       plant_vector_t axis)
 {
-    const point_t here = {plant_motor_i_d(motor), plant_motor_i_q(motor), motor->omega_el_rad_s,
-                          0.0};
-    plant_vector_t slope;
-    return tied_slope(motor, &here, into_frame(motor->rotation, v),
-                      into_frame(motor->rotation, axis), &slope);
+    const core_t core = load(motor);
+    const point_t here = {current_of(motor, core.flux), core.omega, 0.0};
+    const pair_t voltage = {v.alpha, v.beta};
+    const pair_t direction = {axis.alpha, axis.beta};
+    pair_t slope;
+    return tied_slope(motor, &here, turned_back(core.axis, voltage),
+                      turned_back(core.axis, direction), &slope);
 }
 
 void plant_motor_clear_phase(plant_motor_t *motor, plant_vector_t axis)
 {
-    const plant_vector_t n = into_frame(motor->rotation, axis);
-    const double i_d = plant_motor_i_d(motor);
-    const double i_q = plant_motor_i_q(motor);
-    const double residue = n.alpha * i_d + n.beta * i_q;
-    set_current(motor, i_d - residue * n.alpha, i_q - residue * n.beta);
+    core_t core = load(motor);
+    const pair_t direction = {axis.alpha, axis.beta};
+    core.flux =
+        flux_of(motor, without(current_of(motor, core.flux), turned_back(core.axis, direction)));
+    store(motor, &core);
 }
 
 /* ---- no current ----------------------------------------------------------------------------- */
 
 void plant_motor_step_open(plant_motor_t *motor, double step_s)
 {
-    set_current(motor, 0.0, 0.0);
-    const shaft_t shaft = shaft_now(motor);
-    const double w0 = motor->omega_el_rad_s;
+    core_t core = load(motor);
+    core.flux = magnet(motor);
+    const shaft_t shaft = shaft_of(motor, &core);
     const double decay = step_s * motor->decay_shaft;
-    const double w1 = -step_s * shaft.gain * shaft.drag_nm - decay * w0;
+    const double w1 = -step_s * shaft.gain * shaft.drag_nm - decay * core.omega;
     const double w2 = -decay * w1 * (1.0 / 2.0);
     const double w3 = -decay * w2 * (1.0 / 3.0);
     const double w4 = -decay * w3 * (1.0 / 4.0);
     const double extra = step_s * (w1 * (1.0 / 2.0) + (w2 * (1.0 / 3.0) + w3 * (1.0 / 4.0)));
-    (void)shaft_turn(motor, step_s * w0, extra);
-    shaft_finish(motor, w0 + (w1 + (w2 + (w3 + w4))), step_s);
+    (void)shaft_turn(&core, step_s * core.omega, extra, 0.0);
+    shaft_finish(motor, &core, core.omega + (w1 + (w2 + (w3 + w4))), step_s);
+    store(motor, &core);
 }

@@ -48,6 +48,15 @@ typedef struct {
 } plant_motor_cfg_t;
 
 typedef struct {
+    double flux_d_wb; /* flux linkage, rotor frame, magnet included */
+    double flux_q_wb;
+    double cosine; /* of theta_el_rad */
+    double sine;
+    double omega_el_rad_s;
+    double theta_el_rad; /* -pi ... pi after plant_motor_wrap, until then it runs on */
+} plant_motor_state_t;
+
+typedef struct {
     /* Constants, derived from the configuration. */
     double pole_pairs;
     double resistance_ohm;
@@ -71,14 +80,9 @@ typedef struct {
     double coulomb_nm;
     double rate_constant; /* part of the step bound that does not depend on speed, 1/s */
     double rate_speed;    /* and the factor of |w| */
-    /* State. */
-    double flux_d_wb; /* flux linkage, rotor frame, magnet included */
-    double flux_q_wb;
-    double omega_el_rad_s;
-    double theta_el_rad;       /* -pi ... pi after plant_motor_wrap, else up to one step beyond */
-    int64_t turns_el;          /* whole electrical turns to add to theta_el_rad */
-    plant_rotation_t rotation; /* cosine and sine of theta_el_rad */
-    /* Input. */
+    /* State and input. */
+    plant_motor_state_t now;
+    int64_t turns_el; /* whole electrical turns to add to now.theta_el_rad */
     double load_torque_nm;
 } plant_motor_t;
 
@@ -88,6 +92,12 @@ typedef struct {
     double beta;
 } plant_vector_t;
 
+/* A voltage for a time. */
+typedef struct {
+    double duration_s;
+    plant_vector_t v;
+} plant_interval_t;
+
 /* Returns false and names the offending field in *bad_field when a value is out of range.
  * Starts without current and without load. */
 bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field);
@@ -95,25 +105,21 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
 /* Currents in the rotor frame, A. */
 static inline double plant_motor_i_d(const plant_motor_t *motor)
 {
-    return (motor->flux_d_wb - motor->flux_linkage_wb) * motor->inverse_d;
+    return (motor->now.flux_d_wb - motor->flux_linkage_wb) * motor->inverse_d;
 }
 
 static inline double plant_motor_i_q(const plant_motor_t *motor)
 {
-    return motor->flux_q_wb * motor->inverse_q;
+    return motor->now.flux_q_wb * motor->inverse_q;
 }
 
 /* Air-gap torque, N m: T_e = 1.5 P (psi_d i_q - psi_q i_d). */
-static inline double plant_motor_torque(const plant_motor_t *motor)
-{
-    return motor->torque_factor *
-           (motor->flux_d_wb * plant_motor_i_q(motor) - motor->flux_q_wb * plant_motor_i_d(motor));
-}
+double plant_motor_torque(const plant_motor_t *motor);
 
 /* Upper bound of the rates of change, 1/s: see the integration paragraph above. */
 static inline double plant_motor_rate(const plant_motor_t *motor)
 {
-    return motor->rate_constant + motor->rate_speed * fabs(motor->omega_el_rad_s);
+    return motor->rate_constant + motor->rate_speed * fabs(motor->now.omega_el_rad_s);
 }
 
 /* Phase currents as a stationary vector, A. */
@@ -148,8 +154,10 @@ double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t
 /* Removes the current along a phase axis (a phase that has just stopped conducting). */
 void plant_motor_clear_phase(plant_motor_t *motor, plant_vector_t axis);
 
-/* Any duration with constant voltage on all phases: plant_motor_step_driven as often as needed. */
-void plant_motor_run_driven(plant_motor_t *motor, double duration_s, plant_vector_t v);
+/* Intervals of constant voltage on all phases, one after the other, each in as many steps of
+ * plant_motor_step_driven as the step bound at the beginning of the first asks for. */
+void plant_motor_run_driven(plant_motor_t *motor, unsigned count,
+                            const plant_interval_t interval[]);
 
 #ifdef __cplusplus
 }

@@ -77,18 +77,47 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
 }
 
 /* Ideal legs need no look at the currents: their potentials are the rails. */
-static void run_segment(plant_t *plant, const plant_segment_t *segment)
+static bool is_ideal(const plant_t *plant, const plant_segment_t *segment)
 {
-    const unsigned high = segment->high;
-    const double bus_v = plant->bus_v;
-    if ((high | segment->low) == PLANT_ALL_LEGS && !(plant->supply.device_drop_v > 0.0)) {
-        const plant_vector_t v = plant_bridge_clarke(((high & 1U) != 0U) ? bus_v : 0.0,
-                                                     ((high & 2U) != 0U) ? bus_v : 0.0,
-                                                     ((high & 4U) != 0U) ? bus_v : 0.0);
-        plant_motor_run_driven(&plant->motor, segment->duration_s, v);
-    } else {
-        plant_bridge_run(&plant->motor, segment, bus_v, plant->supply.device_drop_v);
+    return (segment->high | segment->low) == PLANT_ALL_LEGS && !(plant->supply.device_drop_v > 0.0);
+}
+
+/* Voltage vector of each mask of high legs, in units of the bus. */
+#define TWO_THIRDS (2.0 / 3.0)
+#define ONE_THIRD (1.0 / 3.0)
+#define ROOT_THIRD (1.0 / PLANT_SQRT3)
+
+static const plant_vector_t unit_vector[PLANT_ALL_LEGS + 1U] = {
+    {0.0, 0.0},
+    {TWO_THIRDS, 0.0},
+    {-ONE_THIRD, ROOT_THIRD},
+    {ONE_THIRD, ROOT_THIRD},
+    {-ONE_THIRD, -ROOT_THIRD},
+    {ONE_THIRD, -ROOT_THIRD},
+    {-TWO_THIRDS, 0.0},
+    {0.0, 0.0},
+};
+
+/* Ideal segments go to the motor in runs as long as possible. */
+static void run_pattern(plant_t *plant, const plant_pattern_t *pattern)
+{
+    plant_interval_t run[PLANT_SEGMENTS_MAX];
+    unsigned pending = 0;
+    for (unsigned k = 0; k < pattern->count; k++) {
+        const plant_segment_t *segment = &pattern->segment[k];
+        if (is_ideal(plant, segment)) {
+            const plant_vector_t unit = unit_vector[segment->high];
+            run[pending].duration_s = segment->duration_s;
+            run[pending].v.alpha = plant->bus_v * unit.alpha;
+            run[pending].v.beta = plant->bus_v * unit.beta;
+            pending++;
+        } else {
+            plant_motor_run_driven(&plant->motor, pending, run);
+            pending = 0;
+            plant_bridge_run(&plant->motor, segment, plant->bus_v, plant->supply.device_drop_v);
+        }
     }
+    plant_motor_run_driven(&plant->motor, pending, run);
 }
 
 void plant_step(plant_t *plant)
@@ -99,9 +128,7 @@ void plant_step(plant_t *plant)
     } else {
         plant_inverter_off(&plant->inverter, &pattern);
     }
-    for (unsigned k = 0; k < pattern.count; k++) {
-        run_segment(plant, &pattern.segment[k]);
-    }
+    run_pattern(plant, &pattern);
     plant_motor_wrap(&plant->motor);
     plant->periods++;
     plant->bus_v = bus_now_v(plant);
@@ -113,9 +140,9 @@ void plant_step(plant_t *plant)
 void plant_view(const plant_t *plant, plant_view_t *view)
 {
     view->time_s = present_time_s(plant);
-    view->theta_el_rad = plant->motor.theta_el_rad;
+    view->theta_el_rad = plant->motor.now.theta_el_rad;
     view->theta_mech_rad = plant_motor_angle_mech(&plant->motor);
-    view->omega_mech_rad_s = plant->motor.omega_el_rad_s / plant->motor.pole_pairs;
+    view->omega_mech_rad_s = plant->motor.now.omega_el_rad_s / plant->motor.pole_pairs;
     view->i_d_a = plant_motor_i_d(&plant->motor);
     view->i_q_a = plant_motor_i_q(&plant->motor);
     plant_bridge_phases(plant_motor_current(&plant->motor), view->i_abc_a);
