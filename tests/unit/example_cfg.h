@@ -43,7 +43,6 @@ static inline nn_observer_cfg_t example_observer_cfg(void)
         .flux_drive_q27 = 1025354, /* 0.0183190 of it */
         .iq_gain_q14 = 16384,      /* L_d/L_q = 1 */
         .current_shift = 1U,
-        .speed_shift = 11U,
         /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^14 */
         .rate = 19192,
         .rate_shift = 7U,
@@ -119,6 +118,7 @@ static inline drive_cfg_t example_drive_cfg(void)
         .speed_loop = example_speed_loop_cfg(),
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
+        .speed_shift = 11U,
         .slow_ticks = 10U,
     };
 }

@@ -1,0 +1,268 @@
+/* Current loop: decoupling, the voltage circle, what the integrals do at it, a step on a motor. */
+#include "current_loop.h"
+#include "example_cfg.h"
+#include "figure.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+
+#define ONE (32768.0)
+
+/* Decoupling in LSB: speed × reactance rounded down (carried over by |i| ≤ 1), then the product. */
+#define DECOUPLING_LSB (2.0)
+#define EMF_LSB (1.0)
+
+static current_loop_cfg_t cfg;
+static current_loop_t loop;
+
+void setUp(void)
+{
+    cfg = example_current_loop_cfg();
+    current_loop_reset(&loop);
+}
+
+void tearDown(void)
+{
+}
+
+static void remove_regulators(void)
+{
+    cfg.pi_d.kp = 0;
+    cfg.pi_d.ki = 0;
+    cfg.pi_q = cfg.pi_d;
+}
+
+static void test_reset_empties_both_integrals(void)
+{
+    (void)current_loop_step(&loop, &cfg, (dq_t){5000, 5000}, (dq_t){0, 0}, 0, 32767);
+    TEST_ASSERT_TRUE((loop.pi_d.integral_q26 != 0) && (loop.pi_q.integral_q26 != 0));
+    current_loop_reset(&loop);
+    TEST_ASSERT_EQUAL_INT32(0, loop.pi_d.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(0, loop.pi_q.integral_q26);
+}
+
+static void test_no_error_at_rest_demands_no_voltage(void)
+{
+    const dq_t v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 32767);
+
+    TEST_ASSERT_EQUAL_INT32(0, v.d);
+    TEST_ASSERT_EQUAL_INT32(0, v.q);
+}
+
+static void test_each_axis_answers_its_own_error_only(void)
+{
+    dq_t v = current_loop_step(&loop, &cfg, (dq_t){100, 0}, (dq_t){0, 0}, 0, 32767);
+
+    TEST_ASSERT_TRUE(v.d > 0);
+    TEST_ASSERT_EQUAL_INT32(0, v.q);
+    current_loop_reset(&loop);
+    v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 100}, 0, 32767);
+    TEST_ASSERT_EQUAL_INT32(0, v.d);
+    TEST_ASSERT_TRUE(v.q < 0);
+}
+
+static void test_decoupling_follows_the_motor_equations(void)
+{
+    seeded_t seed = {0xDEC0DEU};
+    double worst = 0.0;
+
+    remove_regulators();
+    cfg.reactance_d_q13 = 4000;
+    cfg.reactance_q_q13 = 7000;
+    cfg.emf_q13 = 2000;
+    for (int32_t k = 0; k < 100000; k++) {
+        const dq_t i = {seeded_in(&seed, -20000, 20000), seeded_in(&seed, -20000, 20000)};
+        const int32_t speed = seeded_in(&seed, -32767, 32767);
+        const dq_t v = current_loop_step(&loop, &cfg, i, i, speed, 32767);
+        const double d = -speed * (7000.0 / 8192.0) * i.q / ONE;
+        const double q = (speed * (4000.0 / 8192.0) * i.d / ONE) + (speed * (2000.0 / 8192.0));
+
+        worst = fmax(worst, fabs(v.d - d));
+        if ((v.d * v.d) + (v.q * v.q) < (32000 * 32000)) {
+            worst = fmax(worst, fabs(v.q - q) - EMF_LSB);
+        }
+    }
+    figure_check("decoupling, LSB", worst, DECOUPLING_LSB, 0.4);
+}
+
+static void test_reactance_saturates_at_one_on_both_sides(void)
+{
+    const dq_t i = {16384, 16384};
+    dq_t v;
+
+    remove_regulators();
+    cfg.reactance_d_q13 = 0;
+    cfg.reactance_q_q13 = 32767;
+    cfg.emf_q13 = 0;
+    /* 32767·16384/32768 = 16383.5 rounded down, and its negative. */
+    v = current_loop_step(&loop, &cfg, i, i, 32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(-16383, v.d);
+    v = current_loop_step(&loop, &cfg, i, i, -32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(16384, v.d);
+    cfg.emf_q13 = 32767;
+    cfg.reactance_q_q13 = 0;
+    v = current_loop_step(&loop, &cfg, i, i, 32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(32767, v.q);
+    v = current_loop_step(&loop, &cfg, i, i, -32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(-32767, v.q);
+}
+
+static void test_voltage_never_leaves_the_circle(void)
+{
+    seeded_t seed = {0xC1AC1EU};
+
+    for (int32_t k = 0; k < 200000; k++) {
+        const dq_t reference = {seeded_in(&seed, -16384, 16384), seeded_in(&seed, -16384, 16384)};
+        const dq_t measured = {seeded_in(&seed, -46340, 46340), seeded_in(&seed, -46340, 46340)};
+        const int32_t speed = seeded_in(&seed, -32767, 32767);
+        const int32_t limit = ((k % 16) == 0) ? 0 : seeded_in(&seed, 0, 32767);
+        dq_t v;
+
+        cfg.pi_d.kp_shift = (uint32_t)seeded_in(&seed, 1, 16);
+        cfg.pi_q.kp_shift = (uint32_t)seeded_in(&seed, 1, 16);
+        cfg.pi_d.ki_shift = (uint32_t)seeded_in(&seed, 1, 16);
+        cfg.pi_q.ki_shift = (uint32_t)seeded_in(&seed, 1, 16);
+        v = current_loop_step(&loop, &cfg, reference, measured, speed, limit);
+        TEST_ASSERT_TRUE(((v.d * v.d) + (v.q * v.q)) <= (limit * limit));
+    }
+}
+
+static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
+{
+    static const int32_t ends[] = {-46340, 0, 46340};
+    const pi_cfg_t largest = {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U};
+
+    cfg = (current_loop_cfg_t){largest, largest, 32767, 32767, 32767};
+    for (int32_t k = 0; k < 81; k++) {
+        const dq_t measured = {ends[k % 3], ends[(k / 3) % 3]};
+        const dq_t reference = {ends[(k / 9) % 3] * 16384 / 46340, ends[k / 27] * 16384 / 46340};
+
+        for (int32_t sign = -1; sign <= 1; sign += 2) {
+            const dq_t v = current_loop_step(&loop, &cfg, reference, measured, sign * 32767, 32767);
+
+            TEST_ASSERT_TRUE(((v.d * v.d) + (v.q * v.q)) <= (32767 * 32767));
+        }
+    }
+}
+
+static void test_d_axis_takes_the_whole_circle_first(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        dq_t v;
+
+        current_loop_reset(&loop);
+        v = current_loop_step(&loop, &cfg, (dq_t){sign * 16384, 16384}, (dq_t){0, 0}, 0, 10000);
+        TEST_ASSERT_EQUAL_INT32(sign * 10000, v.d);
+        TEST_ASSERT_EQUAL_INT32(0, v.q);
+    }
+}
+
+static void test_q_axis_is_cut_to_what_the_circle_leaves_beside_d(void)
+{
+    /* v_d = 6000 of 10000 leaves 8000, exactly. */
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        dq_t v;
+
+        current_loop_reset(&loop);
+        pi_reset(&loop.pi_d, 6000);
+        v = current_loop_step(&loop, &cfg, (dq_t){0, sign * 16384}, (dq_t){0, 0}, 0, 10000);
+        TEST_ASSERT_EQUAL_INT32(6000, v.d);
+        TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
+    }
+}
+
+static void test_demand_exactly_on_the_circle_is_not_cut(void)
+{
+    dq_t v;
+
+    pi_reset(&loop.pi_d, 6000);
+    pi_reset(&loop.pi_q, 8000);
+    v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
+    TEST_ASSERT_EQUAL_INT32(6000, v.d);
+    TEST_ASSERT_EQUAL_INT32(8000, v.q);
+    TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
+}
+
+static void test_cut_of_the_circle_goes_back_to_the_q_integral(void)
+{
+    pi_reset(&loop.pi_d, 6000);
+    pi_reset(&loop.pi_q, 9000);
+    (void)current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
+    TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
+}
+
+static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        dq_t v = {0, 0};
+
+        current_loop_reset(&loop);
+        pi_reset(&loop.pi_d, 6000);
+        for (int32_t k = 0; k < 10000; k++) {
+            v = current_loop_step(&loop, &cfg, (dq_t){0, sign * 4000}, (dq_t){0, 0}, 0, 10000);
+        }
+        TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
+        v = current_loop_step(&loop, &cfg, (dq_t){0, -sign * 10}, (dq_t){0, 0}, 0, 10000);
+        TEST_ASSERT_TRUE((sign * v.q) < 8000);
+    }
+}
+
+/*
+ * Motor A at 200 rad/s, forward Euler with 50 steps a tick. The closed loop has its pole at 500 Hz: a step is
+ * complete to e^-5 < 1 % after 5/(2π·500 s) = 16 ticks; the integral's zero at 50 Hz lets it overshoot by
+ * less than 50/500 = 10 %, gone (to e^-5) after 5/(2π·50 s) = 160 ticks. Left of the error then is
+ * 1 LSB, for less than that the integral still moves.
+ */
+static void test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis(void)
+{
+    const double inductance = 0.0116;
+    const double speed = 200.0;
+    const double step_s = 1e-4 / 50.0;
+    const int32_t demand = 4096; /* 5 A */
+    double d = 0.0;
+    double q = 0.0;
+
+    pi_reset(&loop.pi_q, 0);
+    for (int32_t k = 0; k < 400; k++) {
+        const dq_t measured = {(int32_t)lround(d / 40.0 * ONE), (int32_t)lround(q / 40.0 * ONE)};
+        const dq_t v = current_loop_step(&loop, &cfg, (dq_t){0, demand}, measured,
+                                         (int32_t)lround(speed / 981.748 * ONE), 18000);
+
+        if (k > 16) {
+            TEST_ASSERT_INT32_WITHIN(demand / 10, demand, measured.q);
+            TEST_ASSERT_INT32_WITHIN(demand / 50, 0, measured.d);
+        }
+        if (k > 200) {
+            TEST_ASSERT_INT32_WITHIN(2, demand, measured.q);
+            TEST_ASSERT_INT32_WITHIN(2, 0, measured.d);
+        }
+        for (int32_t i = 0; i < 50; i++) {
+            const double v_d = (v.d * 450.0 / ONE) - (2.125 * d) + (speed * inductance * q);
+            const double v_q =
+                (v.q * 450.0 / ONE) - (2.125 * q) - (speed * ((inductance * d) + 0.387));
+
+            d += v_d / inductance * step_s;
+            q += v_q / inductance * step_s;
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_reset_empties_both_integrals);
+    RUN_TEST(test_no_error_at_rest_demands_no_voltage);
+    RUN_TEST(test_each_axis_answers_its_own_error_only);
+    RUN_TEST(test_decoupling_follows_the_motor_equations);
+    RUN_TEST(test_reactance_saturates_at_one_on_both_sides);
+    RUN_TEST(test_voltage_never_leaves_the_circle);
+    RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
+    RUN_TEST(test_d_axis_takes_the_whole_circle_first);
+    RUN_TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d);
+    RUN_TEST(test_demand_exactly_on_the_circle_is_not_cut);
+    RUN_TEST(test_cut_of_the_circle_goes_back_to_the_q_integral);
+    RUN_TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns);
+    RUN_TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis);
+    return UNITY_END();
+}

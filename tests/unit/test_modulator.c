@@ -1,0 +1,322 @@
+/* Modulator: the reciprocal of the bus voltage, the ratio, the three duties. */
+#include "example_cfg.h"
+#include "figure.h"
+#include "modulator.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define ONE (32768.0)
+#define TWO_PI (6.283185307179586)
+#define HALF_SQRT3 (0.8660254037844386)
+
+/*
+ * Settled reciprocal, relative to 1/bus: a residue 1 − r·bus below 1/4096 is rounded down to 0, and half
+ * an LSB of r ≥ 4096 from rounding the product. Documented is 2^-11 for any bus above 1/8, after 8 ticks.
+ */
+#define SETTLED (1.5 / 4096.0)
+#define SETTLED_DOCUMENTED (2.0 / 4096.0)
+
+/*
+ * Left of a bus step by the share x, besides x², relative to 1/bus: the settled error of 1.5/4096
+ * carried over by 2x ≤ 0.4, the residue rounded down to 1/4096, the product rounded by ½ LSB.
+ */
+#define STEP_MARGIN ((0.6 + 1.0 + 0.5) / 4096.0)
+
+/*
+ * Phase-to-phase voltage in Q15 of the bus. β·√3/2 rounded down 1, its constant 0.1 (28377.9 as 28378);
+ * α/2 rounded down 0.5. b − c holds β·√3/2 twice: 2.2; the others once and α/2 once: 1.6. At the limit
+ * radius 1/√3 that may exceed the bus by as much and is cut. Rounding to counts: ½ for each phase.
+ */
+#define LINE_Q15 (2.2)
+#define LINE_COUNTS(timer) ((2.0 * LINE_Q15 * (timer) / ONE) + 1.0)
+
+static modulator_cfg_t cfg;
+static modulator_t mod;
+
+void setUp(void)
+{
+    cfg = example_modulator_cfg();
+    modulator_reset(&mod);
+}
+
+void tearDown(void)
+{
+}
+
+/* Error of the reciprocal relative to 1/bus. */
+static double inverse_error(int32_t bus)
+{
+    return fabs((mod.inverse_bus_q12 * (double)bus / (ONE * 4096.0)) - 1.0);
+}
+
+static void test_reset_starts_at_the_lower_bound(void)
+{
+    TEST_ASSERT_EQUAL_INT32(4096, mod.inverse_bus_q12);
+}
+
+static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth(void)
+{
+    double worst = 0.0;
+
+    cfg.inverse_max_q12 = 32767;
+    for (int32_t bus = 4097; bus <= 32767; bus++) {
+        modulator_reset(&mod);
+        for (int32_t k = 0; k < 8; k++) {
+            modulator_track_bus(&mod, &cfg, bus);
+        }
+        worst = fmax(worst, inverse_error(bus));
+    }
+    TEST_ASSERT_TRUE(SETTLED <= SETTLED_DOCUMENTED);
+    figure_check("reciprocal after 8 ticks, relative", worst, SETTLED, 0.4);
+}
+
+static void test_reciprocal_stays_settled(void)
+{
+    cfg.inverse_max_q12 = 32767;
+    for (int32_t bus = 4097; bus <= 32767; bus += 97) {
+        modulator_reset(&mod);
+        for (int32_t k = 0; k < 200; k++) {
+            modulator_track_bus(&mod, &cfg, bus);
+            TEST_ASSERT_TRUE((k < 8) || (inverse_error(bus) <= SETTLED));
+        }
+    }
+}
+
+static void test_bus_step_leaves_its_square_for_one_tick(void)
+{
+    double worst = 0.0;
+
+    cfg.inverse_max_q12 = 32767;
+    for (int32_t percent = -20; percent <= 20; percent++) {
+        for (int32_t bus = 8000; bus <= 27000; bus += 500) {
+            const double share = (double)percent / 100.0;
+            const int32_t after = (int32_t)lround(bus * (1.0 + share));
+            double left = 0.0;
+
+            modulator_reset(&mod);
+            for (int32_t k = 0; k < 12; k++) {
+                modulator_track_bus(&mod, &cfg, bus);
+            }
+            modulator_track_bus(&mod, &cfg, after);
+            left = inverse_error(after) - (share * share);
+            worst = fmax(worst, left);
+        }
+    }
+    figure_check("left of a bus step besides its square", worst, STEP_MARGIN, 0.2);
+}
+
+static void test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound(void)
+{
+    for (int32_t bus = 0; bus <= 11000; bus += 1000) {
+        modulator_reset(&mod);
+        for (int32_t k = 0; k < 30; k++) {
+            modulator_track_bus(&mod, &cfg, bus);
+        }
+        TEST_ASSERT_EQUAL_INT32(cfg.inverse_max_q12, mod.inverse_bus_q12);
+        /* And it comes back. */
+        for (int32_t k = 0; k < 8; k++) {
+            modulator_track_bus(&mod, &cfg, 22572);
+        }
+        TEST_ASSERT_TRUE(inverse_error(22572) <= SETTLED);
+    }
+}
+
+static void test_reciprocal_stays_in_range_for_any_sequence_of_buses(void)
+{
+    seeded_t seed = {0xB055U};
+
+    cfg.inverse_max_q12 = 32767;
+    for (int32_t k = 0; k < 200000; k++) {
+        const int32_t choice = seeded_in(&seed, 0, 3);
+        const int32_t bus = (choice < 2) ? (choice * 32767) : seeded_in(&seed, 0, 32767);
+
+        modulator_track_bus(&mod, &cfg, bus);
+        TEST_ASSERT_TRUE((mod.inverse_bus_q12 >= 4096) && (mod.inverse_bus_q12 <= 32767));
+    }
+}
+
+static void test_limit_is_the_largest_ratio_of_the_bus_rounded_down(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, modulator_limit(&cfg, 0));
+    TEST_ASSERT_EQUAL_INT32(17971, modulator_limit(&cfg, 32767));
+    TEST_ASSERT_EQUAL_INT32(8986, modulator_limit(&cfg, 16384));
+    TEST_ASSERT_EQUAL_INT32(0, modulator_limit(&cfg, 1));
+}
+
+static void test_ratio_is_the_voltage_over_the_bus_rounded_down(void)
+{
+    dq_t ratio;
+
+    mod.inverse_bus_q12 = 6144; /* bus = 2/3 */
+    ratio = modulator_ratio(&mod, &cfg, (dq_t){10000, -10000});
+    TEST_ASSERT_EQUAL_INT32(15000, ratio.d);
+    TEST_ASSERT_EQUAL_INT32(-15000, ratio.q);
+    ratio = modulator_ratio(&mod, &cfg, (dq_t){1, -1});
+    TEST_ASSERT_EQUAL_INT32(1, ratio.d);
+    TEST_ASSERT_EQUAL_INT32(-2, ratio.q);
+}
+
+static void test_ratio_saturates_on_both_sides(void)
+{
+    dq_t ratio;
+
+    mod.inverse_bus_q12 = 32767;
+    ratio = modulator_ratio(&mod, &cfg, (dq_t){32767, -32767});
+    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15, ratio.d);
+    TEST_ASSERT_EQUAL_INT32(-cfg.ratio_max_q15, ratio.q);
+    mod.inverse_bus_q12 = 4096;
+    ratio = modulator_ratio(&mod, &cfg, (dq_t){cfg.ratio_max_q15 + 1, -cfg.ratio_max_q15 - 1});
+    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15, ratio.d);
+    TEST_ASSERT_EQUAL_INT32(-cfg.ratio_max_q15, ratio.q);
+    ratio = modulator_ratio(&mod, &cfg, (dq_t){cfg.ratio_max_q15 - 1, 1 - cfg.ratio_max_q15});
+    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15 - 1, ratio.d);
+    TEST_ASSERT_EQUAL_INT32(1 - cfg.ratio_max_q15, ratio.q);
+}
+
+static void test_null_vector_gives_half_duty_on_all_phases(void)
+{
+    const compare_t compare = modulator_compare(&cfg, (ab_t){0, 0});
+
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(4250U, compare.phase[p]);
+    }
+}
+
+static void test_counts_round_to_nearest_with_ties_up(void)
+{
+    compare_t compare;
+
+    cfg.timer_counts = 1;
+    compare = modulator_compare(&cfg, (ab_t){0, 0});
+    TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[0]);
+    compare = modulator_compare(&cfg, (ab_t){0, 2});
+    TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[1]);
+    TEST_ASSERT_EQUAL_UINT16(0U, compare.phase[2]);
+}
+
+static void test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike(void)
+{
+    /* a = 0.3, b = c = −0.15; common −(0.3 − 0.15)/2: duties 0.725 and 0.275. */
+    const compare_t compare = modulator_compare(&cfg, (ab_t){9830, 0});
+
+    TEST_ASSERT_UINT16_WITHIN(1U, 6162U, compare.phase[0]);
+    TEST_ASSERT_UINT16_WITHIN(1U, 2338U, compare.phase[1]);
+    TEST_ASSERT_EQUAL_UINT16(compare.phase[1], compare.phase[2]);
+}
+
+static void test_vector_along_beta_raises_phase_b_against_phase_c(void)
+{
+    const compare_t compare = modulator_compare(&cfg, (ab_t){0, 9830});
+
+    TEST_ASSERT_UINT16_WITHIN(1U, 4250U, compare.phase[0]);
+    TEST_ASSERT_TRUE(compare.phase[1] > 4250U);
+    TEST_ASSERT_TRUE(compare.phase[2] < 4250U);
+}
+
+/* Largest deviation of a phase-to-phase voltage from the demand, in counts. */
+static double line_error(ab_t ratio)
+{
+    const compare_t c = modulator_compare(&cfg, ratio);
+    const double scale = cfg.timer_counts / ONE;
+    const double a = ratio.alpha * scale;
+    const double b = ((HALF_SQRT3 * ratio.beta) - (0.5 * ratio.alpha)) * scale;
+    const double d = ((-HALF_SQRT3 * ratio.beta) - (0.5 * ratio.alpha)) * scale;
+    const double ab = fabs((double)c.phase[0] - c.phase[1] - (a - b));
+    const double bc = fabs((double)c.phase[1] - c.phase[2] - (b - d));
+    const double ca = fabs((double)c.phase[2] - c.phase[0] - (d - a));
+
+    return fmax(ab, fmax(bc, ca));
+}
+
+static void test_phase_to_phase_voltages_equal_the_demand_in_all_directions(void)
+{
+    static const int32_t timers[] = {100, 8500, 32767};
+    static const int32_t radii[] = {18918, 17972, 9000, 100};
+
+    for (uint32_t t = 0U; t < 3U; t++) {
+        double worst = 0.0;
+
+        cfg.timer_counts = timers[t];
+        for (int32_t k = 0; k < 32768; k++) {
+            const double angle = TWO_PI * k / 32768.0;
+            const int32_t radius = radii[k % 4];
+
+            /* Towards zero: the vector stays within the circle that the limit allows. */
+            worst = fmax(worst, line_error((ab_t){(int32_t)trunc(radius * cos(angle)),
+                                                  (int32_t)trunc(radius * sin(angle))}));
+        }
+        figure_check("phase-to-phase error, counts", worst, LINE_COUNTS(timers[t]), 0.4);
+    }
+}
+
+static void test_duties_are_symmetric_about_one_half(void)
+{
+    for (int32_t k = 0; k < 4096; k++) {
+        const double angle = TWO_PI * k / 4096.0;
+        const compare_t c = modulator_compare(&cfg, (ab_t){(int32_t)trunc(18918.0 * cos(angle)),
+                                                           (int32_t)trunc(18918.0 * sin(angle))});
+        const int32_t high = abs((c.phase[0] > c.phase[1]) ? c.phase[0] : c.phase[1]);
+        const int32_t low = abs((c.phase[0] < c.phase[1]) ? c.phase[0] : c.phase[1]);
+        const int32_t highest = (high > c.phase[2]) ? high : c.phase[2];
+        const int32_t lowest = (low < c.phase[2]) ? low : c.phase[2];
+
+        /* Half the sum rounded down: up to 1 LSB of Q15 = 0.26 counts; two roundings to counts. */
+        TEST_ASSERT_INT32_WITHIN(1, cfg.timer_counts, highest + lowest);
+    }
+}
+
+static void test_duties_stay_between_zero_and_one_for_any_vector(void)
+{
+    seeded_t seed = {0xD07E5U};
+
+    for (int32_t k = 0; k < 200000; k++) {
+        const ab_t ratio = {seeded_in(&seed, -32767, 32767), seeded_in(&seed, -32767, 32767)};
+        compare_t c;
+
+        cfg.timer_counts = ((k % 2) == 0) ? 32767 : seeded_in(&seed, 1, 32767);
+        c = modulator_compare(&cfg, ratio);
+        for (int32_t p = 0; p < 3; p++) {
+            TEST_ASSERT_TRUE(c.phase[p] <= cfg.timer_counts);
+        }
+    }
+}
+
+static void test_too_long_a_vector_is_cut_at_duty_zero_and_one(void)
+{
+    static const ab_t corners[] = {{32767, 0}, {-32767, 0}, {0, 32767}, {0, -32767}};
+    static const uint16_t high[] = {0, 1, 1, 2}; /* the phase at duty one, or one of them */
+    static const uint16_t low[] = {1, 0, 2, 1};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        const compare_t c = modulator_compare(&cfg, corners[i]);
+
+        TEST_ASSERT_EQUAL_UINT16(8500U, c.phase[high[i]]);
+        TEST_ASSERT_EQUAL_UINT16(0U, c.phase[low[i]]);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_reset_starts_at_the_lower_bound);
+    RUN_TEST(test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth);
+    RUN_TEST(test_reciprocal_stays_settled);
+    RUN_TEST(test_bus_step_leaves_its_square_for_one_tick);
+    RUN_TEST(test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound);
+    RUN_TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses);
+    RUN_TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down);
+    RUN_TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down);
+    RUN_TEST(test_ratio_saturates_on_both_sides);
+    RUN_TEST(test_null_vector_gives_half_duty_on_all_phases);
+    RUN_TEST(test_counts_round_to_nearest_with_ties_up);
+    RUN_TEST(test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike);
+    RUN_TEST(test_vector_along_beta_raises_phase_b_against_phase_c);
+    RUN_TEST(test_phase_to_phase_voltages_equal_the_demand_in_all_directions);
+    RUN_TEST(test_duties_are_symmetric_about_one_half);
+    RUN_TEST(test_duties_stay_between_zero_and_one_for_any_vector);
+    RUN_TEST(test_too_long_a_vector_is_cut_at_duty_zero_and_one);
+    return UNITY_END();
+}

@@ -1,0 +1,470 @@
+/* Neural-network observer: convergence on a simulated motor, its laws, its saturations. */
+#include "example_cfg.h"
+#include "figure.h"
+#include "nn_observer.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI (6.283185307179586)
+#define TURN (4294967296.0)
+#define ONE (32768.0)
+
+/* Motor A and the bases of example_cfg.h. */
+#define PERIOD_S (1e-4)
+#define RESISTANCE (2.125)
+#define INDUCTANCE (0.0116)
+#define FLUX (0.387)
+#define CURRENT_BASE_A (40.0)
+#define VOLTAGE_BASE_V (450.0)
+
+#define STATE_LIMIT (0x7FFFFFF)
+#define ERROR_LIMIT (8191)
+#define STEP_LIMIT (0x20000000)
+
+/*
+ * Ripple of ω̂ beside a motor of constant speed, rad/s electrical. Locked, the mean of ω̂ is the true speed,
+ * for the angle is its integral. One LSB of e_q (40 A / 2^15) stands for ω̃ = e/(T·φ/L) = 0.366 rad/s.
+ * Noise of e in LSB, each rounding spread evenly over its step: measurement 1, î 1, products of
+ * Q15 of I_x (2 LSB, twice), b >> 14 (2^14/13665 = 1.2): √(1 + 1 + 4 + 4 + 1.4)/√12 = 0.98 rms. The
+ * training is a low pass of 1/κ = 200 samples: √(κ/2) = 0.05 of it passes, 0.018 rad/s rms; four
+ * times that is not exceeded in a run.
+ */
+#define SPEED_BOUND_RAD_S (0.072)
+
+/*
+ * Bias of the current model in LSB of I_b, as an angle error: R + jωL times the bias must be made up
+ * by φ·ω·sin θ̃. States enter the products rounded down to Q15 of I_x = 2 LSB, so ½·2 in W1 and ½·2·ωτ in
+ * W2 against the decay 1/τ (≤ 1 + 2.06), î rounded down 0.5, decay and flux drive as integers
+ * 4·10^-5 of 27300 LSB = 1.1, noise of ω̂ during the 55 samples of τ: 0.072 rad/s·T·27300·55/2 = 5.4.
+ */
+#define MODEL_BIAS_LSB (10.1)
+#define LEAST_SHARE (0.1)
+
+/*
+ * One tick of training in a held state, relative: e rounded 0.5/2733, x rounded down 1/13665, b >> 14
+ * rounded down 1/2279, weights as integers 0.25/600 at worst, momentum rounded to 2 steps: 10^-4.
+ */
+#define TRAINING_TOLERANCE (1.3e-3)
+#define TRAINING_ERROR_RAD_S (1000.0) /* ω̃ that gives e_q = 2733 LSB */
+
+static nn_observer_cfg_t cfg;
+static nn_observer_t obs;
+
+void setUp(void)
+{
+    cfg = example_observer_cfg();
+    nn_observer_reset(&obs, &cfg);
+}
+
+void tearDown(void)
+{
+}
+
+static double speed_rad_s(double step)
+{
+    return step / TURN * TWO_PI / PERIOD_S;
+}
+
+static double complex turn_by(double angle)
+{
+    return cexp(CMPLX(0.0, angle));
+}
+
+/* A motor of constant speed on the stationary frame, stepped exactly. */
+typedef struct {
+    double complex current;
+    double angle;
+    double speed;
+} motor_t;
+
+static void motor_step(motor_t *motor, double complex voltage)
+{
+    const double rate = RESISTANCE / INDUCTANCE;
+    const double decay = exp(-rate * PERIOD_S);
+    const double complex emf = CMPLX(0.0, motor->speed * FLUX / INDUCTANCE) * turn_by(motor->angle);
+    const double complex emf_response =
+        emf * (turn_by(motor->speed * PERIOD_S) - decay) / CMPLX(rate, motor->speed);
+
+    motor->current =
+        (motor->current * decay) + (voltage / RESISTANCE * (1.0 - decay)) - emf_response;
+    motor->angle += motor->speed * PERIOD_S;
+}
+
+static dq_t quantised(double complex v, double base)
+{
+    return (dq_t){(int32_t)lround(creal(v) / base * ONE), (int32_t)lround(cimag(v) / base * ONE)};
+}
+
+typedef struct {
+    double speed_error;  /* largest |ω̂ − ω| in the second half */
+    double angle_error;  /* largest |θ̂ − θ| in the second half, degrees */
+    double speed_at_end; /* ω̂ */
+} run_t;
+
+/* The observer beside a motor that carries `current_q` at `speed`; it starts at the angle, at rest. */
+static run_t run_beside_motor(double speed, double current_q, int32_t ticks)
+{
+    const double complex voltage_dq =
+        CMPLX(-speed * INDUCTANCE * current_q, (RESISTANCE * current_q) + (speed * FLUX));
+    motor_t motor = {.current = CMPLX(0.0, current_q), .angle = 0.0, .speed = speed};
+    uint32_t angle = 0U;
+    double complex voltage = 0.0;
+    run_t run = {0.0, 0.0, 0.0};
+
+    for (int32_t k = 0; k < ticks; k++) {
+        const double frame = (double)angle / TURN * TWO_PI;
+        const double middle = frame - ((double)obs.speed_out / TURN * TWO_PI / 2.0);
+        const double angle_error = remainder(frame - motor.angle, TWO_PI) / TWO_PI * 360.0;
+
+        if (k > (ticks / 2)) {
+            run.angle_error = fmax(run.angle_error, fabs(angle_error));
+        }
+        nn_observer_step(&obs, &cfg, quantised(motor.current * turn_by(-frame), CURRENT_BASE_A),
+                         quantised(voltage * turn_by(-middle), VOLTAGE_BASE_V));
+        if (k > (ticks / 2)) {
+            run.speed_error = fmax(run.speed_error, fabs(speed_rad_s(obs.speed) - speed));
+        }
+        angle += (uint32_t)obs.speed_out;
+        voltage = voltage_dq * turn_by(motor.angle + (motor.speed * PERIOD_S / 2.0));
+        motor_step(&motor, voltage);
+    }
+    run.speed_at_end = speed_rad_s(obs.speed);
+    return run;
+}
+
+static double angle_bound_deg(double speed)
+{
+    const double impedance = RESISTANCE + (fabs(speed) * INDUCTANCE);
+
+    return impedance * (MODEL_BIAS_LSB * CURRENT_BASE_A / ONE) / (fabs(speed) * FLUX) * 360.0 /
+           TWO_PI;
+}
+
+static void test_reset_starts_at_rest_with_the_flux_and_no_current(void)
+{
+    memset(&obs, 0x5A, sizeof obs);
+    nn_observer_reset(&obs, &cfg);
+    TEST_ASSERT_EQUAL_INT32(cfg.flux_q27, obs.x_q27);
+    TEST_ASSERT_EQUAL_INT32(0, obs.y_q27);
+    TEST_ASSERT_EQUAL_INT32(0, obs.speed);
+    TEST_ASSERT_EQUAL_INT32(0, obs.speed_out);
+    TEST_ASSERT_EQUAL_INT32(0, obs.weight_step);
+    TEST_ASSERT_EQUAL_INT32(0, obs.current.d);
+    TEST_ASSERT_EQUAL_INT32(0, obs.current.q);
+    TEST_ASSERT_EQUAL_INT32(0, obs.error.d);
+    TEST_ASSERT_EQUAL_INT32(0, obs.error.q);
+}
+
+static void test_estimates_find_a_motor_already_running_and_follow_it(void)
+{
+    static const double speeds[] = {377.0, -377.0, 200.0, -200.0, 60.0, -60.0};
+    double worst_speed = 0.0;
+    double worst_angle = 0.0;
+
+    for (uint32_t i = 0U; i < (2U * (sizeof speeds / sizeof speeds[0])); i++) {
+        const double speed = speeds[i / 2U];
+        const double current = ((i % 2U) == 0U) ? 0.0 : 4.0;
+        run_t run = {0.0, 0.0, 0.0};
+
+        nn_observer_reset(&obs, &cfg);
+        run = run_beside_motor(speed, current, 40000);
+        worst_speed = fmax(worst_speed, run.speed_error);
+        worst_angle = fmax(worst_angle, run.angle_error / angle_bound_deg(speed));
+    }
+    figure_check("speed ripple, rad/s", worst_speed, SPEED_BOUND_RAD_S, LEAST_SHARE);
+    figure_check("angle error as a share of its bound", worst_angle, 1.0, LEAST_SHARE);
+}
+
+static void test_published_law_follows_a_motor_with_exact_parameters(void)
+{
+    /* κ = 0.03 lets √(0.03/0.005) times the noise through, and its damping is low: as much again. */
+    const double bound = 2.0 * 2.45 * SPEED_BOUND_RAD_S;
+    run_t run = {0.0, 0.0, 0.0};
+
+    cfg.rate = 28788;
+    cfg.rate_shift = 5U;
+    cfg.proportional = 0;
+    nn_observer_reset(&obs, &cfg);
+    obs.speed =
+        25783200; /* 377.2 rad/s: the law has no damping to start from rest beside this motor */
+    obs.speed_out = obs.speed;
+    run = run_beside_motor(377.0, 4.0, 40000);
+    figure_check("published law, speed ripple, rad/s", run.speed_error, bound, LEAST_SHARE / 2.0);
+}
+
+static void test_standstill_without_current_stays_exactly_at_rest(void)
+{
+    const run_t run = run_beside_motor(0.0, 0.0, 100000);
+
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, run.speed_error);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, run.angle_error);
+}
+
+static void test_standstill_with_current_keeps_the_speed_within_the_ripple(void)
+{
+    const run_t run = run_beside_motor(0.0, 4.0, 40000);
+
+    TEST_ASSERT_TRUE(run.speed_error <= SPEED_BOUND_RAD_S);
+}
+
+static void test_rotation_turns_the_flux_backwards_in_the_frame_that_runs_forwards(void)
+{
+    /* ŷ(k) = … + W2·x̂ with W2 = −T·ω̂: −0.02 rad of 55972264. */
+    const int32_t x = cfg.flux_q27 / 4096;
+
+    obs.speed_out = 13671306; /* 0.02 rad a tick */
+    nn_observer_step(&obs, &cfg, (dq_t){0, 0}, (dq_t){0, 0});
+    TEST_ASSERT_INT32_WITHIN(4096, -(int32_t)lround(0.02 * x * 4096.0), obs.y_q27);
+    TEST_ASSERT_TRUE(obs.error.q > 0);
+}
+
+static void test_voltage_drives_its_own_axis_by_the_gain(void)
+{
+    const int32_t drive = (int32_t)(((int64_t)cfg.volt_gain * 10000) / 128); /* weight_shift = 7 */
+
+    nn_observer_step(&obs, &cfg, (dq_t){0, 0}, (dq_t){0, 10000});
+    TEST_ASSERT_EQUAL_INT32(drive, obs.y_q27);
+    nn_observer_reset(&obs, &cfg);
+    nn_observer_step(&obs, &cfg, (dq_t){0, 0}, (dq_t){10000, 0});
+    /* One LSB of x in the decay, 75: the flux drive stands for the unrounded flux. */
+    TEST_ASSERT_INT32_WITHIN(cfg.decay_d / 128, cfg.flux_q27 + drive, obs.x_q27);
+}
+
+static void test_current_output_is_in_the_base_of_the_measurement(void)
+{
+    /* 1000 LSB of I_b = 500 of I_x in Q15. L_d/L_q = ½ halves i_q. */
+    cfg.decay_d = 0;
+    cfg.decay_q = 0;
+    cfg.flux_drive_q27 = 0;
+    cfg.iq_gain_q14 = 8192;
+    obs.x_q27 = cfg.flux_q27 - (500 * 4096);
+    obs.y_q27 = 500 * 4096;
+    nn_observer_step(&obs, &cfg, (dq_t){100, 200}, (dq_t){0, 0});
+    TEST_ASSERT_EQUAL_INT32(-1000, obs.current.d);
+    TEST_ASSERT_EQUAL_INT32(500, obs.current.q);
+    TEST_ASSERT_EQUAL_INT32(1100, obs.error.d);
+    TEST_ASSERT_EQUAL_INT32(-300, obs.error.q);
+}
+
+/* One tick of training on a constant error, with the network's state held: flux, at rest. */
+static void train_once(int32_t error_q)
+{
+    obs.x_q27 = cfg.flux_q27;
+    obs.y_q27 = 0;
+    obs.speed_out = 0;
+    nn_observer_step(&obs, &cfg, (dq_t){0, error_q}, (dq_t){0, 0});
+}
+
+/* e_q of a motor that is faster than the network by ω̃, after one sample. */
+static int32_t error_of(double speed_error)
+{
+    return (int32_t)lround(-speed_error * PERIOD_S * FLUX / INDUCTANCE / CURRENT_BASE_A * ONE);
+}
+
+static void test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample(void)
+{
+    train_once(error_of(TRAINING_ERROR_RAD_S));
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
+                              0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
+    nn_observer_reset(&obs, &cfg);
+    train_once(error_of(-TRAINING_ERROR_RAD_S));
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
+                              -0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
+}
+
+static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(void)
+{
+    static const double alphas[] = {0.5, 0.9, 0.96875};
+
+    for (uint32_t i = 0U; i < 3U; i++) {
+        cfg.momentum_q15 = (int32_t)lround(alphas[i] * ONE);
+        cfg.rate = (int32_t)lround(19192.0 * (1.0 - alphas[i]));
+        nn_observer_reset(&obs, &cfg);
+        /* α^n: after 400 ticks 3·10^-6 of the build-up is left at the largest α. */
+        for (int32_t k = 0; k < 400; k++) {
+            obs.speed = 0;
+            train_once(error_of(TRAINING_ERROR_RAD_S));
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
+                                  0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
+    }
+}
+
+static void test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all(void)
+{
+    /* Rounded down to even steps each tick: at most 2 a tick, each handed on 1/(1 − α) = 2 times. */
+    const int32_t ticks = 40;
+    const int32_t tolerance = 2 * 2 * ticks;
+    int32_t whole = 0;
+
+    train_once(-2733);
+    whole = obs.speed;
+    cfg.momentum_q15 = 16384;
+    cfg.rate /= 2;
+    nn_observer_reset(&obs, &cfg);
+    train_once(-2733);
+    TEST_ASSERT_INT32_WITHIN(1, whole / 2, obs.speed);
+    for (int32_t k = 0; k < ticks; k++) {
+        train_once(0);
+    }
+    TEST_ASSERT_INT32_WITHIN(tolerance, whole, obs.speed);
+}
+
+static void test_proportional_path_adds_its_share_to_the_inner_speed_only(void)
+{
+    train_once(error_of(TRAINING_ERROR_RAD_S));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
+                              0.1 * TRAINING_ERROR_RAD_S,
+                              speed_rad_s((double)obs.speed_out - obs.speed));
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * TRAINING_ERROR_RAD_S * TRAINING_TOLERANCE,
+                              0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
+}
+
+static void test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit(void)
+{
+    seeded_t seed = {0x0DDBA11U};
+    nn_observer_t other = obs;
+    nn_observer_cfg_t other_cfg;
+
+    cfg.proportional = 0;
+    other_cfg = cfg;
+    other_cfg.proportional_shift = 1U;
+    for (int32_t i = 0; i < 50000; i++) {
+        const dq_t measured = {seeded_in(&seed, -9000, 9000), seeded_in(&seed, -9000, 9000)};
+        const dq_t voltage = {seeded_in(&seed, -20000, 20000), seeded_in(&seed, -20000, 20000)};
+
+        nn_observer_step(&obs, &cfg, measured, voltage);
+        nn_observer_step(&other, &other_cfg, measured, voltage);
+        TEST_ASSERT_EQUAL_INT32(obs.speed, obs.speed_out);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&obs, &other, sizeof obs);
+}
+
+static void assert_ranges(void)
+{
+    TEST_ASSERT_TRUE(abs(obs.x_q27) <= STATE_LIMIT);
+    TEST_ASSERT_TRUE(abs(obs.y_q27) <= STATE_LIMIT);
+    TEST_ASSERT_TRUE(abs(obs.error.d) <= ERROR_LIMIT);
+    TEST_ASSERT_TRUE(abs(obs.error.q) <= ERROR_LIMIT);
+    TEST_ASSERT_TRUE(abs(obs.weight_step) <= STEP_LIMIT);
+    TEST_ASSERT_TRUE(abs(obs.speed) <= cfg.speed_limit);
+    TEST_ASSERT_TRUE(abs(obs.speed_out) <= cfg.speed_limit);
+}
+
+static void test_speeds_stop_at_their_limit_on_both_sides(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        nn_observer_reset(&obs, &cfg);
+        for (int32_t k = 0; k < 2000; k++) {
+            train_once(-sign * 8000);
+        }
+        TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_limit, obs.speed);
+        TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_limit, obs.speed_out);
+    }
+}
+
+static void test_errors_stop_at_a_quarter_on_both_sides(void)
+{
+    nn_observer_step(&obs, &cfg, (dq_t){65535, -65535}, (dq_t){0, 0});
+    TEST_ASSERT_EQUAL_INT32(ERROR_LIMIT, obs.error.d);
+    TEST_ASSERT_EQUAL_INT32(-ERROR_LIMIT, obs.error.q);
+    nn_observer_step(&obs, &cfg, (dq_t){-65535, 65535}, (dq_t){0, 0});
+    TEST_ASSERT_EQUAL_INT32(-ERROR_LIMIT, obs.error.d);
+    TEST_ASSERT_EQUAL_INT32(ERROR_LIMIT, obs.error.q);
+}
+
+static void test_states_stop_at_their_limit_on_both_sides(void)
+{
+    cfg.decay_d = 0;
+    cfg.decay_q = 0;
+    cfg.rate = 0;
+    cfg.proportional = 0;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        nn_observer_reset(&obs, &cfg);
+        for (int32_t k = 0; k < 100; k++) {
+            nn_observer_step(&obs, &cfg, (dq_t){0, 0}, (dq_t){sign * 32767, -sign * 32767});
+        }
+        TEST_ASSERT_EQUAL_INT32(sign * STATE_LIMIT, obs.x_q27);
+        TEST_ASSERT_EQUAL_INT32(-sign * STATE_LIMIT, obs.y_q27);
+    }
+}
+
+/* The configuration whose products are largest within what params_check accepts. */
+static nn_observer_cfg_t largest_cfg(seeded_t *seed)
+{
+    return (nn_observer_cfg_t){
+        .decay_d = 32767,
+        .decay_q = 32767,
+        .volt_gain = 32767,
+        .weight_shift = (uint32_t)seeded_in(seed, 2, 15),
+        .flux_q27 = ((seeded_u32(seed) & 1U) != 0U) ? STATE_LIMIT : 1,
+        .flux_drive_q27 = ((seeded_u32(seed) & 1U) != 0U) ? (1 << 26) : 0,
+        .iq_gain_q14 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 1,
+        .current_shift = (uint32_t)seeded_in(seed, 0, 10),
+        .rate = 32767,
+        .rate_shift = (uint32_t)seeded_in(seed, 1, 30),
+        .proportional = 32767,
+        .proportional_shift = (uint32_t)seeded_in(seed, 1, 30),
+        .momentum_q15 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 0,
+        .speed_limit = ((seeded_u32(seed) & 1U) != 0U) ? STEP_LIMIT : 1,
+    };
+}
+
+/* Mostly an end of ±limit. */
+static int32_t extreme(seeded_t *seed, int32_t limit)
+{
+    const int32_t choice = seeded_in(seed, 0, 3);
+    int32_t value = limit;
+
+    if (choice == 0) {
+        value = -limit;
+    } else if (choice == 1) {
+        value = seeded_in(seed, -limit, limit);
+    }
+    return value;
+}
+
+static void test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights(void)
+{
+    seeded_t seed = {0xFEEDFACEU};
+
+    for (int32_t run = 0; run < 200; run++) {
+        cfg = largest_cfg(&seed);
+        nn_observer_reset(&obs, &cfg);
+        for (int32_t k = 0; k < 500; k++) {
+            const dq_t measured = {extreme(&seed, 65535), extreme(&seed, 65535)};
+            const dq_t voltage = {extreme(&seed, 32767), extreme(&seed, 32767)};
+
+            nn_observer_step(&obs, &cfg, measured, voltage);
+            assert_ranges();
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_reset_starts_at_rest_with_the_flux_and_no_current);
+    RUN_TEST(test_estimates_find_a_motor_already_running_and_follow_it);
+    RUN_TEST(test_published_law_follows_a_motor_with_exact_parameters);
+    RUN_TEST(test_standstill_without_current_stays_exactly_at_rest);
+    RUN_TEST(test_standstill_with_current_keeps_the_speed_within_the_ripple);
+    RUN_TEST(test_rotation_turns_the_flux_backwards_in_the_frame_that_runs_forwards);
+    RUN_TEST(test_voltage_drives_its_own_axis_by_the_gain);
+    RUN_TEST(test_current_output_is_in_the_base_of_the_measurement);
+    RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
+    RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
+    RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
+    RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);
+    RUN_TEST(test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit);
+    RUN_TEST(test_speeds_stop_at_their_limit_on_both_sides);
+    RUN_TEST(test_errors_stop_at_a_quarter_on_both_sides);
+    RUN_TEST(test_states_stop_at_their_limit_on_both_sides);
+    RUN_TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights);
+    return UNITY_END();
+}

@@ -1,0 +1,227 @@
+/* Configuration check: every field is named when it is out of its range, on either side. */
+#include "example_cfg.h"
+#include "params.h"
+#include "unity.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+/* All fields are 32 bits wide; a shift is unsigned. */
+typedef struct {
+    const char *name;
+    size_t offset;
+    int32_t lowest;
+    int32_t highest;
+} field_t;
+
+#define FIELD(path, lo, hi) {#path, offsetof(drive_cfg_t, path), lo, hi}
+#define PI(path) \
+    {#path, offsetof(drive_cfg_t, path.kp), 0, 32767}, \
+        {#path, offsetof(drive_cfg_t, path.ki), 0, 32767}, \
+        {#path, offsetof(drive_cfg_t, path.kp_shift), 1, 30}, \
+        {#path, offsetof(drive_cfg_t, path.ki_shift), 1, 30}
+
+static const field_t FIELDS[] = {
+    FIELD(sampling.current_shift, 0, 7),
+    FIELD(sampling.bus_shift, 0, 7),
+    FIELD(sampling.offset_log2, 0, 12),
+    FIELD(protection.current_max, 1, 16382),
+    FIELD(protection.bus_max, 14564, 32766), /* from bus_min on */
+    FIELD(protection.bus_min, 0, 29127),     /* up to bus_max */
+    FIELD(protection.offset_max, 0, 32767),
+    FIELD(observer.decay_d, 0, 32767),
+    FIELD(observer.decay_q, 0, 32767),
+    FIELD(observer.volt_gain, 1, 32767),
+    FIELD(observer.weight_shift, 2, 15),
+    FIELD(observer.flux_q27, 1, 0x7FFFFFF),
+    FIELD(observer.flux_drive_q27, 0, 0x4000000),
+    FIELD(observer.iq_gain_q14, 1, 32767),
+    FIELD(observer.current_shift, 0, 10),
+    FIELD(observer.rate, 0, 32767),
+    FIELD(observer.rate_shift, 1, 30),
+    FIELD(observer.proportional, 0, 32767),
+    FIELD(observer.proportional_shift, 1, 30),
+    FIELD(observer.momentum_q15, 0, 32767),
+    FIELD(observer.speed_limit, 1, (32768 * 2048) - 1), /* 32767 in Q15 of Ω_b at speed_shift 11 */
+    FIELD(speed_shift, 11, 16), /* from where observer.speed_limit fits; below see its own test */
+    PI(current_loop.pi_d),
+    PI(current_loop.pi_q),
+    FIELD(current_loop.reactance_d_q13, 0, 32767),
+    FIELD(current_loop.reactance_q_q13, 0, 32767),
+    FIELD(current_loop.emf_q13, 0, 32767),
+    PI(speed_loop.pi),
+    FIELD(speed_loop.ramp, 1, 0x20000000),
+    FIELD(speed_loop.speed_max, 1, 0x20000000),
+    FIELD(speed_loop.current_max, 1, 16384),
+    FIELD(speed_loop.inertia, 0, 32767),
+    FIELD(speed_loop.inertia_shift, 0, 30),
+    FIELD(speed_loop.error_shift, 1, 17),
+    FIELD(position_loop.ramp, 1, 0x20000000),
+    FIELD(position_loop.speed_max, 1, 0x20000000),
+    FIELD(position_loop.braking_inverse, 0x8000, 0x10000),
+    FIELD(position_loop.softness_q15, 0, 32767),
+    FIELD(position_loop.gain, 0, 32767),
+    FIELD(position_loop.gain_shift, 0, 30),
+    FIELD(position_loop.distance_shift, 8, 48),
+    FIELD(position_loop.ticks, 2, 100),
+    FIELD(modulator.timer_counts, 1, 32767),
+    FIELD(modulator.ratio_max_q15, 1, 18918),
+    FIELD(modulator.inverse_max_q12, 4096, 32767),
+    FIELD(slow_ticks, 2, 100),
+};
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static const char *check_with(const field_t *field, int32_t value)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    memcpy((char *)&cfg + field->offset, &value, sizeof value);
+    return params_check(&cfg);
+}
+
+static void assert_refused(const field_t *field, int32_t value)
+{
+    const char *const bad = check_with(field, value);
+    char text[128];
+
+    (void)snprintf(text, sizeof text, "%s = %ld is refused", field->name, (long)value);
+    TEST_ASSERT_NOT_NULL_MESSAGE(bad, text);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE(field->name, bad, text);
+}
+
+static void assert_accepted(const field_t *field, int32_t value)
+{
+    char text[128];
+
+    (void)snprintf(text, sizeof text, "%s = %ld is accepted", field->name, (long)value);
+    TEST_ASSERT_NULL_MESSAGE(check_with(field, value), text);
+}
+
+static void test_valid_configuration_is_accepted(void)
+{
+    const drive_cfg_t cfg = example_drive_cfg();
+
+    TEST_ASSERT_NULL(params_check(&cfg));
+}
+
+static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
+{
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        assert_accepted(&FIELDS[i], FIELDS[i].lowest);
+        assert_accepted(&FIELDS[i], FIELDS[i].highest);
+    }
+}
+
+static void test_every_field_is_named_just_outside_its_range(void)
+{
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        const field_t *const field = &FIELDS[i];
+
+        assert_refused(field, field->highest + 1);
+        if ((field->lowest > 0) && (strcmp(field->name, "speed_shift") != 0) &&
+            (strcmp(field->name, "protection.bus_max") != 0)) {
+            assert_refused(field, field->lowest - 1);
+        }
+    }
+}
+
+static void test_every_field_is_named_at_the_ends_of_its_type(void)
+{
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        const field_t *const field = &FIELDS[i];
+
+        assert_refused(field, INT32_MAX);
+        /* As a shift these two are 2^31 and 2^32 − 1. */
+        if (strcmp(field->name, "protection.bus_max") != 0) {
+            assert_refused(field, INT32_MIN);
+            assert_refused(field, -1);
+        }
+    }
+}
+
+static void test_bus_limits_out_of_order_are_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.protection.bus_max = cfg.protection.bus_min - 1;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_min", params_check(&cfg));
+    cfg.protection.bus_max = 0;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_max", params_check(&cfg));
+    cfg.protection.bus_max = INT32_MIN;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_max", params_check(&cfg));
+}
+
+static void test_speed_limit_beyond_the_speed_base_is_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.speed_shift = 10U;
+    TEST_ASSERT_EQUAL_STRING("observer.speed_limit", params_check(&cfg));
+    cfg.speed_shift = 0U;
+    TEST_ASSERT_EQUAL_STRING("speed_shift", params_check(&cfg));
+    /* The widest base takes the largest limit. */
+    cfg.speed_shift = 16U;
+    cfg.observer.speed_limit = 0x20000000;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.observer.speed_limit = 0x20000001;
+    TEST_ASSERT_EQUAL_STRING("observer.speed_limit", params_check(&cfg));
+}
+
+static void test_the_first_of_several_bad_fields_is_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.slow_ticks = 0U;
+    TEST_ASSERT_EQUAL_STRING("slow_ticks", params_check(&cfg));
+    cfg.modulator.timer_counts = 0;
+    TEST_ASSERT_EQUAL_STRING("modulator.timer_counts", params_check(&cfg));
+    cfg.speed_loop.pi.ki_shift = 31U;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.pi", params_check(&cfg));
+    cfg.observer.rate = -1;
+    TEST_ASSERT_EQUAL_STRING("observer.rate", params_check(&cfg));
+    cfg.sampling.bus_shift = 8U;
+    TEST_ASSERT_EQUAL_STRING("sampling.bus_shift", params_check(&cfg));
+}
+
+static void test_an_empty_configuration_is_refused(void)
+{
+    const drive_cfg_t cfg = {.slow_ticks = 0U};
+
+    TEST_ASSERT_EQUAL_STRING("protection.current_max", params_check(&cfg));
+}
+
+static void test_the_table_of_this_test_knows_every_field(void)
+{
+    /* Each field of 32 bits stands in the table exactly once. */
+    TEST_ASSERT_EQUAL_size_t(sizeof(drive_cfg_t) / sizeof(int32_t), COUNT(FIELDS));
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        for (size_t j = 0; j < i; j++) {
+            TEST_ASSERT_TRUE(FIELDS[i].offset != FIELDS[j].offset);
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_valid_configuration_is_accepted);
+    RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
+    RUN_TEST(test_every_field_is_named_just_outside_its_range);
+    RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
+    RUN_TEST(test_bus_limits_out_of_order_are_named);
+    RUN_TEST(test_speed_limit_beyond_the_speed_base_is_named);
+    RUN_TEST(test_the_first_of_several_bad_fields_is_named);
+    RUN_TEST(test_an_empty_configuration_is_refused);
+    RUN_TEST(test_the_table_of_this_test_knows_every_field);
+    return UNITY_END();
+}
