@@ -4,6 +4,7 @@
 #include "files.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -12,14 +13,16 @@ namespace nf
 namespace
 {
 
-// The first comment line of a set says what it is.
-std::string first_comment(const std::string &name)
+// The comment at the head of a set says what it is.
+std::string head_comment(const std::string &name)
 {
-    const std::string text = read_bytes(data_folder() / "imperfections" / (name + ".toml"));
-    if (text.rfind("# ", 0) != 0) {
-        return "";
+    std::istringstream file(read_bytes(data_folder() / "imperfections" / (name + ".toml")));
+    std::string text;
+    std::string line;
+    while (std::getline(file, line) && line.rfind("# ", 0) == 0) {
+        text += (text.empty() ? "" : " ") + line.substr(2);
     }
-    return text.substr(2, text.find('\n') - 2);
+    return text;
 }
 
 std::string scenario_line(const ScenarioInfo &info, int width)
@@ -51,7 +54,7 @@ std::string data_list_text()
     }
     text += "\nImperfections, for `--with NAME`; several add up:\n\n";
     for (const std::string &name : sets) {
-        text += fmt::format("  {:<{}}  {}\n", name, column, first_comment(name));
+        text += fmt::format("  {:<{}}  {}\n", name, column, head_comment(name));
     }
     return text;
 }

@@ -23,7 +23,7 @@ namespace nf
 
 constexpr double SETTLED_AFTER_S = 0.15;
 constexpr double SETTLING_BAND = 0.02;  // of the height of a command step
-constexpr double RECOVERY_BAND = 0.002; // of rated speed
+constexpr double RECOVERY_BAND = 0.005; // of rated speed: above the ripple that sensor noise makes
 constexpr double LOST_DEG = 90.0;       // electrical; beyond it torque has the wrong sign
 
 // Empty where a figure does not apply, or where what it waits for never came (a step that does not
@@ -47,7 +47,7 @@ struct MetricValues {
     // largest, 0 when it never does.
     std::optional<double> overshoot_pct;
     // Speed mode, load steps: largest |command − ω| in the step window, and the time from the step
-    // until it stays within 0.2 % of rated speed. The largest and the longest.
+    // until it stays within 0.5 % of rated speed. The largest and the longest.
     std::optional<double> speed_dip_rpm;
     std::optional<double> recovery_time_s;
     // Position mode: |command − angle|, mechanical, in the last tick before the next command step or

@@ -1,0 +1,206 @@
+"""motorsim as its users meet it: exit status, messages, files, from any folder."""
+
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+MOTORSIM = Path(sys.argv.pop(1)).resolve()
+HOLDS, BROKEN, BAD_INPUT = 0, 1, 2
+RATED_RPM = 1800
+
+METRICS = """
+scenario with seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
+command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
+speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults saturations
+saturation_internal_count""".split()
+COLUMNS = """
+time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm
+position_command_rad position_rad position_estimated_rad angle_el_deg angle_estimated_el_deg
+angle_error_el_deg i_q_a i_q_estimated_a i_q_reference_a i_d_a i_d_estimated_a i_a_a i_b_a i_c_a
+v_d_v v_q_v duty_a duty_b duty_c bus_v load_torque_nm torque_nm fault""".split()
+NOT_IN_SPEED_RUN = {"position_error_final_rad"}
+NOT_IN_POSITION_RUN = {"command_error_settled_pct", "speed_dip_rpm", "recovery_time_s"}
+
+SHORT = """
+motor = "motor_a"
+board = "bench_310v"
+tuning = "published"
+
+[scenario]
+title = "a short run"
+mode = "speed"
+duration_s = 0.05
+prelude_s = 0.04
+
+[[scenario.command]]
+time_s = 0
+speed_rpm = 100
+
+[accept.ideal]
+angle_error_max_deg = {angle}
+"""
+
+
+class MotorsimTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def motorsim(self, *args):
+        return subprocess.run([MOTORSIM, *map(str, args)], cwd=self.folder, text=True,
+                              capture_output=True, check=False)
+
+    def assert_status(self, status, *args):
+        done = self.motorsim(*args)
+        self.assertEqual(done.returncode, status, done.stderr)
+        return done
+
+    def short(self, angle=10):
+        path = self.folder / "short.toml"
+        path.write_text(SHORT.format(angle=angle), encoding="utf-8")
+        return path
+
+    def metrics(self, *args):
+        return json.loads(self.motorsim("run", *args, "--json", "-").stdout)
+
+
+class Metrics(MotorsimTest):
+    def test_keys_are_complete_and_do_not_depend_on_the_scenario(self):
+        for scenario in ("s1", "s2", "s3"):
+            self.assertEqual(list(self.metrics(scenario)), METRICS)
+
+    def test_what_does_not_apply_is_null(self):
+        null = {key for key, value in self.metrics("s2").items() if value is None}
+        self.assertEqual(null, NOT_IN_SPEED_RUN | {"settling_time_s", "overshoot_pct"})
+        null = {key for key, value in self.metrics("s3").items() if value is None}
+        self.assertEqual(null, NOT_IN_POSITION_RUN)
+
+    def test_nothing_saturates_inside_in_the_scenarios(self):
+        for scenario in ("s1", "s2", "s3", "s1_robust", "s2_robust", "s3_robust"):
+            for imperfection in ("ideal", "adc"):
+                metrics = self.metrics(scenario, "--with", imperfection)
+                self.assertEqual(metrics["saturation_internal_count"], 0, scenario)
+
+    def test_what_was_run_is_named(self):
+        metrics = self.metrics("s1", "--with", "hot", "--with", "adc", "--set", "scenario.seed=7")
+        self.assertEqual((metrics["scenario"], metrics["seed"]), ("s1", 7))
+        self.assertEqual(metrics["with"], ["hot", "adc"])
+
+    def test_only_json_goes_to_standard_output(self):
+        done = self.assert_status(BROKEN, "run", self.short(angle=0), "--json", "-")
+        self.assertEqual(json.loads(done.stdout)["scenario"], "short")
+        self.assertIn("angle_error_max_deg", done.stderr)
+
+
+class Limits(MotorsimTest):
+    def test_a_limit_that_does_not_hold_is_named_in_one_line(self):
+        done = self.assert_status(BROKEN, "run", self.short(angle=0))
+        lines = done.stderr.splitlines()
+        self.assertEqual(len(lines), 1)
+        self.assertRegex(lines[0], r"^short: angle_error_max_deg = 0\.\d+, limit: 0$")
+
+    def test_a_worse_motor_breaks_the_limits_of_an_ideal_one(self):
+        done = self.assert_status(BROKEN, "run", "s1", "--set", "plant.resistance_scale=1.5")
+        self.assertIn("speed_error_max_pct", done.stderr)
+
+    def test_the_table_shows_values_and_limits(self):
+        done = self.assert_status(HOLDS, "run", "s1")
+        self.assertRegex(done.stdout, r"speed_error_max_pct +0\.\d+ +0\.5  ok")
+
+
+class Determinism(MotorsimTest):
+    def test_two_runs_give_the_same_bytes(self):
+        for run in ("a", "b"):
+            self.assert_status(HOLDS, "run", "s1", "--with", "adc", "--trace", f"{run}.csv",
+                               "--json", f"{run}.json")
+        for ending in ("csv", "json"):
+            first, second = (self.folder / f"{run}.{ending}" for run in ("a", "b"))
+            self.assertEqual(first.read_bytes(), second.read_bytes())
+
+    def test_the_seed_matters(self):
+        first, second = (self.metrics("s1", "--with", "adc", "--set", f"scenario.seed={seed}")
+                         for seed in (1, 2))
+        self.assertNotEqual(first["speed_error_rms_rpm"], second["speed_error_rms_rpm"])
+
+    def test_tracing_changes_nothing(self):
+        plain = self.metrics("s2")
+        self.assertEqual(self.metrics("s2", "--trace", "t.csv"), plain)
+
+
+class Trace(MotorsimTest):
+    def rows(self, *args):
+        self.motorsim("run", *args, "--trace", "t.csv")
+        with open(self.folder / "t.csv", encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def test_header_and_rows(self):
+        rows = self.rows("s1")
+        self.assertEqual(list(rows[0]), COLUMNS)
+        self.assertEqual(len(rows), 10000)
+        self.assertEqual(float(rows[0]["time_s"]), 0)
+        self.assertAlmostEqual(float(rows[-1]["time_s"]), 0.9999)
+        self.assertEqual({row["state"] for row in rows}, {"RUN"})
+        self.assertEqual({row["fault"] for row in rows}, {"NONE"})
+        self.assertAlmostEqual(float(rows[-1]["speed_rpm"]), RATED_RPM, delta=5)
+
+    def test_every_number_is_one(self):
+        for row in self.rows("s3"):
+            for name in COLUMNS:
+                if name not in ("state", "fault"):
+                    float(row[name])
+
+    def test_errors_agree_with_the_metrics(self):
+        rows = self.rows("s1", "--json", "m.json")
+        metrics = json.loads((self.folder / "m.json").read_text(encoding="utf-8"))
+        for actual, estimated, name in (("speed_rpm", "speed_estimated_rpm", "speed_error_max_rpm"),
+                                        ("i_q_a", "i_q_estimated_a", "iq_error_max_a")):
+            largest = max(abs(float(row[actual]) - float(row[estimated])) for row in rows)
+            self.assertAlmostEqual(largest, metrics[name], delta=0.01)
+        largest = max(abs(float(row["angle_error_el_deg"])) for row in rows)
+        self.assertAlmostEqual(largest, metrics["angle_error_max_deg"], delta=1e-5)
+
+    def test_prelude_on_request(self):
+        rows = self.rows(self.short(), "--trace-prelude")
+        self.assertAlmostEqual(float(rows[0]["time_s"]), -0.04)
+        self.assertEqual(rows[0]["state"], "OFFSET_CAL")
+        self.assertEqual(rows[-1]["state"], "RUN")
+
+
+class BadInput(MotorsimTest):
+    def test_one_line_and_status_2(self):
+        wrong = (["run"], ["fly"], [], ["run", "s9"], ["run", "s1", "--with", "nonsense"],
+                 ["run", "s1", "--set", "motor.mass_kg=3"], ["run", "s1", "--json"],
+                 ["run", "s1", "--trace", "no/such/folder/t.csv"],
+                 ["run", "s1", "--json", "no/such/folder/m.json"], ["bench", "--runs", "0"],
+                 ["run", "s1", "--trace", "/dev/full"], ["run", "s1", "--json", "/dev/full"])
+        for args in wrong:
+            done = self.assert_status(BAD_INPUT, *args)
+            self.assertEqual(len(done.stderr.splitlines()), 1, (args, done.stderr))
+            self.assertEqual(done.stdout, "")
+
+
+class Help(MotorsimTest):
+    def test_help_teaches(self):
+        for args in (["--help"], ["run", "--help"], ["bench", "--help"], ["list", "--help"]):
+            self.assert_status(HOLDS, *args)
+        self.assertIn("motorsim run s1", self.motorsim("--help").stdout)
+
+    def test_list_names_scenarios_and_imperfections(self):
+        text = self.assert_status(HOLDS, "list").stdout
+        for name in ("s1", "s2_robust", "s3", "adc", "deadtime", "A fig. 5"):
+            self.assertIn(name, text)
+
+    def test_bench_gives_numbers(self):
+        done = self.assert_status(HOLDS, "bench", "--runs", "2", "--json")
+        figures = json.loads(done.stdout)
+        self.assertEqual(figures["scenario"], "s1")
+        self.assertGreater(figures["real_time_factor_best"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

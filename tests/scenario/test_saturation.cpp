@@ -1,0 +1,173 @@
+// Each clamp of the drive is seen from outside, and nothing is seen just short of it.
+#include "saturation.h"
+
+#include <functional>
+
+#include <unity.h>
+
+namespace
+{
+
+using nf::Saturations;
+using nf::Signal;
+
+constexpr int32_t CURRENT_MAX = 8000;
+constexpr int32_t SPEED_LIMIT = 100000;
+constexpr int32_t COUNTS = 8500;
+
+drive_cfg_t make_cfg()
+{
+    drive_cfg_t cfg{};
+    cfg.observer.speed_limit = SPEED_LIMIT;
+    cfg.speed_loop.current_max = CURRENT_MAX;
+    cfg.modulator.timer_counts = COUNTS;
+    cfg.modulator.ratio_max_q15 = 18000;
+    cfg.modulator.inverse_max_q12 = 8192;
+    cfg.current_loop.emf_q13 = 16384; // twice the speed
+    return cfg;
+}
+
+const drive_cfg_t CFG = make_cfg();
+
+struct Frame {
+    drive_t drive{};
+    drive_out_t out{};
+};
+
+// A drive well inside all its ranges.
+Frame calm()
+{
+    Frame frame;
+    frame.drive.cfg = &CFG;
+    frame.drive.modulator.inverse_bus_q12 = 5000;
+    frame.drive.signals.voltage_limit = 12000;
+    for (uint16_t &phase : frame.out.compare.phase) {
+        phase = COUNTS / 2;
+    }
+    return frame;
+}
+
+uint64_t hits(const Frame &frame, Signal signal)
+{
+    Saturations saturations;
+    saturations.add(frame.drive, frame.out);
+    return saturations.ticks()[static_cast<std::size_t>(signal)];
+}
+
+// The value one short of the end is not counted, the end is, on both sides.
+template <typename Set> void check_ends(Signal signal, int32_t end, Set set)
+{
+    Frame frame = calm();
+    set(frame, end - 1);
+    TEST_ASSERT_EQUAL_UINT64(0, hits(frame, signal));
+    set(frame, 1 - end);
+    TEST_ASSERT_EQUAL_UINT64(0, hits(frame, signal));
+    set(frame, end);
+    TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
+    set(frame, -end);
+    TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
+}
+
+void test_calm_drive_has_none()
+{
+    const Frame frame = calm();
+    for (std::size_t k = 0; k < nf::SIGNAL_COUNT; k++) {
+        TEST_ASSERT_EQUAL_UINT64(0, hits(frame, static_cast<Signal>(k)));
+        TEST_ASSERT_NOT_NULL(nf::signal_name(k));
+    }
+}
+
+void test_measured_currents()
+{
+    check_ends(Signal::phase_a, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_a = x; });
+    check_ends(Signal::phase_b, 16383, [](Frame &f, int32_t x) { f.drive.signals.phase_b = x; });
+}
+
+void test_network()
+{
+    check_ends(Signal::network_x, 134217727,
+               [](Frame &f, int32_t x) { f.drive.observer.x_q27 = x; });
+    check_ends(Signal::network_y, 134217727,
+               [](Frame &f, int32_t x) { f.drive.observer.y_q27 = x; });
+    check_ends(Signal::network_error_d, 8191,
+               [](Frame &f, int32_t x) { f.drive.observer.error.d = x; });
+    check_ends(Signal::network_error_q, 8191,
+               [](Frame &f, int32_t x) { f.drive.observer.error.q = x; });
+    check_ends(Signal::network_speed, SPEED_LIMIT,
+               [](Frame &f, int32_t x) { f.drive.observer.speed = x; });
+    check_ends(Signal::network_speed_out, SPEED_LIMIT,
+               [](Frame &f, int32_t x) { f.drive.observer.speed_out = x; });
+}
+
+void test_emf_saturates_at_one()
+{
+    check_ends(Signal::emf, 16384, [](Frame &f, int32_t x) { f.drive.signals.speed = x; });
+}
+
+void test_limits_are_not_internal()
+{
+    Frame frame = calm();
+    frame.drive.signals.current_ref_q = -CURRENT_MAX;
+    frame.drive.signals.voltage = {0, 12000};
+    frame.out.compare.phase[1] = 0;
+    Saturations saturations;
+    saturations.add(frame.drive, frame.out);
+    TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
+    for (const Signal signal : {Signal::torque, Signal::voltage, Signal::duty}) {
+        TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
+    }
+}
+
+// v_d = 7200 leaves 9600 of a circle of 12000.
+void test_voltage_circle()
+{
+    Frame frame = calm();
+    frame.drive.signals.voltage = {7200, 9599};
+    TEST_ASSERT_EQUAL_UINT64(0, hits(frame, Signal::voltage));
+    frame.drive.signals.voltage = {7200, -9600};
+    TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::voltage));
+}
+
+void test_internal_count_adds_up()
+{
+    Frame frame = calm();
+    frame.drive.signals.phase_a = 16383;
+    frame.drive.observer.error.q = -8191;
+    Saturations saturations;
+    saturations.add(frame.drive, frame.out);
+    saturations.add(frame.drive, frame.out);
+    TEST_ASSERT_EQUAL_UINT64(4, saturations.internal_count());
+}
+
+void test_position_lag_counts_in_position_mode_only()
+{
+    Frame frame = calm();
+    frame.drive.position_loop.profile_q32 = int64_t{1} << 40;
+    TEST_ASSERT_EQUAL_UINT64(0, hits(frame, Signal::position_lag));
+    frame.drive.mode = DRIVE_MODE_POSITION;
+    TEST_ASSERT_EQUAL_UINT64(1, hits(frame, Signal::position_lag));
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_calm_drive_has_none);
+    RUN_TEST(test_measured_currents);
+    RUN_TEST(test_network);
+    RUN_TEST(test_emf_saturates_at_one);
+    RUN_TEST(test_limits_are_not_internal);
+    RUN_TEST(test_voltage_circle);
+    RUN_TEST(test_internal_count_adds_up);
+    RUN_TEST(test_position_lag_counts_in_position_mode_only);
+    return UNITY_END();
+}

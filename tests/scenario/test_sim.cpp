@@ -1,0 +1,144 @@
+// The coupling of plant, hardware binding and drive, and what a run does with its profiles.
+#include "profile.h"
+#include "scenario.h"
+#include "tick.h"
+
+#include <vector>
+
+#include <unity.h>
+
+namespace
+{
+
+using nf::Config;
+
+Config load(const std::vector<std::string> &set = {})
+{
+    return nf::load_scenario("s1", {}, set);
+}
+
+// Gates and compare values as the plant sees them after the control interrupt.
+void test_compare_values_are_preloaded_and_gates_are_not()
+{
+    nf::Simulation sim(load());
+    drive_out_t out{};
+    out.compare = {{10, 20, 30}};
+    out.gate_enable = true;
+    plant_t plant = sim.plant();
+    hal_t hal{};
+    hal_host_init(&hal, &plant);
+    hal_apply(&hal, &out);
+    TEST_ASSERT_TRUE(plant.gates_on);
+    TEST_ASSERT_EQUAL_UINT32(0, plant.compare[1]);
+    hal_host_step(&hal);
+    TEST_ASSERT_EQUAL_UINT32(20, plant.compare[1]);
+    TEST_ASSERT_EQUAL_UINT32(1, hal_ticks(&hal));
+    hal_open_gates(&hal);
+    TEST_ASSERT_FALSE(plant.gates_on);
+}
+
+void test_drive_reaches_run_on_request_only()
+{
+    const Config config = load();
+    nf::Simulation sim(config);
+    const auto run = [&sim](int ticks) {
+        for (int k = 0; k < ticks; k++) {
+            sim.control();
+            sim.advance();
+        }
+    };
+    run(400);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, sim.drive().state);
+    TEST_ASSERT_FALSE(sim.plant().gates_on);
+    sim.request_run();
+    run(1);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, sim.drive().state);
+    TEST_ASSERT_TRUE(sim.plant().gates_on);
+}
+
+void test_plant_scales_apply_to_the_plant_alone()
+{
+    const Config config = load({"plant.resistance_scale=1.5", "plant.flux_scale=0.9"});
+    const drive_cfg_t drive = nf::build(config);
+    const drive_cfg_t unscaled = nf::build(load());
+    const plant_cfg_t plant = nf::make_plant_cfg(config, drive);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5 * config.motor.resistance_ohm, plant.motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.9 * config.motor.flux_linkage_wb, plant.motor.flux_linkage_wb);
+    TEST_ASSERT_EQUAL_INT32(unscaled.observer.decay_d, drive.observer.decay_d);
+    TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
+}
+
+void test_profile_acts_at_the_nearest_tick()
+{
+    nf::Profile profile({{-0.01, 5}, {0.0, 5}, {0.0101, 7}}, 1e-3, 20);
+    std::vector<int64_t> changes;
+    for (int64_t tick = 0; tick < 100; tick++) {
+        if (profile.advance(tick)) {
+            changes.push_back(tick);
+        }
+    }
+    TEST_ASSERT_EQUAL_size_t(2, changes.size()); // repeating a value is no step
+    TEST_ASSERT_EQUAL_INT64(10, changes[0]);
+    TEST_ASSERT_EQUAL_INT64(30, changes[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(7, profile.value());
+}
+
+// A rotor at 90° electrical against an estimate of 100°, and across the ends of the turn.
+void test_angle_error_wraps()
+{
+    constexpr double DEG = 3.14159265358979323846 / 180.0;
+    constexpr int64_t TURN = int64_t{1} << 32;
+    nf::Tick tick{};
+    tick.truth.theta_el_rad = 90 * DEG;
+    tick.position_estimate_q32 = 5 * TURN + TURN * 100 / 360;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, -10.0, nf::angle_error_deg(tick));
+    tick.truth.theta_el_rad = -179 * DEG;
+    tick.position_estimate_q32 = -3 * TURN + TURN * 179 / 360;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0, nf::angle_error_deg(tick));
+}
+
+// Opening the measuring range's protection: the fault is named with its tick, and lock is lost.
+void test_faults_are_listed()
+{
+    const Config config = load({"plant.bus_ripple_pct=40"});
+    const nf::RunResult result = nf::run_scenario(config);
+    TEST_ASSERT_EQUAL_size_t(1, result.faults.size());
+    TEST_ASSERT_EQUAL_INT(0, static_cast<int>(result.faults.front().rfind("OVERVOLTAGE@", 0)));
+    TEST_ASSERT_FALSE(result.metrics.locked);
+    TEST_ASSERT_FALSE(nf::violations(config, result).empty());
+}
+
+void test_limits_name_what_does_not_hold()
+{
+    Config config = load();
+    config.scenario.accept["ideal"] = {{{"angle_error_max_deg", 0.001}, {"speed_dip_rpm", 10}},
+                                       true};
+    const std::vector<nf::Violation> found = nf::violations(config, nf::run_scenario(config));
+    TEST_ASSERT_EQUAL_size_t(2, found.size());
+    TEST_ASSERT_EQUAL_STRING("angle_error_max_deg", found[0].metric.c_str());
+    TEST_ASSERT_EQUAL_STRING("0.001", found[0].limit.c_str());
+    TEST_ASSERT_EQUAL_STRING("speed_dip_rpm = none, limit: 10", found[1].text().c_str());
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_compare_values_are_preloaded_and_gates_are_not);
+    RUN_TEST(test_drive_reaches_run_on_request_only);
+    RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
+    RUN_TEST(test_profile_acts_at_the_nearest_tick);
+    RUN_TEST(test_angle_error_wraps);
+    RUN_TEST(test_faults_are_listed);
+    RUN_TEST(test_limits_name_what_does_not_hold);
+    return UNITY_END();
+}
