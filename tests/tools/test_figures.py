@@ -1,0 +1,130 @@
+"""Figures: the panels of the paper, shared ranges, and the same bytes for the same run."""
+
+import unittest
+
+from support import COARSE_S, FolderTest
+from report import claim, style
+from report.assemble import save
+from report.caption import alternative, caption
+from report.draw import draw
+from report.layouts import SCENARIOS, layouts, overview
+from report.panels import CATALOGUE, Panel
+from report.runs import PlotError, read_runs
+from report.svg import svg
+
+PAPER = {   # scenario: figure: what the paper says its panels (a), (b), … show
+    "s1": {"fig5": ["command and actual speed", "command and estimated speed",
+                    "actual q current", "estimated q current", "actual and estimated angle"]},
+    "s2": {"fig6": ["command and actual speed", "command and estimated speed",
+                    "actual q current", "estimated q current", "actual and estimated angle"],
+           "fig8": ["command − estimated speed", "actual − estimated speed",
+                    "actual − estimated q current", "actual − estimated angle"]},
+    "s3": {"fig7": ["command, actual and estimated position", "actual and estimated speed",
+                    "actual and estimated angle", "actual q current", "estimated q current"]},
+}
+
+
+class Layouts(unittest.TestCase):
+    def test_the_paper_s_panels(self):
+        shown = {scenario: {layout.key: [panel.title for panel in layout.panels]
+                            for layout in figures} for scenario, figures in SCENARIOS.items()}
+        lettered = {scenario: {key: [f"({letter}) {title}" for letter, title in zip("abcde", titles)]
+                               for key, titles in figures.items()}
+                    for scenario, figures in PAPER.items()}
+        self.assertEqual(shown, lettered)
+
+    def test_a_title_names_the_lines_of_its_panel(self):
+        for layout in (layout for figures in SCENARIOS.values() for layout in figures):
+            for panel in layout.panels:
+                roles = {line.role for line in panel.lines}
+                named = {role for role in ("command", "actual", "estimated")
+                         if role in panel.title}
+                self.assertEqual(roles if roles != {"difference"} else named, named, panel.title)
+
+
+class Figures(FolderTest):
+    def run_of(self, scenario):
+        self.run_files(scenario)
+        run, = read_runs(self.folder)
+        return run
+
+    def drawn(self, run, number=0, shape=style.PRINT):
+        layout = layouts(run)[number]
+        return draw(run.trace.cut(0.0), layout, shape, claim.bases(run))
+
+    def axes(self, figure, title):
+        return next(ax for ax in figure.axes if ax.get_title(loc="left").startswith(title))
+
+    def test_both_q_currents_share_their_range(self):
+        figure = self.drawn(self.run_of("s1"))
+        self.assertEqual(self.axes(figure, "(c)").get_ylim(), self.axes(figure, "(d)").get_ylim())
+
+    def test_all_panels_but_the_zoom_share_the_time(self):
+        figure = self.drawn(self.run_of("s2"))
+        for letter in "abcd":
+            low, high = self.axes(figure, f"({letter})").get_xlim()
+            self.assertEqual(low, 0.0)
+            self.assertAlmostEqual(high, 1.0 + COARSE_S)
+        self.assertLess(self.axes(figure, "(e)").get_xlim()[1], 1.0)
+
+    def test_the_claim_is_in_view_of_every_error(self):
+        run = self.run_of("s2")
+        figure = self.drawn(run, 1)
+        bases = claim.bases(run)
+        for letter, base in zip("abcd", ("speed", "speed", "current", "turn")):
+            low, high = self.axes(figure, f"({letter})").get_ylim()
+            self.assertLess(low, -0.02 * bases[base])
+            self.assertGreater(high, 0.02 * bases[base])
+
+    def test_units_on_all_panels(self):
+        for panel in CATALOGUE.values():
+            self.assertEqual(panel.unit == "", panel.kind == "state", panel.title)
+
+    def test_same_run_same_bytes(self):
+        run = self.run_of("s1")
+        for suffix in ("png", "svg", "pdf"):
+            paths = [self.folder / f"{k}.{suffix}" for k in (1, 2)]
+            for path in paths:
+                save(self.drawn(run), style.PRINT, path)
+            self.assertEqual(paths[0].read_bytes(), paths[1].read_bytes(), suffix)
+
+    def test_unknown_format_is_refused(self):
+        with self.assertRaisesRegex(PlotError, r"x\.doc: .*expected \.png"):
+            save(self.drawn(self.run_of("s1")), style.PRINT, self.folder / "x.doc")
+
+    def test_svg_follows_the_page(self):
+        text = svg(self.drawn(self.run_of("s2"), 1, style.NARROW), style.NARROW, "name", 'a "b"')
+        self.assertTrue(text.startswith('<svg role="img" aria-label="a &quot;b&quot;"'))
+        self.assertIn("var(--difference)", text)
+        self.assertNotIn('id="axes_1"', text)
+        self.assertNotRegex(text, r"(fill|stroke): #[0-9a-f]{6}")
+
+    def test_words_give_steps_and_largest_values(self):
+        run = self.run_of("s2")
+        trace, errors = run.trace.cut(0.0), layouts(run)[1]
+        words = alternative(trace, errors, claim.bases(run))
+        self.assertIn("load 3 N·m at 0.5 s, no load at 0.8 s", words)
+        self.assertRegex(caption(trace, errors, claim.bases(run)), r"\(d\) .*° el\. \([\d.e−]+ %\)")
+
+    def test_overview_leaves_out_what_does_not_move(self):
+        titles = [panel.title for panel in overview(self.run_of("s1").trace)]
+        self.assertIn("speed", titles)
+        self.assertNotIn("state of the drive", titles)      # RUN all the time
+        self.assertNotIn("position (mechanical)", titles)   # no position command
+
+    def test_states_of_the_drive(self):
+        trace = self.run_of("s1").trace
+        trace["state"][:100] = "ALIGN"
+        panels = overview(trace)
+        self.assertEqual(panels[0].kind, "state")
+        figure = draw(trace, layouts_of(panels), style.PRINT)
+        self.assertIn("RUN", [text.get_text() for ax in figure.axes for text in ax.texts])
+
+
+def layouts_of(panels: tuple[Panel, ...]):
+    from report.layouts import Layout
+    return Layout("k", "title", panels)
+
+
+if __name__ == "__main__":
+    unittest.main()

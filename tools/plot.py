@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Figures of simulated runs: one run as a picture, or a report of all.
+
+Runs come from the simulator, which writes a trace and the metrics of a scenario:
+
+  build/host/motorsim run s1 --trace build/runs/s1.csv --json build/runs/s1.json
+
+Exit status: 0 done, 2 a file, a column or an argument is missing or wrong.
+`tools/plot.py COMMAND --help` tells more of each command.
+"""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+VENV = Path(__file__).resolve().parent.parent / ".cache" / "venv"
+
+TRACE_HELP = """One run as a figure: panels over one time axis, steps of the command and load marked.
+
+  tools/plot.py trace build/runs/s2.csv
+  tools/plot.py trace build/runs/s2.csv --panels speed,iq,angle-error --from 0.48 --to 0.6
+
+"""
+REPORT_HELP = """All runs of a folder as one page, index.html, with the figures of paper A
+(fig. 5 to 8), the measured errors beside the paper's claim of 2 %, and all metrics.
+
+  tools/plot.py report --runs build/runs --out build/report
+
+Each run is a trace, NAME.csv, and its metrics, NAME.json. The scenario in the metrics decides
+the figures: s1, s2 and s3 get the paper's, any other an overview. The part before t = 0 is
+not drawn.
+"""
+
+
+def needed_packages():
+    """numpy and matplotlib; without them start again in the project's own environment."""
+    try:
+        import matplotlib  # noqa: F401
+        import numpy  # noqa: F401
+    except ImportError as error:
+        python = VENV / "bin" / "python"
+        if python.exists() and Path(sys.prefix) != VENV:
+            os.execv(python, [str(python), *sys.argv])
+        sys.exit(f"plot.py: {error}; expected the packages of tools/requirements.txt: "
+                 "run tools/dev setup")
+
+
+def chosen_panels(names, trace):
+    from report.layouts import OVERVIEW, overview
+    from report.panels import CATALOGUE
+    from report.runs import PlotError
+    if names is None:
+        panels = overview(trace)
+        if not panels:
+            raise PlotError(f"{trace.path}: nothing to show; expected the columns of one of the "
+                            f"panels {', '.join(OVERVIEW)}, and a value that changes")
+        return panels
+    unknown = [name for name in names if name not in CATALOGUE]
+    if unknown:
+        raise PlotError(f"--panels: no panel '{unknown[0]}'; "
+                        f"expected names out of: {', '.join(CATALOGUE)}")
+    return tuple(CATALOGUE[name] for name in names)
+
+
+def trace_command(args):
+    from report import style
+    from report.assemble import save
+    from report.draw import draw
+    from report.layouts import Layout
+    from report.runs import read_trace
+    trace = read_trace(args.file).cut(args.start, args.end)
+    panels = chosen_panels(args.panels, trace)
+    layout = Layout("trace", args.title or args.file.stem, panels)
+    out = args.out or args.file.with_suffix(".png")
+    save(draw(trace, layout, style.PRINT), style.PRINT, out)
+    print(out)
+
+
+def report_command(args):
+    from report.assemble import write_report
+    print(write_report(args.runs, args.out))
+
+
+def panel_list():
+    from report.panels import CATALOGUE
+    lines = [f"  {name:<15} {panel.title}{f', {panel.unit}' if panel.unit else ''}"
+             for name, panel in CATALOGUE.items()]
+    return "Panels:\n" + "\n".join(lines)
+
+
+def add_trace(commands):
+    parser = commands.add_parser(
+        "trace", help="one run as a figure", description=TRACE_HELP, epilog=panel_list(),
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(run=trace_command)
+    parser.add_argument("file", type=Path, metavar="FILE.csv", help="the trace")
+    parser.add_argument("--out", type=Path, metavar="FILE",
+                        help="picture to write: .png, .svg or .pdf (default: FILE.png)")
+    parser.add_argument("--panels", type=lambda text: text.split(","), metavar="NAME,...",
+                        help="panels from top to bottom (default: those that show something)")
+    parser.add_argument("--from", type=float, default=0.0, dest="start", metavar="S",
+                        help="start, seconds (default: 0; before it lies the run-up)")
+    parser.add_argument("--to", type=float, dest="end", metavar="S",
+                        help="end, seconds (default: the end of the trace)")
+    parser.add_argument("--title", help="title of the figure (default: the name of the file)")
+
+
+def add_report(commands):
+    parser = commands.add_parser(
+        "report", help="all runs of a folder as one page", description=REPORT_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(run=report_command)
+    parser.add_argument("--runs", type=Path, default=Path("build/runs"), metavar="DIR",
+                        help="folder of the runs (default: build/runs)")
+    parser.add_argument("--out", type=Path, default=Path("build/report"), metavar="DIR",
+                        help="folder to write to (default: build/report)")
+
+
+def main(arguments=None):
+    needed_packages()
+    from report.runs import PlotError
+    parser = argparse.ArgumentParser(
+        prog="plot.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    add_trace(commands)
+    add_report(commands)
+    args = parser.parse_args(arguments)
+    try:
+        args.run(args)
+    except PlotError as error:
+        print(f"plot.py: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

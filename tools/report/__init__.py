@@ -1,0 +1,1 @@
+"""Figures and the report of simulated runs; the command line is tools/plot.py."""
