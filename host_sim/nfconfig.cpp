@@ -32,10 +32,8 @@ void add_choice(CLI::App &command, Choice &choice)
     command.add_option("--board", choice.board, "Board, by name or path")->required();
     command.add_option("--tuning", choice.tuning, "Tuning, by name or path")->capture_default_str();
     command.add_option("--with", choice.with, "Imperfection set, by name or path; repeatable")
-        ->expected(1)
         ->allow_extra_args(false);
     command.add_option("--set", choice.set, "Override section.key=value; repeatable")
-        ->expected(1)
         ->allow_extra_args(false);
 }
 
@@ -69,9 +67,9 @@ void show(const Choice &choice)
 
 void print_keys()
 {
-    std::cout << fmt::format("{:36}{:30}{:12}{}\n", "key", "allowed", "default", "meaning");
+    std::cout << fmt::format("{:36}{:36}{:12}{}\n", "key", "allowed", "default", "meaning");
     for (const nf::Field &field : nf::schema()) {
-        std::cout << fmt::format("{:36}{:30}{:12}{}\n", field.name(), field.allowed(),
+        std::cout << fmt::format("{:36}{:36}{:12}{}\n", field.name(), field.allowed(),
                                  field.default_text(), field.help);
     }
 }

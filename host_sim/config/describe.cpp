@@ -182,6 +182,8 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
     add_speed_loop(to);
     add_position_loop(to);
     add_modulator(to);
+    to.add("speed_shift", built.speed_shift, "steps to Q15 of Ω_b = {:.6g} rad/s electrical",
+           to.bases.speed_el_rad_s);
     to.add("slow_ticks", built.slow_ticks, "slow period {:g} s", to.slow_period());
     return to.rows;
 }

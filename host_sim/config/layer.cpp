@@ -64,7 +64,7 @@ std::vector<std::string> all_sections()
 {
     const std::vector<std::string> sections = sections_of(kind);
     const std::string near = nearest(section, sections);
-    const std::string problem = fmt::format("unknown table in a {} file", kind_name(kind));
+    const std::string problem = fmt::format("no table of {} files", kind_name(kind));
     fail(origin, '[' + section + ']', "",
          near.empty() ? problem : fmt::format("{}, did you mean [{}]?", problem, near),
          fmt::format("[{}]", fmt::join(sections, "], [")));

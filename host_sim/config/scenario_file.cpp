@@ -128,10 +128,10 @@ void read_limit(const std::string &table, const std::string &metric, const Node 
     }
     if (std::count(METRICS.begin(), METRICS.end(), metric) == 0) {
         const std::string near = nearest(metric, METRICS);
+        const bool found = !near.empty();
         fail(value.origin, name, shown(value),
-             near.empty() ? "unknown metric"
-                          : fmt::format("unknown metric, did you mean {}?", near),
-             fmt::format("{}, {}", LOCKED, fmt::join(METRICS, ", ")));
+             found ? fmt::format("unknown metric, did you mean {}?", near) : "unknown metric",
+             found ? "" : fmt::format("{}, {}", LOCKED, fmt::join(METRICS, ", ")));
     }
     constexpr double largest = 1e6;
     check_number(name, value, 0, largest, range_text(0, largest, ""));

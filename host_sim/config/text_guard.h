@@ -1,0 +1,15 @@
+// Refuses text that toml++ 3.3 does not survive, before it sees it:
+//   characters outside ASCII that are in no string or comment reach its __builtin_unreachable();
+//   dotted keys nest without limit, and each level costs stack.
+// No valid file of ours has either.
+#pragma once
+
+#include <string>
+
+namespace nf
+{
+
+// Throws ConfigError with the line.
+void guard_text(const std::string &name, const std::string &text);
+
+} // namespace nf

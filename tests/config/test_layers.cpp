@@ -1,0 +1,192 @@
+// Which layer wins, where values come from, and what a scenario file says.
+#include "folder.h"
+
+#include "unity.h"
+
+using test::Folder;
+
+namespace
+{
+
+nf::Config load(const std::vector<std::string> &with = {}, const std::vector<std::string> &set = {})
+{
+    return nf::load_scenario("s", with, set);
+}
+
+void a_later_layer_wins_and_leaves_the_other_keys_alone()
+{
+    const Folder folder;
+    folder.write("imperfections/cold.toml", "plant.resistance_scale = 0.9\n");
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, load().plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(1.1, load({"warm"}).plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, load({"warm", "cold"}).plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(1.1, load({"cold", "warm"}).plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(0.99, load({"warm", "cold"}).plant.flux_scale);
+}
+
+void a_set_overrides_what_it_includes()
+{
+    const Folder folder;
+    const nf::Config config = load({"hot"});
+    TEST_ASSERT_EQUAL_DOUBLE(1.3, config.plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(0.99, config.plant.flux_scale);
+}
+
+void a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario()
+{
+    const Folder folder;
+    folder.edit("scenarios/s.toml", "[accept.ideal]",
+                "[observer]\nkappa = 0.01\n[plant]\nresistance_scale = 2\n[accept.ideal]");
+    TEST_ASSERT_EQUAL_DOUBLE(0.01, load().tuning.observer_kappa);
+    TEST_ASSERT_EQUAL_DOUBLE(2.0, load().plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(1.1, load({"warm"}).plant.resistance_scale);
+}
+
+void an_override_wins_over_every_file_and_the_last_one_wins()
+{
+    const Folder folder;
+    const nf::Config config = load(
+        {"hot"}, {"plant.resistance_scale=1.5", "motor.resistance_ohm=2.5",
+                  "plant.adc_offset_lsb=[3, -4]", "scenario.seed=7", "scenario.title=two words",
+                  "plant.resistance_scale=1.6", "board.name=\"quoted\""});
+    TEST_ASSERT_EQUAL_DOUBLE(1.6, config.plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, config.motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(3.0, config.plant.adc_offset_lsb[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(-4.0, config.plant.adc_offset_lsb[1]);
+    TEST_ASSERT_EQUAL_UINT(7, config.scenario.seed);
+    TEST_ASSERT_EQUAL_STRING("two words", config.scenario.title.c_str());
+    TEST_ASSERT_EQUAL_STRING("quoted", config.board.name.c_str());
+}
+
+void an_override_supplies_what_a_file_lacks()
+{
+    const Folder folder;
+    folder.edit("motors/m.toml", "resistance_ohm = 2.125\n", "");
+    TEST_ASSERT_EQUAL_DOUBLE(2.5, load({}, {"motor.resistance_ohm=2.5"}).motor.resistance_ohm);
+}
+
+void an_override_of_the_motor_takes_another_file()
+{
+    const Folder folder;
+    folder.write("elsewhere/n.toml", test::VALID.at("motors/m.toml"));
+    TEST_ASSERT_EQUAL_STRING("elsewhere/n.toml",
+                             load({}, {"motor=elsewhere/n.toml"}).sources.motor.c_str());
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml", load().sources.motor.c_str());
+}
+
+void a_wrong_value_is_refused_even_if_it_is_overridden()
+{
+    const Folder folder;
+    folder.edit("motors/m.toml", "2.125", "-1");
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml:4: motor.resistance_ohm = -1: is too small; allowed: "
+                             "0.001 to 50 Ω",
+                             test::refusal({}, {"motor.resistance_ohm=2"}).c_str());
+}
+
+void every_value_remembers_its_origin()
+{
+    const Folder folder;
+    const nf::Config config = load({"hot"}, {"observer.kappa=0.02"});
+    const auto origin = [&](const char *key) { return config.origins.at(key).text(); };
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml:4", origin("motor.resistance_ohm").c_str());
+    TEST_ASSERT_EQUAL_STRING("imperfections/hot.toml:3", origin("plant.resistance_scale").c_str());
+    TEST_ASSERT_EQUAL_STRING("imperfections/warm.toml:3", origin("plant.flux_scale").c_str());
+    TEST_ASSERT_EQUAL_STRING("tunings/t.toml:2", origin("observer.kappa_p").c_str());
+    TEST_ASSERT_EQUAL_STRING("--set", origin("observer.kappa").c_str());
+    TEST_ASSERT_EQUAL_UINT(0, config.origins.count("plant.dead_time_s"));
+}
+
+void a_scenario_has_its_command_load_and_limits()
+{
+    const Folder folder;
+    folder.edit("scenarios/s.toml", "[accept.ideal]",
+                "[[scenario.load]]\ntime_s = 0.5\ntorque_nm = 3\n"
+                "[[scenario.load]]\ntime_s = 0.8\ntorque_nm = 0\n[accept.ideal]");
+    const nf::ScenarioSettings s = load().scenario;
+    TEST_ASSERT_EQUAL_STRING("s", s.id.c_str());
+    TEST_ASSERT_TRUE(s.mode == nf::DriveMode::speed);
+    TEST_ASSERT_EQUAL_UINT(2, s.command.size());
+    TEST_ASSERT_EQUAL_DOUBLE(0.2, s.command[1].time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(1000.0, s.command[1].value);
+    TEST_ASSERT_EQUAL_UINT(2, s.load.size());
+    TEST_ASSERT_EQUAL_DOUBLE(3.0, s.load[0].value);
+    TEST_ASSERT_TRUE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
+    TEST_ASSERT_EQUAL_DOUBLE(50.0, s.limits("hot")->upper.at("speed_error_max_rpm"));
+    TEST_ASSERT_FALSE(s.limits("hot")->must_lock);
+}
+
+void a_position_scenario_commands_positions()
+{
+    const Folder folder;
+    folder.edit("scenarios/s.toml",
+                "\"speed\"\nduration_s = 1\ncommand = [{time_s = -0.1, "
+                "speed_rpm = 0}, {time_s = 0.2, speed_rpm = 1000}]",
+                "\"position\"\nduration_s = 1\ncommand = [{time_s = 0.3, position_rad = 9.42}]");
+    TEST_ASSERT_TRUE(load().scenario.mode == nf::DriveMode::position);
+    TEST_ASSERT_EQUAL_DOUBLE(9.42, load().scenario.command[0].value);
+}
+
+void a_selection_has_one_name_in_any_order()
+{
+    TEST_ASSERT_EQUAL_STRING("ideal", nf::selection_name({}).c_str());
+    TEST_ASSERT_EQUAL_STRING("ideal", nf::selection_name({"ideal"}).c_str());
+    TEST_ASSERT_EQUAL_STRING("adc", nf::selection_name({"adc", "ideal", "adc"}).c_str());
+    TEST_ASSERT_EQUAL_STRING("adc+hot", nf::selection_name({"hot", "adc"}).c_str());
+    TEST_ASSERT_EQUAL_STRING("adc", nf::selection_name({"some/where/adc.toml"}).c_str());
+}
+
+void a_path_is_relative_to_the_file_that_names_it()
+{
+    const Folder folder;
+    folder.write("elsewhere/scenario.toml",
+                 "motor = \"./n.toml\"\nboard = \"b\"\ntuning = \"t\"\n[scenario]\ntitle = \"x\"\n"
+                 "mode = \"speed\"\nduration_s = 1\n");
+    folder.write("elsewhere/n.toml", test::VALID.at("motors/m.toml"));
+    const nf::Config config = nf::load_scenario("elsewhere/scenario.toml");
+    TEST_ASSERT_EQUAL_STRING("elsewhere/n.toml:4",
+                             config.origins.at("motor.resistance_ohm").text().c_str());
+    TEST_ASSERT_EQUAL_STRING("scenario", config.scenario.id.c_str());
+}
+
+void the_files_of_the_data_folder_are_listed_by_name()
+{
+    const Folder folder;
+    folder.write("scenarios/a.toml", test::VALID.at("scenarios/s.toml"));
+    folder.write("imperfections/notes.txt", "");
+    const std::vector<nf::ScenarioInfo> scenarios = nf::list_scenarios();
+    TEST_ASSERT_EQUAL_UINT(2, scenarios.size());
+    TEST_ASSERT_EQUAL_STRING("a", scenarios[0].id.c_str());
+    TEST_ASSERT_EQUAL_STRING("a step", scenarios[1].title.c_str());
+    TEST_ASSERT_TRUE(nf::list_imperfections() == (std::vector<std::string>{"hot", "warm"}));
+    TEST_ASSERT_TRUE(nf::list_motors() == std::vector<std::string>{"m"});
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_later_layer_wins_and_leaves_the_other_keys_alone);
+    RUN_TEST(a_set_overrides_what_it_includes);
+    RUN_TEST(a_scenario_overrides_the_tuning_and_a_set_overrides_the_scenario);
+    RUN_TEST(an_override_wins_over_every_file_and_the_last_one_wins);
+    RUN_TEST(an_override_supplies_what_a_file_lacks);
+    RUN_TEST(an_override_of_the_motor_takes_another_file);
+    RUN_TEST(a_wrong_value_is_refused_even_if_it_is_overridden);
+    RUN_TEST(every_value_remembers_its_origin);
+    RUN_TEST(a_scenario_has_its_command_load_and_limits);
+    RUN_TEST(a_position_scenario_commands_positions);
+    RUN_TEST(a_selection_has_one_name_in_any_order);
+    RUN_TEST(a_path_is_relative_to_the_file_that_names_it);
+    RUN_TEST(the_files_of_the_data_folder_are_listed_by_name);
+    return UNITY_END();
+}

@@ -1,0 +1,351 @@
+// Each kind of wrong input gets one line that names file, line, key, value and what is allowed.
+#include "folder.h"
+
+#include "unity.h"
+
+using test::Folder;
+using test::refusal;
+
+namespace
+{
+
+struct Case {
+    const char *file;
+    const char *old; // empty: the text is appended
+    const char *text;
+    const char *message;
+};
+
+void expect(const Case &wrong)
+{
+    const Folder folder;
+    folder.edit(wrong.file, wrong.old, wrong.text);
+    TEST_ASSERT_EQUAL_STRING(wrong.message, refusal({"hot"}).c_str());
+}
+
+template <std::size_t N> void expect_all(const Case (&cases)[N])
+{
+    for (const Case &wrong : cases) {
+        expect(wrong);
+    }
+}
+
+void expect_override(const char *text, const char *message)
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(message, refusal({}, {text}).c_str());
+}
+
+void the_valid_files_are_accepted()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal().c_str());
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({"hot"}).c_str());
+}
+
+void an_unknown_key_is_named_with_the_nearest_known_one()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "resistance_ohm", "resistence_ohm",
+         "motors/m.toml:4: motor.resistence_ohm = 2.125: unknown key, did you mean "
+         "motor.resistance_ohm?"},
+        {"motors/m.toml", "inertia_kg_m2", "inertia",
+         "motors/m.toml:12: motor.inertia = 0.003: unknown key, did you mean motor.inertia_kg_m2?"},
+        {"tunings/t.toml", "damping = 1", "damping = 1\nkappa = 0.1",
+         "tunings/t.toml:7: speed_loop.kappa = 0.1: unknown key, did you mean observer.kappa?"},
+        {"imperfections/hot.toml", "", "xyz = 1\n",
+         "imperfections/hot.toml:4: plant.xyz = 1: unknown key; allowed: plant.resistance_scale, "
+         "plant.inductance_scale, plant.flux_scale, plant.inertia_scale, "
+         "plant.coulomb_friction_nm, plant.dead_time_s, plant.device_drop_v, "
+         "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.adc_noise_lsb, plant.adc_offset_lsb, "
+         "plant.adc_gain_error_pct"},
+        {"motors/m.toml", "[motor]", "xyz = 1\n[motor]",
+         "motors/m.toml:1: xyz = 1: unknown key; allowed: motor"},
+    };
+    expect_all(cases);
+}
+
+void an_unknown_table_is_named_with_those_of_the_file()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "[motor]", "[moter]",
+         "motors/m.toml:1: [moter]: no table of motor files, did you mean [motor]?; allowed: "
+         "[motor]"},
+        {"imperfections/warm.toml", "[plant]", "[motor]",
+         "imperfections/warm.toml:1: [motor]: no table of imperfection files; allowed: "
+         "[board], [model], [plant]"},
+    };
+    expect_all(cases);
+}
+
+void a_missing_setting_is_named_with_its_table()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "resistance_ohm = 2.125\n", "",
+         "motors/m.toml:1: motor.resistance_ohm: is missing; allowed: 0.001 to 50 Ω"},
+        {"tunings/t.toml", "damping = 1\n", "",
+         "tunings/t.toml:4: speed_loop.damping: is missing; allowed: 0.1 to 10"},
+        {"scenarios/s.toml", "mode = \"speed\"\n", "",
+         "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\" or \"position\""},
+        {"scenarios/s.toml", "tuning = \"t\"\n", "",
+         "scenarios/s.toml:1: tuning: is missing; allowed: t or a path ending in .toml"},
+    };
+    expect_all(cases);
+}
+
+void a_wrong_type_is_named()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "2.125", "\"2.125\"",
+         "motors/m.toml:4: motor.resistance_ohm = \"2.125\": is a string; allowed: 0.001 to 50 Ω"},
+        {"motors/m.toml", "2.125", "true",
+         "motors/m.toml:4: motor.resistance_ohm = true: is a boolean; allowed: 0.001 to 50 Ω"},
+        {"motors/m.toml", "2.125", "1979-05-27",
+         "motors/m.toml:4: motor.resistance_ohm = a date or time: is a date or time; allowed: "
+         "0.001 to 50 Ω"},
+        {"motors/m.toml", "2.125", "[2.125]",
+         "motors/m.toml:4: motor.resistance_ohm = [2.125]: is a list; allowed: 0.001 to 50 Ω"},
+        {"motors/m.toml", "pole_pairs = 2", "pole_pairs = 2.5",
+         "motors/m.toml:3: motor.pole_pairs = 2.5: is a number with a fraction; allowed: a whole "
+         "number, 1 to 50"},
+        {"motors/m.toml", "\"m\"", "5",
+         "motors/m.toml:2: motor.name = 5: is a whole number; allowed: a string of 1 to 80 "
+         "characters"},
+        {"imperfections/warm.toml", "", "adc_offset_lsb = [1, 2, 3]\n",
+         "imperfections/warm.toml:4: plant.adc_offset_lsb = [1, 2, 3]: has 3 items; allowed: "
+         "[a, b], each -10000 to 10000 LSB"},
+        {"scenarios/s.toml", "motor = \"m\"", "motor = 5",
+         "scenarios/s.toml:1: motor = 5: is a whole number; allowed: a string, the name or path of "
+         "a file"},
+        {"imperfections/hot.toml", "[\"warm\"]", "[1]",
+         "imperfections/hot.toml:1: include = [1]: is no list of strings; allowed: names or paths "
+         "of imperfection sets"},
+    };
+    expect_all(cases);
+}
+
+void a_value_out_of_range_is_named_with_the_range_and_unit()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "2.125", "-1",
+         "motors/m.toml:4: motor.resistance_ohm = -1: is too small; allowed: 0.001 to 50 Ω"},
+        {"boards/b.toml", "adc_bits = 12", "adc_bits = 24",
+         "boards/b.toml:5: board.adc_bits = 24: is too large; allowed: a whole number, 8 to 15 "
+         "bit"},
+        {"motors/m.toml", "pole_pairs = 2", "pole_pairs = 9223372036854775807",
+         "motors/m.toml:3: motor.pole_pairs = 9223372036854775807: is too large; allowed: a whole "
+         "number, 1 to 50"},
+        {"scenarios/s.toml", "\"speed\"", "\"torque\"",
+         "scenarios/s.toml:6: scenario.mode = \"torque\": is no mode; allowed: \"speed\" or "
+         "\"position\""},
+        {"motors/m.toml", "\"m\"", "\"\"",
+         "motors/m.toml:2: motor.name = \"\": has 0 characters; allowed: a string of 1 to 80 "
+         "characters"},
+        {"motors/m.toml", "\"m\"", "\"a\\nb\"",
+         "motors/m.toml:2: motor.name = \"a?b\": has a control character; allowed: a string of 1 to "
+         "80 characters"},
+    };
+    expect_all(cases);
+}
+
+void numbers_that_are_none_are_named()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "2.125", "nan",
+         "motors/m.toml:4: motor.resistance_ohm = nan: is not a finite number; allowed: 0.001 to "
+         "50 Ω"},
+        {"motors/m.toml", "2.125", "+inf",
+         "motors/m.toml:4: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
+         "50 Ω"},
+        {"scenarios/s.toml", "speed_rpm = 1000", "speed_rpm = nan",
+         "scenarios/s.toml:8: scenario.command.speed_rpm = nan: is not a finite number; allowed: "
+         "-200000 to 200000 rpm"},
+        {"scenarios/s.toml", "speed_error_max_rpm = 50", "speed_error_max_rpm = -inf",
+         "scenarios/s.toml:13: accept.any.speed_error_max_rpm = -inf: is not a finite number; "
+         "allowed: 0 to 1000000"},
+    };
+    expect_all(cases);
+}
+
+void settings_that_contradict_each_other_name_both()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "max_current_a = 10", "max_current_a = 19",
+         "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which is "
+         "board.overcurrent_a (boards/b.toml:11)"},
+        {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
+         "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
+         "which is scenario.duration_s (scenarios/s.toml:7)"},
+    };
+    expect_all(cases);
+}
+
+// The part of a message before what the conversion itself says.
+std::string before(const std::string &message, const std::string &mark)
+{
+    return message.substr(0, message.find(mark));
+}
+
+void what_the_firmware_cannot_hold_is_named_with_its_line()
+{
+    const Folder folder;
+    folder.edit("boards/b.toml", "170000000", "1000000000");
+    TEST_ASSERT_EQUAL_STRING("boards/b.toml:4: board.timer_clock_hz = 1000000000: does not fit the "
+                             "firmware; allowed: ",
+                             before(refusal(), "a value").c_str());
+}
+
+void a_speed_above_the_forward_euler_limit_is_named_with_the_limit()
+{
+    const Folder folder;
+    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 9200");
+    // |1 − T/τ − jωT| = 1 at ω = √(2/(T·τ) − 1/τ²): 1905.32 rad/s electrical with two pole pairs.
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml:10: motor.max_speed_rpm = 9200: does not fit the "
+                             "firmware; allowed: at most 9097.22 rpm",
+                             before(refusal(), " (1905.32 rad/s").c_str());
+    TEST_ASSERT_EQUAL_STRING("--set: motor.max_speed_rpm = 9300: does not fit the firmware",
+                             before(refusal({}, {"motor.max_speed_rpm=9300"}), ";").c_str());
+}
+
+void text_that_is_not_toml_is_named_with_its_line()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "= 2.125", "2.125",
+         "motors/m.toml:4: TOML syntax: Error while parsing key-value pair: expected '=', saw '2'"},
+        {"motors/m.toml", "2.125", "2,125",
+         "motors/m.toml:4: TOML syntax: Error while parsing key-value pair: expected a comment or "
+         "whitespace, saw ','"},
+        {"motors/m.toml", "", "resistance_ohm = 3\n",
+         "motors/m.toml:14: TOML syntax: Error while parsing key-value pair: cannot redefine "
+         "existing floating-point 'resistance_ohm'"},
+        {"motors/m.toml", "", "[motor]\n",
+         "motors/m.toml:14: TOML syntax: Error while parsing table header: cannot redefine existing "
+         "table 'motor'"},
+    };
+    expect_all(cases);
+}
+
+void a_file_that_does_not_exist_is_named_with_those_that_do()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "motor = \"m\"", "motor = \"mm\"",
+         "scenarios/s.toml:1: motor = \"mm\": not found, did you mean m?; allowed: m or a path "
+         "ending in .toml"},
+        {"scenarios/s.toml", "motor = \"m\"", "motor = \"../m.toml\"",
+         "scenarios/s.toml:1: motor = \"../m.toml\": not found; allowed: m or a path ending in "
+         ".toml"},
+        {"imperfections/hot.toml", "\"warm\"", "\"cold\"",
+         "imperfections/hot.toml:1: include = \"cold\": not found; allowed: hot, warm or a path "
+         "ending in .toml"},
+        {"imperfections/hot.toml", "\"warm\"", "\"hot\"",
+         "imperfections/hot.toml:1: include = \"hot\": includes itself; allowed: at most 8 levels"},
+    };
+    expect_all(cases);
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING("--with: imperfection = \"warn\": not found, did you mean warm?; "
+                             "allowed: hot, warm or a path ending in .toml",
+                             refusal({"warn"}).c_str());
+}
+
+void a_file_that_cannot_be_read_is_named()
+{
+    const Folder folder;
+    std::filesystem::create_directory("folder.toml");
+    TEST_ASSERT_EQUAL_STRING("folder.toml: cannot be read; allowed: a regular file",
+                             refusal({"folder.toml"}).c_str());
+    folder.write("large.toml", std::string((1U << 20U) + 1U, '#'));
+    TEST_ASSERT_EQUAL_STRING("large.toml: is too large; allowed: at most 1048576 bytes",
+                             refusal({"large.toml"}).c_str());
+}
+
+void command_and_load_are_checked_entry_by_entry()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "speed_rpm = 1000", "position_rad = 1",
+         "scenarios/s.toml:8: scenario.command.position_rad = 1: unknown key; allowed: time_s, "
+         "speed_rpm"},
+        {"scenarios/s.toml", ", speed_rpm = 1000", "",
+         "scenarios/s.toml:8: scenario.command.speed_rpm: is missing; allowed: -200000 to 200000 "
+         "rpm"},
+        {"scenarios/s.toml", "time_s = 0.2", "time_s = -0.1",
+         "scenarios/s.toml:8: scenario.command.time_s = -0.1: does not rise; allowed: more than "
+         "-0.1 s"},
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.load]]\ntime_s = 0\ntorque_nm = 1e9\n[accept.ideal]",
+         "scenarios/s.toml:11: scenario.load.torque_nm = 1000000000: is too large; allowed: -10000 "
+         "to 10000 N·m"},
+        {"scenarios/s.toml", "[accept.ideal]", "load = 3\n[accept.ideal]",
+         "scenarios/s.toml:9: scenario.load = 3: is a whole number; allowed: tables "
+         "[[scenario.load]]"},
+    };
+    expect_all(cases);
+}
+
+void accepted_limits_name_known_metrics_and_sets()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "speed_error_max_rpm = 50", "speed_eror_max_rpm = 50",
+         "scenarios/s.toml:13: accept.any.speed_eror_max_rpm = 50: unknown metric, did you mean "
+         "speed_error_max_rpm?"},
+        {"scenarios/s.toml", "locked = true", "locked = false",
+         "scenarios/s.toml:11: accept.ideal.locked = false: is no limit; allowed: true"},
+        {"scenarios/s.toml", "[accept.any]", "[accept.warn]",
+         "scenarios/s.toml:12: [accept.warn]: no such imperfection set, did you mean warm?; "
+         "allowed: any, ideal, hot, warm; several joined with '+'"},
+        {"scenarios/s.toml", "[accept.any]", "[accept.\"warm+hot\"]",
+         "scenarios/s.toml:12: [accept.warm+hot]: is not how this selection is written; allowed: "
+         "[accept.\"hot+warm\"]"},
+    };
+    expect_all(cases);
+}
+
+void overrides_are_refused_like_lines_of_files()
+{
+    expect_override("motor.resistance_ohm=-1",
+                    "--set: motor.resistance_ohm = -1: is too small; allowed: 0.001 to 50 Ω");
+    expect_override("motor.resistance_ohm=nan", "--set: motor.resistance_ohm = nan: is not a "
+                                                "finite number; allowed: 0.001 to 50 Ω");
+    expect_override("observer.kapa=1",
+                    "--set: observer.kapa = 1: unknown key, did you mean observer.kappa?");
+    expect_override("motor.resistance_ohm",
+                    "--set: \"motor.resistance_ohm\": is no override; allowed: section.key=value");
+    expect_override("motor.resistance_ohm=",
+                    "--set: motor.resistance_ohm: has no value; allowed: KEY=VALUE");
+    expect_override("motor=n", "--set: motor = \"n\": not found, did you mean m?; allowed: m or a "
+                               "path ending in .toml");
+    expect_override("motor.resistance_ohm=1\n[board]",
+                    "--set: motor.resistance_ohm = \"1?[board]\": is a string; allowed: 0.001 to "
+                    "50 Ω");
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_valid_files_are_accepted);
+    RUN_TEST(an_unknown_key_is_named_with_the_nearest_known_one);
+    RUN_TEST(an_unknown_table_is_named_with_those_of_the_file);
+    RUN_TEST(a_missing_setting_is_named_with_its_table);
+    RUN_TEST(a_wrong_type_is_named);
+    RUN_TEST(a_value_out_of_range_is_named_with_the_range_and_unit);
+    RUN_TEST(numbers_that_are_none_are_named);
+    RUN_TEST(settings_that_contradict_each_other_name_both);
+    RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_line);
+    RUN_TEST(a_speed_above_the_forward_euler_limit_is_named_with_the_limit);
+    RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
+    RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
+    RUN_TEST(a_file_that_cannot_be_read_is_named);
+    RUN_TEST(command_and_load_are_checked_entry_by_entry);
+    RUN_TEST(accepted_limits_name_known_metrics_and_sets);
+    RUN_TEST(overrides_are_refused_like_lines_of_files);
+    return UNITY_END();
+}

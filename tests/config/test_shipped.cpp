@@ -1,0 +1,142 @@
+// The files that come with the project, and the header made of them.
+#include "config.h"
+#include "describe.h"
+#include "header.h"
+#include "schema.h"
+
+#include "unity.h"
+
+#include <cstring>
+#include <set>
+
+// generated.c, compiled from headers that nfconfig wrote
+extern "C" const drive_cfg_t *generated_motor_a(void);
+extern "C" const drive_cfg_t *generated_motor_b(void);
+
+namespace
+{
+
+void every_shipped_combination_fits_the_firmware()
+{
+    for (const std::string &motor : nf::list_motors()) {
+        for (const std::string &board : nf::list_boards()) {
+            for (const std::string &tuning : nf::list_tunings()) {
+                const drive_cfg_t cfg = nf::build(nf::load_parts(motor, board, tuning));
+                TEST_ASSERT_NULL(params_check(&cfg));
+            }
+        }
+    }
+}
+
+void every_shipped_imperfection_fits_the_firmware()
+{
+    for (const std::string &name : nf::list_imperfections()) {
+        const drive_cfg_t cfg =
+            nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {name}));
+        TEST_ASSERT_NULL(params_check(&cfg));
+    }
+}
+
+void every_shipped_scenario_fits_the_firmware()
+{
+    for (const nf::ScenarioInfo &info : nf::list_scenarios()) {
+        const drive_cfg_t cfg = nf::build(nf::load_scenario(info.id));
+        TEST_ASSERT_NULL(params_check(&cfg));
+    }
+}
+
+void the_set_all_is_the_sum_of_its_parts()
+{
+    const nf::PlantSettings plant =
+        nf::load_parts("motor_a", "bench_310v", "robust", {"all"}).plant;
+    TEST_ASSERT_EQUAL_DOUBLE(1.3, plant.resistance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(0.95, plant.flux_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(0.8, plant.inductance_scale);
+    TEST_ASSERT_EQUAL_DOUBLE(2e-6, plant.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(1.2, plant.device_drop_v);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, plant.adc_noise_lsb);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, plant.adc_offset_lsb[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.05, plant.coulomb_friction_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, plant.bus_ripple_pct);
+}
+
+void imperfections_of_the_plant_leave_the_firmware_alone()
+{
+    const drive_cfg_t plain = nf::build(nf::load_parts("motor_a", "bench_310v", "robust"));
+    const drive_cfg_t all = nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"all"}));
+    const drive_cfg_t imp = nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}));
+    TEST_ASSERT_EQUAL_MEMORY(&plain, &all, sizeof plain);
+    TEST_ASSERT_NOT_EQUAL_INT(plain.observer.flux_q27, imp.observer.flux_q27);
+}
+
+void the_rows_cover_every_byte_of_the_configuration()
+{
+    const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust");
+    std::size_t bytes = 0;
+    std::set<std::string> names;
+    for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
+        bytes += row.bytes;
+        names.insert(row.path);
+    }
+    TEST_ASSERT_EQUAL_UINT(sizeof(drive_cfg_t), bytes);
+    TEST_ASSERT_EQUAL_UINT(nf::describe(config, nf::build(config)).size(), names.size());
+}
+
+void the_compiled_header_is_the_run_time_configuration_byte_for_byte()
+{
+    const drive_cfg_t a = nf::build(nf::load_parts("motor_a", "bench_310v", "published"));
+    const drive_cfg_t b = nf::build(nf::load_parts("motor_b", "bench_310v", "robust", {"imp"},
+                                                   {"motor.name=quote \" */ ?\?/ \\"}));
+    TEST_ASSERT_EQUAL_MEMORY(&a, generated_motor_a(), sizeof a);
+    TEST_ASSERT_EQUAL_MEMORY(&b, generated_motor_b(), sizeof b);
+}
+
+void the_header_names_its_files_and_no_folder_of_this_machine()
+{
+    const std::string text = nf::make_header(
+        nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}, {"observer.kappa=0.01"}));
+    for (const char *line :
+         {" *     motor   motors/motor_a.toml (", " *     board   boards/bench_310v.toml (",
+          " *     tuning  tunings/robust.toml (", " *     with    imperfections/imp.toml\n",
+          " *     set     observer.kappa=0.01\n"}) {
+        TEST_ASSERT_NOT_NULL(std::strstr(text.c_str(), line));
+    }
+    TEST_ASSERT_NULL(std::strstr(text.c_str(), "host_sim"));
+}
+
+void every_key_is_known_once_and_has_its_help()
+{
+    std::set<std::string> names;
+    for (const nf::Field &field : nf::schema()) {
+        TEST_ASSERT_TRUE(names.insert(field.name()).second);
+        TEST_ASSERT_TRUE(field.min <= field.max);
+        TEST_ASSERT_TRUE(std::strlen(field.help) > 0);
+        TEST_ASSERT_FALSE(field.allowed().empty());
+        TEST_ASSERT_FALSE(field.default_text().empty());
+    }
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(every_shipped_combination_fits_the_firmware);
+    RUN_TEST(every_shipped_imperfection_fits_the_firmware);
+    RUN_TEST(every_shipped_scenario_fits_the_firmware);
+    RUN_TEST(the_set_all_is_the_sum_of_its_parts);
+    RUN_TEST(imperfections_of_the_plant_leave_the_firmware_alone);
+    RUN_TEST(the_rows_cover_every_byte_of_the_configuration);
+    RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
+    RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);
+    RUN_TEST(every_key_is_known_once_and_has_its_help);
+    return UNITY_END();
+}
