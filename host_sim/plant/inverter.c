@@ -62,15 +62,21 @@ bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t 
     return true;
 }
 
+/* Adds time to the last segment if nothing switches in between. */
 static inline void append(plant_pattern_t *pattern, double duration_s, uint32_t high, uint32_t low)
 {
-    if (duration_s > 0.0) {
-        plant_segment_t *segment = &pattern->segment[pattern->count];
-        segment->duration_s = duration_s;
-        segment->high = (uint8_t)high;
-        segment->low = (uint8_t)low;
-        pattern->count++;
+    if (!(duration_s > 0.0)) {
+        return;
     }
+    plant_segment_t *last = &pattern->segment[pattern->count];
+    if (pattern->count > 0U && last[-1].high == high && last[-1].low == low) {
+        last[-1].duration_s += duration_s;
+        return;
+    }
+    last->duration_s = duration_s;
+    last->high = (uint8_t)high;
+    last->low = (uint8_t)low;
+    pattern->count++;
 }
 
 /* Legs in the order in which they rise: key = compare in the upper, mask in the lower bits. */

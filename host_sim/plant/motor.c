@@ -281,8 +281,7 @@ void plant_motor_wrap(plant_motor_t *motor)
  * needs a series. With M(delta) the inverse inductance seen from a rotor turned by delta,
  *   i = M psi - phi/L_d e,   M = m0 + m1 [cos 2 delta, sin 2 delta; sin 2 delta, -cos 2 delta],
  *   i' = M psi' + w i_delta,
- *   i'' = M psi'' + 2 w M_delta psi' + w^2 i_delta_delta, at delta = 0;
- * w' i_delta is left out of i'': it is of the size of the error of the third order in psi.
+ *   i'' = M psi'' + 2 w M_delta psi' + w^2 i_delta_delta + w' i_delta, at delta = 0.
  */
 typedef struct {
     pair_t flux; /* and its derivatives */
@@ -294,7 +293,8 @@ typedef struct {
     pair_t current_2;
 } series_t;
 
-static inline series_t expand(const plant_motor_t *m, pair_t flux, pair_t voltage, double w)
+static inline series_t expand(const plant_motor_t *m, pair_t flux, pair_t voltage, double w,
+                              double w_1)
 {
     const pair_t inverse = inverse_inductance(m);
     const pair_t emf = {m->emf_d, 0.0};
@@ -305,10 +305,11 @@ static inline series_t expand(const plant_motor_t *m, pair_t flux, pair_t voltag
     s.flux = flux;
     s.current = current_of(m, flux);
     s.flux_1 = voltage - r * s.current;
-    s.current_1 = inverse * s.flux_1 + w * (k * swapped(flux) - swapped(emf));
+    const pair_t by_angle = k * swapped(flux) - swapped(emf);
+    s.current_1 = inverse * s.flux_1 + w * by_angle;
     s.flux_2 = -r * s.current_1;
-    s.current_2 =
-        inverse * s.flux_2 + (2.0 * k * w * swapped(s.flux_1) + (w * w) * (k_flip * flux + emf));
+    s.current_2 = inverse * s.flux_2 + (2.0 * k * w * swapped(s.flux_1) +
+                                        ((w * w) * (k_flip * flux + emf) + w_1 * by_angle));
     s.flux_3 = -r * s.current_2;
     return s;
 }
@@ -316,14 +317,14 @@ static inline series_t expand(const plant_motor_t *m, pair_t flux, pair_t voltag
 static inline void advance(const plant_motor_t *m, core_t *core, double h, pair_t v)
 {
     const shaft_t shaft = shaft_of(m, core);
-    const double w = core->omega;
-    const series_t s = expand(m, core->flux, turned_back(core->axis, v), w);
-    const pair_t flux_x = swapped(s.flux);
-    const pair_t flux_1_x = swapped(s.flux_1);
     const double gain = shaft.gain * m->torque_factor;
     const double slow = m->decay_shaft;
-    const double w_1 =
-        gain * difference(flux_x * s.current) - (shaft.gain * shaft.drag_nm + slow * w);
+    const double w = core->omega;
+    const double w_1 = gain * difference(swapped(core->flux) * current_of(m, core->flux)) -
+                       (shaft.gain * shaft.drag_nm + slow * w);
+    const series_t s = expand(m, core->flux, turned_back(core->axis, v), w, w_1);
+    const pair_t flux_x = swapped(s.flux);
+    const pair_t flux_1_x = swapped(s.flux_1);
     const double w_2 = gain * difference(flux_1_x * s.current + flux_x * s.current_1) - slow * w_1;
     const double w_3 = gain * difference(swapped(s.flux_2) * s.current +
                                          (2.0 * flux_1_x * s.current_1 + flux_x * s.current_2)) -

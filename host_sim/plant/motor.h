@@ -12,12 +12,13 @@
  * Stiction: a shaft at rest stays exactly at rest while |T_e - T_L| <= T_C. A shaft that passes
  * through zero speed stops there if that holds, else goes on against the reversed friction.
  *
- * Integration: Taylor series of the whole nonlinear system, fourth order in the currents, speed
- * and voltage rotation, over steps in which the inverter voltage is constant in the stationary
- * frame. Steps are no longer than PLANT_MOTOR_STEP / rate, rate = R/L + saliency * |w| +
- * electromechanical natural frequency + B/J; the local error then is about
- * PLANT_MOTOR_STEP^5 / 120 = 8e-8 of the quantities that drive the change, fifth order in the
- * step, 3e-9 at half of it.
+ * Integration: Taylor series of the whole nonlinear system over steps in which the inverter voltage
+ * is constant in the stationary frame, third order in flux linkage, speed and angle. The voltage
+ * and the rotation enter exactly, so the error is that of R times the integral of the current:
+ * (rate h)^3 / 24 * (R/L h) of the currents' scale in a step h, with rate = R/L + saliency * |w| +
+ * electromechanical natural frequency + B/J. rate * h is held at or below PLANT_MOTOR_STEP: at most
+ * 1.6e-8 in a step. Measured against 16 times finer steps the currents of a transient differ by less
+ * than 1e-6 of phi/L_d for motors of some kW at 10 kHz, 1e-5 for a drone motor at 40 kHz.
  */
 #ifndef PLANT_MOTOR_H
 #define PLANT_MOTOR_H
@@ -32,7 +33,7 @@ extern "C" {
 #endif
 
 /* Bound on rate * step, dimensionless. */
-#define PLANT_MOTOR_STEP 0.1
+#define PLANT_MOTOR_STEP 0.025
 
 typedef struct {
     unsigned pole_pairs;             /* 1 ... 100 */

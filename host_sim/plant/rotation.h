@@ -1,7 +1,7 @@
 /*
  * Plane rotations without libm, so that every machine computes the same bits.
  *
- *   plant_rotation_from_angle  any |angle| < 1e6 rad, error < 4e-15 + |angle| * 2^-53
+ *   plant_rotation_from_angle  any |angle| < 1e6 rad, error < 1e-14 + |angle| * 2^-52
  *   plant_rotation_small       |angle| <= PLANT_ROTATION_SMALL_RAD, error < 1e-16 from truncation
  */
 #ifndef PLANT_ROTATION_H

@@ -1,0 +1,450 @@
+/* The coupled plant, period by period: timing, voltages, bus, snapshots. */
+#include "plant.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define COUNTS 4250U
+#define PERIOD_S 1.0e-4
+#define BUS_V 310.0
+#define DEAD_S 2.0e-6
+#define DROP_V 1.2
+#define INDUCTANCE_H 0.01
+
+/* Volts: flux linkages of 1 V s with roundings of 2^-53, over a period, some ten operations. */
+#define ROUNDING_V 1.0e-10
+
+/* A coil: no resistance, no magnet, too heavy to turn. Its current is the integral of the voltage. */
+static const plant_cfg_t COIL = {
+    .motor = {.pole_pairs = 1,
+              .inductance_d_h = INDUCTANCE_H,
+              .inductance_q_h = INDUCTANCE_H,
+              .inertia_kg_m2 = 1.0e9},
+    .inverter = {.pwm_frequency_hz = 1.0 / PERIOD_S, .timer_counts = COUNTS},
+    .supply = {.voltage_v = BUS_V},
+    .sensor = {.adc_bits = 12, .current_full_scale_a = 20.0, .bus_full_scale_v = 400.0, .seed = 1},
+};
+
+static plant_cfg_t drive_cfg(void)
+{
+    plant_cfg_t cfg = COIL;
+
+    cfg.motor = (plant_motor_cfg_t){
+        .pole_pairs = 2,
+        .resistance_ohm = 2.125,
+        .inductance_d_h = 0.0116,
+        .inductance_q_h = 0.0116,
+        .flux_linkage_wb = 0.387,
+        .inertia_kg_m2 = 0.003,
+        .viscous_friction_nm_s = 0.001,
+        .coulomb_friction_nm = 0.05,
+        .initial_speed_mech_rad_s = 40.0,
+    };
+    cfg.inverter.dead_time_s = DEAD_S;
+    cfg.supply.device_drop_v = DROP_V;
+    cfg.supply.ripple_fraction = 0.05;
+    cfg.supply.ripple_hz = 300.0;
+    cfg.sensor.noise_lsb_rms = 1.0;
+    return cfg;
+}
+
+static plant_t plant;
+static plant_view_t view;
+
+static void start(const plant_cfg_t *cfg)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
+    plant_set_gates(&plant, true);
+}
+
+static void write_compare(uint32_t a, uint32_t b, uint32_t c)
+{
+    const uint32_t compare[PLANT_LEGS] = {a, b, c};
+
+    plant_write_compare(&plant, compare);
+}
+
+static void look(void)
+{
+    plant_view(&plant, &view);
+}
+
+/* Mean phase voltages over the next period, from the coil's currents. */
+static void mean_phase_voltages(double v[PLANT_LEGS])
+{
+    plant_view_t before;
+
+    plant_view(&plant, &before);
+    plant_step(&plant);
+    look();
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        v[leg] = INDUCTANCE_H * (view.i_abc_a[leg] - before.i_abc_a[leg]) / PERIOD_S;
+    }
+}
+
+void setUp(void)
+{
+    start(&COIL);
+}
+
+void tearDown(void)
+{
+}
+
+static void test_mean_voltage_of_a_period_is_duty_times_bus(void)
+{
+    static const uint32_t compares[][PLANT_LEGS] = {
+        {2125, 2125, 2125}, {2126, 2125, 2125}, {4250, 0, 0}, {0, 4250, 4250}, {1234, 3456, 2345},
+    };
+    double v[PLANT_LEGS];
+
+    for (size_t k = 0; k < sizeof compares / sizeof compares[0]; k++) {
+        start(&COIL);
+        plant_write_compare(&plant, compares[k]);
+        plant_step(&plant);
+        mean_phase_voltages(v);
+        const double star =
+            (double)(compares[k][0] + compares[k][1] + compares[k][2]) / (3.0 * COUNTS);
+        for (int leg = 0; leg < PLANT_LEGS; leg++) {
+            const double duty = (double)compares[k][leg] / COUNTS;
+            TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, BUS_V * (duty - star), v[leg]);
+        }
+    }
+}
+
+static void test_compare_acts_one_period_after_it_is_written(void)
+{
+    double v[PLANT_LEGS];
+
+    write_compare(3000, 1000, 1000);
+    mean_phase_voltages(v);
+    TEST_ASSERT_TRUE(v[0] == 0.0);
+    write_compare(1000, 3000, 1000);
+    mean_phase_voltages(v);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, BUS_V * 2000.0 / COUNTS * 2.0 / 3.0, v[0]);
+    mean_phase_voltages(v);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, BUS_V * 2000.0 / COUNTS * 2.0 / 3.0, v[1]);
+    mean_phase_voltages(v);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, BUS_V * 2000.0 / COUNTS * 2.0 / 3.0, v[1]);
+}
+
+/* Mean voltages with currents i_a > 0, i_b < 0, i_c < 0 that stay so. */
+static void voltages_under_current(const plant_cfg_t *cfg, double v[PLANT_LEGS])
+{
+    start(cfg);
+    write_compare(3000, 1500, 1500);
+    for (int k = 0; k < 11; k++) {
+        plant_step(&plant); /* to about 7 A */
+    }
+    write_compare(2200, 2000, 2100);
+    plant_step(&plant);
+    mean_phase_voltages(v);
+    TEST_ASSERT_TRUE(view.i_abc_a[0] > 1.0);
+    TEST_ASSERT_TRUE(view.i_abc_a[1] < -1.0);
+    TEST_ASSERT_TRUE(view.i_abc_a[2] < -1.0);
+}
+
+static void check_leg_shift(const plant_cfg_t *cfg, double shift_v)
+{
+    double ideal[PLANT_LEGS];
+    double real[PLANT_LEGS];
+
+    voltages_under_current(&COIL, ideal);
+    voltages_under_current(cfg, real);
+    /* Legs shift by -x, +x, +x; the star point follows with a third of the sum, x/3. */
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, -4.0 / 3.0 * shift_v, real[0] - ideal[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * shift_v, real[1] - ideal[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * shift_v, real[2] - ideal[2]);
+}
+
+static void test_dead_time_costs_its_share_of_the_bus_against_the_current(void)
+{
+    plant_cfg_t cfg = COIL;
+
+    cfg.inverter.dead_time_s = DEAD_S;
+    check_leg_shift(&cfg, DEAD_S / PERIOD_S * BUS_V);
+}
+
+static void test_device_drop_costs_its_voltage_against_the_current(void)
+{
+    plant_cfg_t cfg = COIL;
+
+    cfg.supply.device_drop_v = DROP_V;
+    check_leg_shift(&cfg, DROP_V);
+}
+
+/* The diode of a dead time drops as the switch before it: the two effects add. */
+static void test_dead_time_and_drop_add(void)
+{
+    plant_cfg_t cfg = COIL;
+    double ideal[PLANT_LEGS];
+    double real[PLANT_LEGS];
+    const double share = DEAD_S / PERIOD_S;
+
+    cfg.inverter.dead_time_s = DEAD_S;
+    cfg.supply.device_drop_v = DROP_V;
+    voltages_under_current(&COIL, ideal);
+    voltages_under_current(&cfg, real);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, -4.0 / 3.0 * (share * BUS_V + DROP_V),
+                              real[0] - ideal[0]);
+}
+
+static void test_equal_legs_leave_a_standing_motor_without_current(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    start(&cfg);
+    write_compare(2125, 2125, 2125);
+    for (int k = 0; k < 100; k++) {
+        plant_step(&plant);
+        look();
+        TEST_ASSERT_TRUE(view.i_abc_a[0] == 0.0 && view.i_abc_a[1] == 0.0);
+        TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
+    }
+}
+
+/* A voltage below what dead time and drop take away leaves no mean current behind. */
+static void test_dead_time_swallows_a_small_voltage(void)
+{
+    plant_cfg_t cfg = COIL;
+
+    cfg.motor.resistance_ohm = 1.0;
+    cfg.inverter.dead_time_s = DEAD_S;
+    start(&cfg);
+    write_compare(2125 + 20, 2125, 2125); /* 40 ticks = 0.47 us < dead time */
+    for (int k = 0; k < 2000; k++) {
+        plant_step(&plant);
+    }
+    look();
+    const double without_dead_time_a = 2.0 / 3.0 * BUS_V * 20.0 / COUNTS; /* 0.97 A */
+    TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) < 0.05 * without_dead_time_a);
+}
+
+static void test_gates_act_at_once_and_off_lets_the_current_die(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+
+    cfg.motor.inertia_kg_m2 = 1.0;
+    start(&cfg);
+    write_compare(2300, 2000, 2000);
+    for (int k = 0; k < 50; k++) {
+        plant_step(&plant);
+    }
+    look();
+    const double before = view.i_abc_a[0];
+    TEST_ASSERT_TRUE(fabs(before) > 1.0);
+    plant_set_gates(&plant, false);
+    plant_step(&plant);
+    look();
+    TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) < 0.9 * fabs(before));
+    for (int k = 0; k < 50; k++) {
+        plant_step(&plant);
+    }
+    for (int k = 0; k < 50; k++) {
+        plant_step(&plant);
+        look();
+        TEST_ASSERT_TRUE(view.i_abc_a[0] == 0.0 && view.i_abc_a[1] == 0.0);
+    }
+}
+
+static void test_load_torque_opposes_positive_rotation(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+
+    start(&cfg);
+    plant_set_gates(&plant, false);
+    plant_set_load_torque(&plant, 0.3);
+    plant_step(&plant);
+    look();
+    const double friction = 0.05 + 0.001 * 40.0;
+    /* Viscous friction hardly changes in a period: 4e-5 of it. */
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, 40.0 - (0.3 + friction) / 0.003 * PERIOD_S,
+                              view.omega_mech_rad_s);
+}
+
+static void test_bus_ripples_as_a_sine_of_time_held_for_a_period(void)
+{
+    plant_cfg_t cfg = COIL;
+
+    cfg.supply.ripple_fraction = 0.05;
+    cfg.supply.ripple_hz = 300.0;
+    start(&cfg);
+    for (int k = 0; k < 1000; k++) {
+        look();
+        TEST_ASSERT_DOUBLE_WITHIN(PERIOD_S * 1.0e-6, PERIOD_S * k, view.time_s);
+        const double wanted = BUS_V * (1.0 + 0.05 * sin(2.0 * PLANT_PI * 300.0 * PERIOD_S * k));
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, wanted, view.bus_v);
+        plant_step(&plant);
+    }
+}
+
+static void test_the_bus_of_the_period_makes_its_voltage(void)
+{
+    plant_cfg_t cfg = COIL;
+    double v[PLANT_LEGS];
+
+    cfg.supply.ripple_fraction = 0.05;
+    cfg.supply.ripple_hz = 300.0;
+    start(&cfg);
+    write_compare(COUNTS, 0, 0);
+    plant_step(&plant);
+    for (int k = 0; k < 50; k++) {
+        look();
+        const double bus_v = view.bus_v;
+        mean_phase_voltages(v);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_V, 2.0 / 3.0 * bus_v, v[0]);
+    }
+}
+
+static void test_sample_reads_the_present_currents_and_bus(void)
+{
+    plant_adc_t adc;
+
+    write_compare(2400, 2125, 1900);
+    for (int k = 0; k < 10; k++) {
+        plant_step(&plant);
+    }
+    look();
+    plant_sample(&plant, &adc);
+    TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[0] * 102.4 + 0.5), adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[1] * 102.4 + 0.5), adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(floor(BUS_V * 4095.0 / 400.0 + 0.5), adc.bus);
+}
+
+static void test_view_is_consistent(void)
+{
+    const plant_cfg_t cfg = drive_cfg();
+
+    start(&cfg);
+    write_compare(2300, 2125, 2000);
+    for (int k = 0; k < 777; k++) {
+        plant_step(&plant);
+    }
+    look();
+    const double c = cos(view.theta_el_rad);
+    const double s = sin(view.theta_el_rad);
+    const double tolerance = 1.0e-12;
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, view.i_d_a * c - view.i_q_a * s, view.i_abc_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, 0.0, view.i_abc_a[0] + view.i_abc_a[1] + view.i_abc_a[2]);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, 1.5 * 2.0 * 0.387 * view.i_q_a, view.torque_nm);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, c, cos(2.0 * view.theta_mech_rad));
+}
+
+/* Everything an input can do, for so many periods; returns a sum of all conversions. */
+static uint64_t eventful_run(plant_t *p, int periods)
+{
+    uint64_t sum = 0;
+
+    for (int k = 0; k < periods; k++) {
+        plant_adc_t adc;
+        plant_sample(p, &adc);
+        sum = sum * 31U + adc.ia;
+        sum = sum * 31U + adc.ib;
+        sum = sum * 31U + adc.bus;
+        const double angle = 0.02 * (double)p->periods;
+        const uint32_t compare[PLANT_LEGS] = {
+            (uint32_t)(2125.0 + 600.0 * cos(angle)),
+            (uint32_t)(2125.0 + 600.0 * cos(angle - 2.0)),
+            (uint32_t)(2125.0 + 600.0 * cos(angle + 2.0)),
+        };
+        plant_write_compare(p, compare);
+        plant_set_gates(p, (p->periods % 500U) > 50U);
+        plant_set_load_torque(p, (p->periods > 700U) ? 0.5 : 0.0);
+        plant_step(p);
+    }
+    return sum;
+}
+
+static void test_two_runs_give_the_same_bytes(void)
+{
+    const plant_cfg_t cfg = drive_cfg();
+
+    start(&cfg);
+    const uint64_t first_sum = eventful_run(&plant, 2000);
+    const plant_t first = plant;
+    start(&cfg);
+    const uint64_t second_sum = eventful_run(&plant, 2000);
+    TEST_ASSERT_TRUE(first_sum == second_sum);
+    TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
+}
+
+static void test_another_seed_gives_another_run(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+
+    start(&cfg);
+    const uint64_t first_sum = eventful_run(&plant, 100);
+    cfg.sensor.seed = 2;
+    start(&cfg);
+    TEST_ASSERT_FALSE(first_sum == eventful_run(&plant, 100));
+}
+
+static void test_a_copy_goes_on_as_the_original(void)
+{
+    const plant_cfg_t cfg = drive_cfg();
+
+    start(&cfg);
+    (void)eventful_run(&plant, 612);
+    plant_t copy = plant;
+    const uint64_t sum = eventful_run(&plant, 612);
+    TEST_ASSERT_TRUE(sum == eventful_run(&copy, 612));
+    TEST_ASSERT_EQUAL_MEMORY(&copy, &plant, sizeof plant);
+}
+
+static void check_rejected(const plant_cfg_t *cfg, const char *field)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_FALSE(plant_init(&plant, cfg, &bad));
+    TEST_ASSERT_EQUAL_STRING(field, bad);
+}
+
+static void test_init_names_the_field_that_is_out_of_range(void)
+{
+    plant_cfg_t cfg = COIL;
+    cfg.motor.inductance_d_h = 0.0;
+    check_rejected(&cfg, "motor.inductance_d_h");
+    cfg = COIL;
+    cfg.inverter.timer_counts = 0;
+    check_rejected(&cfg, "inverter.timer_counts");
+    cfg = COIL;
+    cfg.sensor.adc_bits = 4;
+    check_rejected(&cfg, "sensor.adc_bits");
+    cfg = COIL;
+    cfg.supply.voltage_v = 0.0;
+    check_rejected(&cfg, "supply.voltage_v");
+    cfg = COIL;
+    cfg.supply.ripple_fraction = 1.0;
+    check_rejected(&cfg, "supply.ripple_fraction");
+    cfg = COIL;
+    cfg.supply.device_drop_v = 155.0;
+    check_rejected(&cfg, "supply.device_drop_v");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_mean_voltage_of_a_period_is_duty_times_bus);
+    RUN_TEST(test_compare_acts_one_period_after_it_is_written);
+    RUN_TEST(test_dead_time_costs_its_share_of_the_bus_against_the_current);
+    RUN_TEST(test_device_drop_costs_its_voltage_against_the_current);
+    RUN_TEST(test_dead_time_and_drop_add);
+    RUN_TEST(test_equal_legs_leave_a_standing_motor_without_current);
+    RUN_TEST(test_dead_time_swallows_a_small_voltage);
+    RUN_TEST(test_gates_act_at_once_and_off_lets_the_current_die);
+    RUN_TEST(test_load_torque_opposes_positive_rotation);
+    RUN_TEST(test_bus_ripples_as_a_sine_of_time_held_for_a_period);
+    RUN_TEST(test_the_bus_of_the_period_makes_its_voltage);
+    RUN_TEST(test_sample_reads_the_present_currents_and_bus);
+    RUN_TEST(test_view_is_consistent);
+    RUN_TEST(test_two_runs_give_the_same_bytes);
+    RUN_TEST(test_another_seed_gives_another_run);
+    RUN_TEST(test_a_copy_goes_on_as_the_original);
+    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
+    return UNITY_END();
+}

@@ -1,0 +1,237 @@
+/* Simulated conversion: rounding, clipping, offset, gain error and noise. */
+#include "random.h"
+#include "sensors.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define SAMPLES 100000
+
+/* 12 bits over +-20 A: 102.4 counts per ampere. */
+static const plant_sensor_cfg_t CLEAN = {
+    .adc_bits = 12,
+    .current_full_scale_a = 20.0,
+    .bus_full_scale_v = 409.5, /* 0.1 V per count */
+    .seed = 1,
+};
+
+static plant_sensors_t sensors;
+static plant_adc_t adc;
+
+static void start(const plant_sensor_cfg_t *cfg)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_TRUE_MESSAGE(plant_sensors_init(&sensors, cfg, &bad), bad);
+}
+
+static void convert(double i_a, double i_b, double bus_v)
+{
+    plant_sensors_convert(&sensors, i_a, i_b, bus_v, &adc);
+}
+
+void setUp(void)
+{
+    start(&CLEAN);
+}
+
+void tearDown(void)
+{
+}
+
+static void test_zero_current_reads_half_scale(void)
+{
+    convert(0.0, 0.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
+}
+
+static void test_counts_are_rounded_to_nearest(void)
+{
+    const double lsb = 20.0 / 2048.0;
+
+    convert(0.49 * lsb, -0.49 * lsb, 0.049);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
+    convert(0.51 * lsb, -0.51 * lsb, 0.051);
+    TEST_ASSERT_EQUAL_UINT16(2049, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2047, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(1, adc.bus);
+}
+
+static void test_range_is_clipped_at_both_ends(void)
+{
+    convert(19.99, -20.0, 409.5);
+    TEST_ASSERT_EQUAL_UINT16(4095, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(0, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(4095, adc.bus);
+    convert(1.0e6, -1.0e6, 1.0e6);
+    TEST_ASSERT_EQUAL_UINT16(4095, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(0, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(4095, adc.bus);
+    convert(0.0, 0.0, -5.0);
+    TEST_ASSERT_EQUAL_UINT16(0, adc.bus);
+}
+
+static void test_sixteen_bits_use_the_whole_word(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.adc_bits = 16;
+    start(&cfg);
+    convert(100.0, 0.0, 1000.0);
+    TEST_ASSERT_EQUAL_UINT16(65535, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(32768, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(65535, adc.bus);
+}
+
+static void test_offset_shifts_each_phase_on_its_own(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.offset_lsb[0] = 5.0;
+    cfg.offset_lsb[1] = -7.0;
+    start(&cfg);
+    convert(0.0, 0.0, 100.0);
+    TEST_ASSERT_EQUAL_UINT16(2053, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2041, adc.ib);
+    TEST_ASSERT_EQUAL_UINT16(1000, adc.bus);
+}
+
+static void test_gain_error_scales_the_current_and_not_the_zero(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.gain_error[0] = 0.01;
+    cfg.gain_error[1] = -0.01;
+    start(&cfg);
+    convert(10.0, 10.0, 0.0); /* 1024 counts +-10.24 */
+    TEST_ASSERT_EQUAL_UINT16(2048 + 1034, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048 + 1014, adc.ib);
+    convert(0.0, 0.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048, adc.ib);
+}
+
+static void test_noise_has_no_mean_and_the_stated_rms(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    double sum[3] = {0.0, 0.0, 0.0};
+    double squares[3] = {0.0, 0.0, 0.0};
+    double cross_sum = 0.0;
+
+    cfg.noise_lsb_rms = 3.0;
+    start(&cfg);
+    for (int k = 0; k < SAMPLES; k++) {
+        convert(0.0, 0.0, 200.0);
+        const double error[3] = {adc.ia - 2048.0, adc.ib - 2048.0, adc.bus - 2000.0};
+        for (int c = 0; c < 3; c++) {
+            sum[c] += error[c];
+            squares[c] += error[c] * error[c];
+        }
+        cross_sum += error[0] * error[1];
+    }
+    const double variance = 9.0 + 1.0 / 12.0; /* noise and rounding */
+    const double root_n = sqrt((double)SAMPLES);
+    /* Four standard errors of a mean, of a variance and of a covariance. */
+    const double mean_tolerance = 4.0 * sqrt(variance) / root_n;
+    const double variance_tolerance = 4.0 * variance * sqrt(2.0) / root_n;
+    for (int c = 0; c < 3; c++) {
+        TEST_ASSERT_DOUBLE_WITHIN(mean_tolerance, 0.0, sum[c] / SAMPLES);
+        TEST_ASSERT_DOUBLE_WITHIN(variance_tolerance, variance, squares[c] / SAMPLES);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * variance / root_n, 0.0, cross_sum / SAMPLES);
+}
+
+static void test_without_noise_the_generator_stands_still(void)
+{
+    const plant_random_t before = sensors.random;
+
+    convert(1.0, 2.0, 3.0);
+    TEST_ASSERT_TRUE(before.state == sensors.random.state);
+}
+
+static void test_deviates_are_bell_shaped(void)
+{
+    plant_random_t random;
+    double fourth = 0.0;
+    double largest = 0.0;
+    int beyond_one = 0;
+
+    plant_random_init(&random, 42);
+    for (int k = 0; k < SAMPLES; k++) {
+        const double x = plant_random_gaussian(&random);
+        fourth += x * x * x * x;
+        largest = fmax(largest, fabs(x));
+        beyond_one += (fabs(x) > 1.0) ? 1 : 0;
+    }
+    /* The fourth moment of a sum of twelve is 2.9, its own variance 96 at most. */
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * sqrt(96.0 / SAMPLES), 2.9, fourth / SAMPLES);
+    /* Beyond one sigma lie 0.317 of a normal distribution, 0.32 of a sum of twelve. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.32, (double)beyond_one / SAMPLES);
+    TEST_ASSERT_TRUE(largest > 3.5);
+    TEST_ASSERT_TRUE(largest < 6.0);
+}
+
+static void test_same_seed_repeats_and_another_does_not(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    uint16_t run[3][64];
+
+    cfg.noise_lsb_rms = 2.0;
+    for (int r = 0; r < 3; r++) {
+        cfg.seed = (r == 2) ? 8U : 7U;
+        start(&cfg);
+        for (int k = 0; k < 64; k++) {
+            convert(0.0, 0.0, 0.0);
+            run[r][k] = adc.ia;
+        }
+    }
+    TEST_ASSERT_EQUAL_MEMORY(run[0], run[1], sizeof run[0]);
+    TEST_ASSERT_TRUE(memcmp(run[0], run[2], sizeof run[0]) != 0);
+}
+
+static void check_rejected(const plant_sensor_cfg_t *cfg, const char *field)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_FALSE(plant_sensors_init(&sensors, cfg, &bad));
+    TEST_ASSERT_EQUAL_STRING(field, bad);
+}
+
+static void test_init_names_the_field_that_is_out_of_range(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    cfg.adc_bits = 17;
+    check_rejected(&cfg, "sensor.adc_bits");
+    cfg = CLEAN;
+    cfg.current_full_scale_a = 0.0;
+    check_rejected(&cfg, "sensor.current_full_scale_a");
+    cfg = CLEAN;
+    cfg.noise_lsb_rms = -1.0;
+    check_rejected(&cfg, "sensor.noise_lsb_rms");
+    cfg = CLEAN;
+    cfg.gain_error[1] = -1.0;
+    check_rejected(&cfg, "sensor.gain_error[1]");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_zero_current_reads_half_scale);
+    RUN_TEST(test_counts_are_rounded_to_nearest);
+    RUN_TEST(test_range_is_clipped_at_both_ends);
+    RUN_TEST(test_sixteen_bits_use_the_whole_word);
+    RUN_TEST(test_offset_shifts_each_phase_on_its_own);
+    RUN_TEST(test_gain_error_scales_the_current_and_not_the_zero);
+    RUN_TEST(test_noise_has_no_mean_and_the_stated_rms);
+    RUN_TEST(test_without_noise_the_generator_stands_still);
+    RUN_TEST(test_deviates_are_bell_shaped);
+    RUN_TEST(test_same_seed_repeats_and_another_does_not);
+    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
+    return UNITY_END();
+}
