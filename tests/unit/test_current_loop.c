@@ -6,6 +6,7 @@
 #include "unity.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define ONE (32768.0)
 
@@ -208,6 +209,22 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
     }
 }
 
+static void test_q_integral_stays_within_the_limit_while_the_circle_cuts_an_emf_beyond_it(void)
+{
+    /* d holds 6000 of 10000; the EMF alone asks for 27000, so the cut cannot be given back. */
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        current_loop_reset(&loop);
+        pi_reset(&loop.pi_d, 6000);
+        for (int32_t k = 0; k < 2000; k++) {
+            const dq_t v =
+                current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 32000, 10000);
+
+            TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
+            TEST_ASSERT_TRUE(abs(loop.pi_q.integral_q26) <= (10000 * 2048));
+        }
+    }
+}
+
 /*
  * Motor A at 200 rad/s, forward Euler with 50 steps a tick. The closed loop has its pole at 500 Hz: a step is
  * complete to e^-5 < 1 % after 5/(2π·500 s) = 16 ticks; the integral's zero at 50 Hz lets it overshoot by
@@ -262,6 +279,7 @@ int main(void)
     RUN_TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d);
     RUN_TEST(test_demand_exactly_on_the_circle_is_not_cut);
     RUN_TEST(test_cut_of_the_circle_goes_back_to_the_q_integral);
+    RUN_TEST(test_q_integral_stays_within_the_limit_while_the_circle_cuts_an_emf_beyond_it);
     RUN_TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns);
     RUN_TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis);
     return UNITY_END();

@@ -70,9 +70,19 @@ static double speed_rad_s(double step)
     return step / TURN * TWO_PI / PERIOD_S;
 }
 
+static double complex cartesian(double real, double imaginary)
+{
+    const union {
+        double parts[2];
+        double complex number;
+    } z = {{real, imaginary}};
+
+    return z.number;
+}
+
 static double complex turn_by(double angle)
 {
-    return cexp(CMPLX(0.0, angle));
+    return cexp(cartesian(0.0, angle));
 }
 
 /* A motor of constant speed on the stationary frame, stepped exactly. */
@@ -86,9 +96,10 @@ static void motor_step(motor_t *motor, double complex voltage)
 {
     const double rate = RESISTANCE / INDUCTANCE;
     const double decay = exp(-rate * PERIOD_S);
-    const double complex emf = CMPLX(0.0, motor->speed * FLUX / INDUCTANCE) * turn_by(motor->angle);
+    const double complex emf =
+        cartesian(0.0, motor->speed * FLUX / INDUCTANCE) * turn_by(motor->angle);
     const double complex emf_response =
-        emf * (turn_by(motor->speed * PERIOD_S) - decay) / CMPLX(rate, motor->speed);
+        emf * (turn_by(motor->speed * PERIOD_S) - decay) / cartesian(rate, motor->speed);
 
     motor->current =
         (motor->current * decay) + (voltage / RESISTANCE * (1.0 - decay)) - emf_response;
@@ -110,8 +121,8 @@ typedef struct {
 static run_t run_beside_motor(double speed, double current_q, int32_t ticks)
 {
     const double complex voltage_dq =
-        CMPLX(-speed * INDUCTANCE * current_q, (RESISTANCE * current_q) + (speed * FLUX));
-    motor_t motor = {.current = CMPLX(0.0, current_q), .angle = 0.0, .speed = speed};
+        cartesian(-speed * INDUCTANCE * current_q, (RESISTANCE * current_q) + (speed * FLUX));
+    motor_t motor = {.current = cartesian(0.0, current_q), .angle = 0.0, .speed = speed};
     uint32_t angle = 0U;
     double complex voltage = 0.0;
     run_t run = {0.0, 0.0, 0.0};

@@ -5,6 +5,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 #define ONE_LSB (2048) /* one LSB of the output in the integral's format */
@@ -191,6 +192,23 @@ static void test_unwind_of_the_largest_excess_is_bounded_by_the_next_step(void)
     TEST_ASSERT_EQUAL_INT32(1000 * ONE_LSB, pi.integral_q26);
 }
 
+static void test_unwinding_again_and_again_beside_a_held_limit_does_not_overflow(void)
+{
+    /* Feed-forward alone holds the limit, so the integral cannot end the excess. */
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        pi_reset(&pi, 0);
+        for (int32_t k = 0; k < 1000; k++) {
+            const int32_t output = pi_step(&pi, &PLAIN, 0, sign * 60000, 20000);
+
+            TEST_ASSERT_EQUAL_INT32(sign * 20000, output);
+            pi_unwind(&pi, sign * 15000);
+            TEST_ASSERT_TRUE((sign * pi.integral_q26) <= 0);
+        }
+        /* Once the feed-forward is gone, the output starts from within the limit. */
+        TEST_ASSERT_TRUE(abs(pi_step(&pi, &PLAIN, 0, 0, 20000)) <= 20000);
+    }
+}
+
 static int64_t floor_div_pow2(int64_t x, uint32_t n)
 {
     const int64_t divisor = (int64_t)1 << n;
@@ -311,6 +329,7 @@ int main(void)
     RUN_TEST(test_integral_comes_within_a_shrunk_limit_while_the_error_pushes_into_it);
     RUN_TEST(test_unwind_gives_the_excess_back);
     RUN_TEST(test_unwind_of_the_largest_excess_is_bounded_by_the_next_step);
+    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_does_not_overflow);
     RUN_TEST(test_no_sum_overflows_at_the_ends_of_all_ranges);
     RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
     return UNITY_END();

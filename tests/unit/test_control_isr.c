@@ -1,0 +1,145 @@
+/* The control interrupt: sample, step, apply in this order, on a binding that only keeps a diary. */
+#include "app.h"
+#include "example_cfg.h"
+#include "unity.h"
+
+#include <string.h>
+
+#define DIARY (16U)
+
+struct hal {
+    char diary[DIARY]; /* s: sampled, a: applied, o: gates opened */
+    uint32_t entries;
+    drive_in_t next;
+    drive_out_t applied;
+    uint32_t tick_at_apply;
+    const drive_t *drive;
+};
+
+static hal_t hal;
+static app_t app;
+static drive_cfg_t cfg;
+
+static void note(hal_t *h, char what)
+{
+    if (h->entries < (DIARY - 1U)) {
+        h->diary[h->entries] = what;
+        h->entries++;
+    }
+}
+
+void hal_sample(hal_t *h, drive_in_t *in)
+{
+    note(h, 's');
+    in->adc_ia = h->next.adc_ia;
+    in->adc_ib = h->next.adc_ib;
+    in->adc_bus = h->next.adc_bus;
+    in->flags = h->next.flags;
+}
+
+void hal_apply(hal_t *h, const drive_out_t *out)
+{
+    note(h, 'a');
+    h->applied = *out;
+    h->tick_at_apply = h->drive->tick;
+}
+
+void hal_open_gates(hal_t *h)
+{
+    note(h, 'o');
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg();
+    memset(&hal, 0, sizeof hal);
+    memset(&app, 0x5A, sizeof app);
+    hal.drive = &app.drive;
+    hal.next = (drive_in_t){.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U};
+    TEST_ASSERT_NULL(app_init(&app, &hal, &cfg));
+}
+
+void tearDown(void)
+{
+}
+
+static void test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware(void)
+{
+    TEST_ASSERT_EQUAL_STRING("o", hal.diary);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, app.drive.state);
+    TEST_ASSERT_EQUAL_UINT8(0U, app.command.request);
+    TEST_ASSERT_FALSE(app.out.gate_enable);
+}
+
+static void test_init_opens_the_gates_even_when_the_configuration_is_refused(void)
+{
+    memset(hal.diary, 0, sizeof hal.diary);
+    hal.entries = 0U;
+    cfg.slow_ticks = 0U;
+    TEST_ASSERT_EQUAL_STRING("slow_ticks", app_init(&app, &hal, &cfg));
+    TEST_ASSERT_EQUAL_STRING("o", hal.diary);
+}
+
+static void test_interrupt_samples_then_steps_then_applies_once_each(void)
+{
+    control_isr(&app);
+    TEST_ASSERT_EQUAL_STRING("osa", hal.diary);
+    TEST_ASSERT_EQUAL_UINT32(1U, hal.tick_at_apply);
+    control_isr(&app);
+    TEST_ASSERT_EQUAL_STRING("osasa", hal.diary);
+    TEST_ASSERT_EQUAL_UINT32(2U, hal.tick_at_apply);
+}
+
+static void test_step_gets_the_sampled_frame_with_the_command_of_the_background(void)
+{
+    hal.next.adc_ia = 2111U;
+    hal.next.flags = 0x8000U;
+    app.command = (drive_command_t){.target = 77, .mode = 1U, .request = DRIVE_REQUEST_RUN};
+    control_isr(&app);
+    TEST_ASSERT_EQUAL_UINT16(2111U, app.in.adc_ia);
+    TEST_ASSERT_EQUAL_UINT16(0x8000U, app.in.flags);
+    TEST_ASSERT_EQUAL_INT32(77, app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(1U, app.in.command.mode);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, app.in.command.request);
+}
+
+static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
+{
+    drive_t alone;
+    drive_out_t out = {0};
+
+    TEST_ASSERT_NULL(drive_init(&alone, &cfg));
+    app.command = (drive_command_t){.target = 10000000, .request = DRIVE_REQUEST_RUN};
+    for (uint32_t k = 0U; k < 400U; k++) {
+        control_isr(&app);
+        drive_step(&alone, &app.in, &out);
+        TEST_ASSERT_EQUAL_INT(alone.state, app.drive.state);
+        TEST_ASSERT_EQUAL_UINT16_ARRAY(out.compare.phase, hal.applied.compare.phase, 3U);
+        TEST_ASSERT_EQUAL_INT(out.gate_enable, hal.applied.gate_enable);
+    }
+    TEST_ASSERT_TRUE(hal.applied.gate_enable);
+}
+
+static void test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt(void)
+{
+    app.command.request = DRIVE_REQUEST_RUN;
+    for (uint32_t k = 0U; k < 300U; k++) {
+        control_isr(&app);
+    }
+    TEST_ASSERT_TRUE(hal.applied.gate_enable);
+    hal.next.flags = DRIVE_FLAG_BREAK;
+    control_isr(&app);
+    TEST_ASSERT_FALSE(hal.applied.gate_enable);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware);
+    RUN_TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused);
+    RUN_TEST(test_interrupt_samples_then_steps_then_applies_once_each);
+    RUN_TEST(test_step_gets_the_sampled_frame_with_the_command_of_the_background);
+    RUN_TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone);
+    RUN_TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt);
+    return UNITY_END();
+}

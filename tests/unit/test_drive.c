@@ -1,0 +1,739 @@
+/* Drive: states and faults, calibration, purity, ranges for any frame, and a closed loop. */
+#include "drive.h"
+#include "example_cfg.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MID_COUNTS (2048U) /* zero current */
+#define BUS_COUNTS (2822U) /* 310 V */
+#define CALIBRATION_TICKS (256U)
+#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+
+static void quiet_frame(void)
+{
+    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg();
+    memset(&drive, 0, sizeof drive);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    quiet_frame();
+    memset(&out, 0xA5, sizeof out);
+}
+
+void tearDown(void)
+{
+}
+
+static void tick(void)
+{
+    drive_step(&drive, &in, &out);
+}
+
+static void ticks(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick();
+    }
+}
+
+/* From INIT, with the sensors as they are in the frame. */
+static void go_to(drive_state_t state)
+{
+    if (state != DRIVE_STATE_INIT) {
+        tick();
+    }
+    if ((state == DRIVE_STATE_READY) || (state == DRIVE_STATE_RUN)) {
+        ticks(CALIBRATION_TICKS);
+    }
+    if (state == DRIVE_STATE_RUN) {
+        in.command.request = DRIVE_REQUEST_RUN;
+        ticks(25U);
+    }
+    TEST_ASSERT_EQUAL_INT(state, drive.state);
+}
+
+static void assert_gates_open(void)
+{
+    TEST_ASSERT_FALSE(out.gate_enable);
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]); /* half of 8500 */
+    }
+}
+
+/* ---- configuration and states ---- */
+
+static void test_init_starts_in_init_whatever_was_there_before(void)
+{
+    memset(&drive, 0x77, sizeof drive);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, drive.fault.id);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.tick);
+    TEST_ASSERT_EQUAL_INT32(4096, drive.modulator.inverse_bus_q12);
+}
+
+static void test_init_names_a_refused_field(void)
+{
+    cfg.observer.rate = -1;
+    TEST_ASSERT_EQUAL_STRING("observer.rate", drive_init(&drive, &cfg));
+}
+
+static void test_first_tick_begins_the_calibration_with_open_gates(void)
+{
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+    assert_gates_open();
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.tick);
+}
+
+static void test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open(void)
+{
+    tick();
+    in.command.request = DRIVE_REQUEST_RUN;
+    for (uint32_t k = 1U; k < CALIBRATION_TICKS; k++) {
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+        assert_gates_open();
+    }
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    assert_gates_open();
+}
+
+static void test_ready_waits_for_the_command_with_open_gates(void)
+{
+    go_to(DRIVE_STATE_READY);
+    for (uint32_t k = 0U; k < 100U; k++) {
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+    }
+}
+
+static void test_run_command_enables_the_gates_in_its_tick_and_stop_opens_them_in_its_own(void)
+{
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_TRUE(out.gate_enable);
+    in.command.request = 0U;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    assert_gates_open();
+}
+
+static void test_first_compare_values_of_a_run_are_the_null_vector(void)
+{
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    tick();
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]);
+    }
+}
+
+static void test_a_second_run_starts_afresh(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    in.command.target = 10000000;
+    in.adc_ia = MID_COUNTS + 300U;
+    ticks(500U);
+    TEST_ASSERT_TRUE(drive.speed_loop.reference != 0);
+    quiet_frame();
+    tick();
+    in.command.request = DRIVE_REQUEST_RUN;
+    tick();
+    TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref_q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.ratio_acting.q);
+    TEST_ASSERT_EQUAL_INT64(0, drive_position_q32(&drive));
+    TEST_ASSERT_EQUAL_INT32(0, drive_speed(&drive));
+}
+
+/* ---- calibration ---- */
+
+static void test_offset_is_the_mean_of_the_samples_and_is_removed(void)
+{
+    tick();
+    for (uint32_t k = 0U; k < CALIBRATION_TICKS; k++) {
+        in.adc_ia = (uint16_t)(2050U + (k % 2U)); /* mean 2050.5 */
+        in.adc_ib = 2040U;
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    TEST_ASSERT_EQUAL_INT32(16404, drive.offset_a); /* 2050.5·8 */
+    TEST_ASSERT_EQUAL_INT32(16320, drive.offset_b);
+    in.adc_ia = 2151U;
+    tick();
+    TEST_ASSERT_EQUAL_INT32((2151 * 8) - 16404, drive.signals.phase_a);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.phase_b);
+}
+
+static void test_offset_mean_of_full_scale_samples_does_not_overflow(void)
+{
+    cfg.sampling.offset_log2 = 12U;
+    cfg.protection.offset_max = 32767;
+    in.adc_ia = 4095U;
+    in.adc_ib = 0U;
+    tick();
+    ticks(4096U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    TEST_ASSERT_EQUAL_INT32(4095 * 8, drive.offset_a);
+    TEST_ASSERT_EQUAL_INT32(0, drive.offset_b);
+}
+
+static void test_offset_of_one_sample_is_that_sample(void)
+{
+    cfg.sampling.offset_log2 = 0U;
+    in.adc_ia = 2060U;
+    ticks(2U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    TEST_ASSERT_EQUAL_INT32(2060 * 8, drive.offset_a);
+}
+
+static void test_offset_beyond_its_limit_is_a_fault_with_open_gates(void)
+{
+    /* 819 of Q15 are 102.4 counts. */
+    static const uint16_t bad[] = {MID_COUNTS + 103U, MID_COUNTS - 103U};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        setUp();
+        in.adc_ia = ((i % 2U) == 0U) ? bad[i / 2U] : MID_COUNTS;
+        in.adc_ib = ((i % 2U) == 0U) ? MID_COUNTS : bad[i / 2U];
+        in.command.request = DRIVE_REQUEST_RUN;
+        ticks(1U + CALIBRATION_TICKS);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT32(824, drive.fault.value);
+        TEST_ASSERT_EQUAL_INT32(819, drive.fault.limit);
+        assert_gates_open();
+    }
+}
+
+static void test_offset_at_its_limit_is_accepted(void)
+{
+    in.adc_ia = MID_COUNTS + 102U;
+    in.adc_ib = MID_COUNTS - 102U;
+    go_to(DRIVE_STATE_READY);
+}
+
+/* ---- faults ---- */
+
+static void make_break(void)
+{
+    in.flags = DRIVE_FLAG_BREAK;
+}
+
+static void make_overcurrent(void)
+{
+    in.adc_ia = 4000U; /* 15616 of Q15, limit 14746 */
+}
+
+static void make_overvoltage(void)
+{
+    in.adc_bus = 3642U; /* 29136, limit 29127 */
+}
+
+static void make_undervoltage(void)
+{
+    in.adc_bus = 1820U; /* 14560, limit 14564 */
+}
+
+typedef struct {
+    void (*make)(void);
+    fault_id_t id;
+    drive_state_t first; /* the first state in which it is watched; in all later ones too */
+    int32_t value;
+    int32_t limit;
+} fault_case_t;
+
+static const fault_case_t FAULTS[] = {
+    {make_break, FAULT_BREAK, DRIVE_STATE_INIT, 0, 14746},
+    {make_overcurrent, FAULT_OVERCURRENT, DRIVE_STATE_READY, 15616, 14746},
+    {make_overvoltage, FAULT_OVERVOLTAGE, DRIVE_STATE_INIT, 29136, 29127},
+    {make_undervoltage, FAULT_UNDERVOLTAGE, DRIVE_STATE_RUN, 14560, 14564},
+};
+
+static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it(void)
+{
+    for (uint32_t f = 0U; f < 4U; f++) {
+        for (int32_t s = (int32_t)FAULTS[f].first; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+            setUp();
+            go_to((drive_state_t)s);
+            TEST_ASSERT_EQUAL_INT(s == (int32_t)DRIVE_STATE_RUN, (s != 0) && out.gate_enable);
+            FAULTS[f].make();
+            tick();
+            assert_gates_open();
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
+            TEST_ASSERT_EQUAL_INT32(FAULTS[f].limit, drive.fault.limit);
+            if (FAULTS[f].id != FAULT_BREAK) {
+                TEST_ASSERT_EQUAL_INT32(FAULTS[f].value, drive.fault.value);
+            }
+        }
+    }
+}
+
+static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(void)
+{
+    for (uint32_t f = 0U; f < 4U; f++) {
+        for (int32_t s = 0; s < (int32_t)FAULTS[f].first; s++) {
+            setUp();
+            go_to((drive_state_t)s);
+            FAULTS[f].make();
+            tick();
+            assert_gates_open();
+            TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_FAULT);
+        }
+    }
+}
+
+static void test_a_run_command_at_undervoltage_never_enables_the_gates(void)
+{
+    go_to(DRIVE_STATE_READY);
+    make_undervoltage();
+    in.command.request = DRIVE_REQUEST_RUN;
+    for (uint32_t k = 0U; k < 5U; k++) {
+        tick();
+        assert_gates_open();
+    }
+}
+
+static void test_a_fault_stays_latched_until_cleared_without_the_run_command(void)
+{
+    static const uint8_t requests[] = {0U, DRIVE_REQUEST_RUN,
+                                       DRIVE_REQUEST_RUN | DRIVE_REQUEST_CLEAR};
+
+    for (uint32_t f = 0U; f < 4U; f++) {
+        setUp();
+        go_to(DRIVE_STATE_RUN);
+        FAULTS[f].make();
+        tick();
+        quiet_frame();
+        for (uint32_t k = 0U; k < 300U; k++) {
+            in.command.request = requests[k % 3U];
+            tick();
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            assert_gates_open();
+        }
+        in.command.request = DRIVE_REQUEST_CLEAR;
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+        assert_gates_open();
+        in.command.request = 0U;
+        ticks(CALIBRATION_TICKS);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    }
+}
+
+static void test_the_first_fault_is_kept_while_others_follow(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    make_undervoltage();
+    tick();
+    make_overcurrent();
+    make_break();
+    ticks(3U);
+    TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(14560, drive.fault.value);
+}
+
+static void test_a_fault_that_persists_comes_back_after_clearing(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    make_break();
+    tick();
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    tick();
+    in.command.request = 0U;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, drive.fault.id);
+}
+
+static void test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it(void)
+{
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    make_break();
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+}
+
+/* ---- running ---- */
+
+static void test_current_demand_changes_once_in_a_slow_period_only(void)
+{
+    int32_t before = 0;
+    uint32_t changes = 0U;
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.target = 20000000;
+    for (uint32_t k = 1U; k <= 100U; k++) {
+        tick();
+        if (drive.signals.current_ref_q != before) {
+            TEST_ASSERT_EQUAL_UINT32(0U, k % cfg.slow_ticks);
+            changes++;
+        }
+        before = drive.signals.current_ref_q;
+    }
+    /* It moves in every period until it has reached its limit. */
+    TEST_ASSERT_TRUE(changes > 4U);
+}
+
+static void test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus(void)
+{
+    dq_t ratios[3] = {{0, 0}, {0, 0}, {0, 0}};
+    seeded_t seed = {0x0B5E4EU};
+    int32_t bus_before = 0;
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.target = 20000000;
+    for (uint32_t k = 0U; k < 200U; k++) {
+        int32_t bus = 0;
+
+        bus_before = drive.signals.bus;
+        in.adc_bus = (uint16_t)seeded_in(&seed, 2500, 3000);
+        tick();
+        bus = (bus_before + drive.signals.bus) >> 1;
+        TEST_ASSERT_EQUAL_INT32((ratios[0].q * bus) >> 15, drive.signals.voltage_applied.q);
+        TEST_ASSERT_EQUAL_INT32((ratios[0].d * bus) >> 15, drive.signals.voltage_applied.d);
+        ratios[0] = ratios[1];
+        ratios[1] = drive.signals.ratio;
+    }
+    TEST_ASSERT_TRUE(ratios[0].q != 0);
+}
+
+static void test_change_to_position_mode_takes_the_present_position_as_its_start(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    drive.position.turns_q32 = 123456789012;
+    in.command.mode = DRIVE_MODE_POSITION;
+    in.command.target = (int32_t)(123456789012 / 65536);
+    ticks(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, drive.mode);
+    /* Within the rest that the Q16 command cannot express: the profile starts there. */
+    TEST_ASSERT_TRUE(llabs(drive.position_loop.profile_q32 - 123456789012) < 1000000);
+}
+
+static void test_an_unknown_mode_counts_as_speed(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    in.command.mode = 7U;
+    in.command.target = 5000000;
+    ticks(cfg.slow_ticks);
+    TEST_ASSERT_EQUAL_INT32(143166, drive.speed_reference); /* one ramp */
+}
+
+static void test_saturated_samples_keep_their_sign(void)
+{
+    go_to(DRIVE_STATE_READY);
+    in.adc_ia = 65535U;
+    in.adc_ib = 0U;
+    in.adc_bus = 65535U;
+    tick();
+    TEST_ASSERT_EQUAL_INT32(16383, drive.signals.phase_a);
+    TEST_ASSERT_EQUAL_INT32(-16383, drive.signals.phase_b);
+    TEST_ASSERT_EQUAL_INT32(32767, drive.signals.bus);
+}
+
+/* ---- purity ---- */
+
+/* Frames that keep a drive running most of the time, with everything else random. */
+static drive_in_t seeded_frame(seeded_t *seed)
+{
+    const uint32_t event = seeded_u32(seed) % 1000U;
+
+    return (drive_in_t){
+        .adc_ia = (uint16_t)seeded_in(seed, 1000, 3000),
+        .adc_ib = (uint16_t)seeded_in(seed, 1000, 3000),
+        .adc_bus = (uint16_t)((event == 1U) ? 4095 : seeded_in(seed, 2200, 3400)),
+        .flags = (event == 2U) ? DRIVE_FLAG_BREAK : 0U,
+        .command = {.target = seeded_i32(seed),
+                    .mode = (uint8_t)(seeded_u32(seed) % 3U),
+                    .request = (event < 20U) ? DRIVE_REQUEST_CLEAR : DRIVE_REQUEST_RUN},
+    };
+}
+
+static void test_equal_frames_give_equal_states_and_outputs_byte_by_byte(void)
+{
+    seeded_t seed = {0x9E37U};
+    static drive_t other;
+    drive_out_t other_out;
+
+    cfg.sampling.offset_log2 = 4U;
+    cfg.protection.offset_max = 32767;
+    memset(&other, 0, sizeof other);
+    memset(&other_out, 0, sizeof other_out);
+    memset(&out, 0, sizeof out);
+    (void)drive_init(&other, &cfg);
+    for (int32_t k = 0; k < 20000; k++) {
+        in = seeded_frame(&seed);
+        drive_step(&drive, &in, &out);
+        drive_step(&other, &in, &other_out);
+        TEST_ASSERT_EQUAL_MEMORY(&drive, &other, sizeof drive);
+        TEST_ASSERT_EQUAL_MEMORY(&out, &other_out, sizeof out);
+    }
+}
+
+static void test_a_copy_is_a_snapshot_from_which_the_same_future_follows(void)
+{
+    static drive_in_t frames[2000];
+    static drive_t snapshot;
+    static drive_t end;
+    seeded_t seed = {0x5AA9U};
+
+    cfg.sampling.offset_log2 = 4U;
+    cfg.protection.offset_max = 32767;
+    for (int32_t k = 0; k < 3000; k++) {
+        in = seeded_frame(&seed);
+        tick();
+    }
+    snapshot = drive;
+    for (int32_t k = 0; k < 2000; k++) {
+        frames[k] = seeded_frame(&seed);
+        drive_step(&drive, &frames[k], &out);
+    }
+    end = drive;
+    drive = snapshot;
+    for (int32_t k = 0; k < 2000; k++) {
+        drive_step(&drive, &frames[k], &out);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&end, &drive, sizeof drive);
+}
+
+/* ---- any frame ---- */
+
+static void assert_everything_in_range(void)
+{
+    const drive_signals_t *const s = &drive.signals;
+
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
+    }
+    TEST_ASSERT_EQUAL_INT(drive.state == DRIVE_STATE_RUN, out.gate_enable);
+    TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
+    TEST_ASSERT_TRUE((abs(s->phase_a) <= 16383) && (abs(s->phase_b) <= 16383));
+    TEST_ASSERT_TRUE((s->bus >= 0) && (s->bus <= 32767));
+    TEST_ASSERT_TRUE((abs(s->current.d) + abs(s->current.q)) <= 65534);
+    TEST_ASSERT_TRUE(abs(s->current_ref_q) <= cfg.speed_loop.current_max);
+    if (drive.state == DRIVE_STATE_RUN) {
+        TEST_ASSERT_TRUE(((s->voltage.d * s->voltage.d) + (s->voltage.q * s->voltage.q)) <=
+                         (s->voltage_limit * s->voltage_limit));
+        TEST_ASSERT_TRUE(abs(s->speed) <= 32767);
+    }
+}
+
+static uint16_t extreme_count(seeded_t *seed)
+{
+    static const uint16_t ends[] = {0U, 1U, 2047U, 2048U, 2049U, 4094U, 4095U, 65535U};
+
+    return ends[seeded_u32(seed) % 8U];
+}
+
+static int32_t extreme_target(seeded_t *seed)
+{
+    static const int32_t ends[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
+
+    return ends[seeded_u32(seed) % 5U];
+}
+
+static void test_any_raw_frame_keeps_all_outputs_in_range(void)
+{
+    seeded_t seed = {0xF4A4E5U};
+
+    for (uint32_t run = 0U; run < 40U; run++) {
+        setUp();
+        cfg.sampling.offset_log2 = run % 13U;
+        cfg.sampling.current_shift = run % 8U;
+        cfg.sampling.bus_shift = (run / 2U) % 8U;
+        cfg.protection = (protection_cfg_t){16382, 32766, 0, 32767};
+        TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        for (uint32_t k = 0U; k < 5000U; k++) {
+            in.adc_ia = ((k % 2U) == 0U) ? extreme_count(&seed) : (uint16_t)seeded_u32(&seed);
+            in.adc_ib = ((k % 3U) == 0U) ? extreme_count(&seed) : (uint16_t)seeded_u32(&seed);
+            in.adc_bus = ((k % 5U) == 0U) ? extreme_count(&seed) : (uint16_t)seeded_u32(&seed);
+            in.flags = (uint16_t)(seeded_u32(&seed) & ((k % 7U) == 0U ? 0xFFFFU : 0xFFFEU));
+            in.command.target = extreme_target(&seed);
+            in.command.mode = (uint8_t)seeded_u32(&seed);
+            in.command.request = (uint8_t)seeded_u32(&seed);
+            tick();
+            assert_everything_in_range();
+        }
+    }
+}
+
+static void test_wild_but_allowed_measurements_keep_a_running_drive_in_range(void)
+{
+    seeded_t seed = {0x3177DU};
+
+    cfg.protection = (protection_cfg_t){16382, 32766, 0, 32767};
+    go_to(DRIVE_STATE_RUN);
+    for (uint32_t k = 0U; k < 100000U; k++) {
+        /* |a|, |b| and |a + b| within ±16382: ±1023 counts each. */
+        in.adc_ia = (uint16_t)((int32_t)MID_COUNTS + seeded_in(&seed, -1, 1) * 1023);
+        in.adc_ib = (uint16_t)((int32_t)MID_COUNTS + seeded_in(&seed, -1, 1) * 1023);
+        in.adc_bus = (uint16_t)seeded_in(&seed, 0, 4095);
+        in.command.target = ((k % 1000U) == 0U) ? extreme_target(&seed) : in.command.target;
+        in.command.mode = (uint8_t)((k / 10000U) % 2U);
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+        assert_everything_in_range();
+    }
+}
+
+/* ---- closed loop ---- */
+
+/* Motor A on an average inverter: rotor frame, 20 steps of Euler's method a tick. */
+typedef struct {
+    double d;
+    double q;
+    double speed; /* electrical, rad/s */
+    double angle;
+    compare_t acting;
+} motor_t;
+
+#define PI_D (3.141592653589793)
+
+static void motor_tick(motor_t *m, const compare_t *pending, double load_nm)
+{
+    const double a = m->acting.phase[0];
+    const double b = m->acting.phase[1];
+    const double c = m->acting.phase[2];
+    const double volt = 310.0 / 8500.0;
+    const double alpha = volt * ((2.0 * a) - b - c) / 3.0;
+    const double beta = volt * (b - c) / sqrt(3.0);
+
+    for (int32_t i = 0; i < 20; i++) {
+        const double h = 1e-4 / 20.0;
+        const double v_d = (alpha * cos(m->angle)) + (beta * sin(m->angle));
+        const double v_q = (beta * cos(m->angle)) - (alpha * sin(m->angle));
+        const double torque = 3.0 * 0.387 * m->q;
+        const double d = (v_d - (2.125 * m->d) + (m->speed * 0.0116 * m->q)) / 0.0116;
+        const double q = (v_q - (2.125 * m->q) - (m->speed * ((0.0116 * m->d) + 0.387))) / 0.0116;
+
+        m->d += h * d;
+        m->q += h * q;
+        m->speed += h * 2.0 / 0.003 * (torque - load_nm - (0.001 * m->speed / 2.0));
+        m->angle += h * m->speed;
+    }
+    m->acting = *pending;
+}
+
+static uint16_t counts_of(double ampere)
+{
+    return (uint16_t)(2048.0 + floor((ampere / 20.0 * 2048.0) + 0.5));
+}
+
+static void measure(const motor_t *m)
+{
+    const double a = (m->d * cos(m->angle)) - (m->q * sin(m->angle));
+    const double shifted = m->angle - (2.0 * PI_D / 3.0);
+    const double b = (m->d * cos(shifted)) - (m->q * sin(shifted));
+
+    in.adc_ia = counts_of(a);
+    in.adc_ib = counts_of(b);
+}
+
+static void run_motor(motor_t *m, uint32_t count, double load_nm)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        measure(m);
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+        motor_tick(m, &out.compare, load_nm);
+    }
+}
+
+/* Speeds in tests below hold to 1 % of rated speed: 18 rpm, half the specified 2 % band. */
+#define SPEED_TOLERANCE_RPM (18.0)
+
+static void test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+
+        setUp();
+        go_to(DRIVE_STATE_READY);
+        in.command.request = DRIVE_REQUEST_RUN;
+        in.command.target = (int32_t)lround(sign * 1000.0 * STEPS_PER_RPM);
+        run_motor(&m, 5000U, 0.0);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0, m.speed / 2.0 * 30.0 / PI_D);
+        run_motor(&m, 5000U, sign * 3.0);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0, m.speed / 2.0 * 30.0 / PI_D);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
+                                  drive_speed(&drive) / STEPS_PER_RPM);
+    }
+}
+
+/* Position holds to 2° mechanical as specified; the estimate itself follows the rotor. */
+#define POSITION_TOLERANCE_TURNS (2.0 / 360.0)
+
+static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
+{
+    motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.mode = DRIVE_MODE_POSITION;
+    in.command.target = 3 * 65536; /* electrical turns: 1.5 mechanical */
+    run_motor(&m, 10000U, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.5, m.angle / 2.0 / (2.0 * PI_D));
+    in.command.target = -3 * 65536;
+    run_motor(&m, 10000U, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.5, m.angle / 2.0 / (2.0 * PI_D));
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.5,
+                              (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_init_starts_in_init_whatever_was_there_before);
+    RUN_TEST(test_init_names_a_refused_field);
+    RUN_TEST(test_first_tick_begins_the_calibration_with_open_gates);
+    RUN_TEST(test_calibration_takes_exactly_its_samples_and_keeps_the_gates_open);
+    RUN_TEST(test_ready_waits_for_the_command_with_open_gates);
+    RUN_TEST(test_run_command_enables_the_gates_in_its_tick_and_stop_opens_them_in_its_own);
+    RUN_TEST(test_first_compare_values_of_a_run_are_the_null_vector);
+    RUN_TEST(test_a_second_run_starts_afresh);
+    RUN_TEST(test_offset_is_the_mean_of_the_samples_and_is_removed);
+    RUN_TEST(test_offset_mean_of_full_scale_samples_does_not_overflow);
+    RUN_TEST(test_offset_of_one_sample_is_that_sample);
+    RUN_TEST(test_offset_beyond_its_limit_is_a_fault_with_open_gates);
+    RUN_TEST(test_offset_at_its_limit_is_accepted);
+    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it);
+    RUN_TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates);
+    RUN_TEST(test_a_run_command_at_undervoltage_never_enables_the_gates);
+    RUN_TEST(test_a_fault_stays_latched_until_cleared_without_the_run_command);
+    RUN_TEST(test_the_first_fault_is_kept_while_others_follow);
+    RUN_TEST(test_a_fault_that_persists_comes_back_after_clearing);
+    RUN_TEST(test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it);
+    RUN_TEST(test_current_demand_changes_once_in_a_slow_period_only);
+    RUN_TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus);
+    RUN_TEST(test_change_to_position_mode_takes_the_present_position_as_its_start);
+    RUN_TEST(test_an_unknown_mode_counts_as_speed);
+    RUN_TEST(test_saturated_samples_keep_their_sign);
+    RUN_TEST(test_equal_frames_give_equal_states_and_outputs_byte_by_byte);
+    RUN_TEST(test_a_copy_is_a_snapshot_from_which_the_same_future_follows);
+    RUN_TEST(test_any_raw_frame_keeps_all_outputs_in_range);
+    RUN_TEST(test_wild_but_allowed_measurements_keep_a_running_drive_in_range);
+    RUN_TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load);
+    RUN_TEST(test_position_command_is_reached_by_a_motor_in_both_directions);
+    return UNITY_END();
+}

@@ -1,0 +1,384 @@
+/* Speed and position loops: ramp, limits, feed-forward, and the promises of the position profile. */
+#include "example_cfg.h"
+#include "motion_loop.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+#define TURN_Q32 ((int64_t)1 << 32)
+#define FAR_AWAY_Q32 ((int64_t)1 << 62)
+
+static speed_loop_cfg_t speed_cfg;
+static speed_loop_t speed_loop;
+static position_loop_cfg_t cfg;
+static position_loop_t loop;
+
+void setUp(void)
+{
+    speed_cfg = example_speed_loop_cfg();
+    cfg = example_position_loop_cfg();
+    speed_loop_reset(&speed_loop, 0);
+    position_loop_reset(&loop, 0);
+}
+
+void tearDown(void)
+{
+}
+
+static int64_t magnitude(int64_t x)
+{
+    return (x < 0) ? -x : x;
+}
+
+/* ---- speed ---- */
+
+static void test_speed_reset_starts_at_the_present_speed_without_demand(void)
+{
+    speed_loop.pi.integral_q26 = 12345678;
+    speed_loop_reset(&speed_loop, 1000000);
+    TEST_ASSERT_EQUAL_INT32(1000000, speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 1000000, 1000000));
+}
+
+static void test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const step_t target = sign * 10000001;
+        const int32_t periods = (10000001 + speed_cfg.ramp - 1) / speed_cfg.ramp;
+
+        speed_loop_reset(&speed_loop, 0);
+        for (int32_t k = 0; k < periods; k++) {
+            const step_t next = speed_loop_ramp(&speed_loop, &speed_cfg, target);
+
+            TEST_ASSERT_TRUE(next != speed_loop.reference);
+            TEST_ASSERT_TRUE(abs(next - speed_loop.reference) <= speed_cfg.ramp);
+            speed_loop.reference = next;
+        }
+        TEST_ASSERT_EQUAL_INT32(target, speed_loop.reference);
+        TEST_ASSERT_EQUAL_INT32(target, speed_loop_ramp(&speed_loop, &speed_cfg, target));
+    }
+}
+
+static void test_ramp_looks_but_does_not_move(void)
+{
+    (void)speed_loop_ramp(&speed_loop, &speed_cfg, 1000000);
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop.reference);
+}
+
+static void test_ramp_never_goes_beyond_the_largest_speed_for_any_target(void)
+{
+    static const step_t targets[] = {INT32_MAX, INT32_MIN, 0x20000000, -0x20000000};
+
+    speed_cfg.ramp = 0x20000000;
+    for (uint32_t i = 0U; i < 4U; i++) {
+        const step_t end = (targets[i] > 0) ? speed_cfg.speed_max : -speed_cfg.speed_max;
+
+        TEST_ASSERT_EQUAL_INT32(end, speed_loop_ramp(&speed_loop, &speed_cfg, targets[i]));
+    }
+}
+
+static void test_acceleration_feed_forward_follows_the_change_of_the_reference(void)
+{
+    /* Change 100000 · 32471 / 2^21 = 1548.3; of the error only 24 LSB at K_p·24 = 15.94·24. */
+    speed_cfg.pi.kp = 0;
+    speed_cfg.pi.ki = 0;
+    TEST_ASSERT_EQUAL_INT32(1548, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0));
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0));
+    TEST_ASSERT_EQUAL_INT32(-1549, speed_loop_step(&speed_loop, &speed_cfg, 0, 0));
+}
+
+static void test_feed_forward_alone_cannot_exceed_the_current_limit(void)
+{
+    speed_cfg.pi.kp = 0;
+    speed_cfg.pi.ki = 0;
+    TEST_ASSERT_EQUAL_INT32(8192, speed_loop_step(&speed_loop, &speed_cfg, 28000000, 0));
+    TEST_ASSERT_EQUAL_INT32(-8192, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0));
+}
+
+static void test_speed_reference_is_kept_within_the_largest_speed(void)
+{
+    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MAX, 0);
+    TEST_ASSERT_EQUAL_INT32(speed_cfg.speed_max, speed_loop.reference);
+    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MIN, 0);
+    TEST_ASSERT_EQUAL_INT32(-speed_cfg.speed_max, speed_loop.reference);
+}
+
+static void test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards(void)
+{
+    speed_loop_reset(&speed_loop, 10000000);
+    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 9000000) > 0);
+    speed_loop_reset(&speed_loop, 10000000);
+    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 11000000) < 0);
+}
+
+static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(void)
+{
+    seeded_t seed = {0x5FEEDU};
+
+    for (int32_t k = 0; k < 100000; k++) {
+        const step_t reference = seeded_i32(&seed);
+        const step_t measured = seeded_in(&seed, -0x20000000, 0x20000000);
+
+        if ((k % 100) == 0) {
+            speed_cfg.pi = (pi_cfg_t){32767, 32767, (uint32_t)seeded_in(&seed, 1, 30),
+                                      (uint32_t)seeded_in(&seed, 1, 30)};
+            speed_cfg.speed_max = ((k % 200) == 0) ? 0x20000000 : 28633115;
+            speed_cfg.inertia = 32767;
+            speed_cfg.inertia_shift = (uint32_t)seeded_in(&seed, 0, 30);
+            speed_cfg.error_shift = (uint32_t)seeded_in(&seed, 1, 17);
+            speed_cfg.current_max = seeded_in(&seed, 1, 16384);
+            speed_loop_reset(&speed_loop, 0);
+        }
+        TEST_ASSERT_TRUE(abs(speed_loop_step(&speed_loop, &speed_cfg, reference, measured)) <=
+                         speed_cfg.current_max);
+    }
+}
+
+/* ---- position ---- */
+
+/* Slow periods that the profile may need for a distance: full speed all the way, twice the time to
+ * full speed, and the fade-out: time constant softness = 2cB/speed_max of 15 units in natural logarithms. */
+static int32_t longest_time(int64_t distance_q32)
+{
+    const int64_t cruise = magnitude(distance_q32) / ((int64_t)cfg.speed_max * cfg.ticks);
+    const int64_t ramp = 2 * (cfg.speed_max / cfg.ramp);
+    const int64_t braking_q32 = (((int64_t)1 << 30) / cfg.braking_inverse) << cfg.distance_shift;
+    const int64_t softness =
+        2 * cfg.softness_q15 * (braking_q32 / 32768) / ((int64_t)cfg.speed_max * cfg.ticks);
+
+    return (int32_t)(cruise + ramp + ((softness + 2) * 12) + 200);
+}
+
+/* One slow period of the profile with its promises checked. */
+static void step_profile(int64_t target_q32)
+{
+    const step_t before = loop.profile_speed;
+
+    (void)position_loop_step(&loop, &cfg, target_q32, loop.profile_q32);
+    TEST_ASSERT_TRUE(abs(loop.profile_speed) <= cfg.speed_max);
+    TEST_ASSERT_TRUE(abs(loop.profile_speed - before) <= cfg.ramp);
+}
+
+/* Runs the profile to the target; fails when it is not there in time, leaves it, or overshoots. */
+static void run_to(int64_t target_q32)
+{
+    const int64_t distance = target_q32 - loop.profile_q32;
+    const int32_t time = longest_time(distance);
+
+    for (int32_t k = 0; k < time; k++) {
+        step_profile(target_q32);
+        TEST_ASSERT_TRUE((distance >= 0) ? (loop.profile_q32 <= target_q32)
+                                         : (loop.profile_q32 >= target_q32));
+    }
+    TEST_ASSERT_EQUAL_INT64(target_q32, loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+}
+
+static void test_position_reset_starts_at_rest_where_the_rotor_is(void)
+{
+    loop.profile_speed = 5;
+    position_loop_reset(&loop, -123456789012);
+    TEST_ASSERT_EQUAL_INT64(-123456789012, loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+    TEST_ASSERT_EQUAL_INT32(0, position_loop_step(&loop, &cfg, -123456789012, -123456789012));
+}
+
+static void test_profile_reaches_seeded_targets_exactly_without_overshoot(void)
+{
+    seeded_t seed = {0x7A46E7U};
+
+    for (int32_t run = 0; run < 300; run++) {
+        /* Up to 40 turns, many of them short. */
+        const int64_t scale = (int64_t)1 << seeded_in(&seed, 0, 22);
+        const int64_t target = loop.profile_q32 + (seeded_in(&seed, -41000, 41000) * scale);
+
+        run_to(target);
+    }
+}
+
+static void test_profile_reaches_full_speed_on_a_long_way(void)
+{
+    step_t fastest = 0;
+
+    for (int32_t k = 0; k < 1000; k++) {
+        step_profile(40 * TURN_Q32);
+        fastest = (loop.profile_speed > fastest) ? loop.profile_speed : fastest;
+    }
+    /* Ratios are Q15 with 32767 for one: 2^-15 of the speed short, and rounded down to even. */
+    TEST_ASSERT_INT32_WITHIN((cfg.speed_max / 32768) + 2, cfg.speed_max, fastest);
+}
+
+static void test_profile_goes_both_ways_alike(void)
+{
+    position_loop_t other;
+
+    position_loop_reset(&other, 0);
+    for (int32_t k = 0; k < 2000; k++) {
+        step_profile(5 * TURN_Q32);
+        (void)position_loop_step(&other, &cfg, -5 * TURN_Q32, other.profile_q32);
+        TEST_ASSERT_EQUAL_INT64(-loop.profile_q32, other.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(-loop.profile_speed, other.profile_speed);
+    }
+}
+
+static void test_profile_of_one_unit_or_less_jumps(void)
+{
+    const int64_t unit = (int64_t)1 << cfg.distance_shift;
+
+    (void)position_loop_step(&loop, &cfg, unit - 1, 0);
+    TEST_ASSERT_EQUAL_INT64(unit - 1, loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+}
+
+/* Distance in which the profile stops from its present speed, generously: twice v²/2a and one period. */
+static int64_t stopping_distance(void)
+{
+    const int64_t v = loop.profile_speed;
+
+    return ((v * v) / cfg.ramp * cfg.ticks) + (magnitude(v) * cfg.ticks);
+}
+
+static void test_profile_stops_without_overshoot_at_targets_changed_on_the_way(void)
+{
+    seeded_t seed = {0x2E7A46E7U};
+
+    for (int32_t run = 0; run < 300; run++) {
+        const int64_t first =
+            loop.profile_q32 + (seeded_in(&seed, -40000, 40000) * (TURN_Q32 / 1000));
+        const int32_t way = seeded_in(&seed, 1, 400);
+        int64_t ahead;
+
+        for (int32_t k = 0; k < way; k++) {
+            step_profile(first);
+        }
+        /* Somewhere ahead, no nearer than the profile can stop. */
+        ahead = stopping_distance() + seeded_in(&seed, 0, INT32_MAX) + ((int64_t)1 << 20);
+        run_to(loop.profile_q32 + ((loop.profile_speed < 0) ? -ahead : ahead));
+    }
+}
+
+static void test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere(void)
+{
+    seeded_t seed = {0xA4A4A4A4U};
+
+    for (int32_t run = 0; run < 300; run++) {
+        const int64_t target = (int64_t)seeded_in(&seed, -20000, 20000) * (TURN_Q32 / 1000);
+        const int32_t way = seeded_in(&seed, 1, 400);
+
+        for (int32_t k = 0; k < way; k++) {
+            step_profile(target);
+        }
+    }
+    for (int32_t k = 0; k < 3000; k++) {
+        step_profile(0);
+    }
+    TEST_ASSERT_EQUAL_INT64(0, loop.profile_q32);
+}
+
+static void test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is(void)
+{
+    for (int32_t k = 0; k < 200; k++) {
+        step_profile(40 * TURN_Q32);
+    }
+    TEST_ASSERT_TRUE(loop.profile_speed > (cfg.speed_max / 2));
+    step_profile(loop.profile_q32);
+}
+
+static void test_profile_works_at_the_ends_of_the_position_range(void)
+{
+    position_loop_reset(&loop, -FAR_AWAY_Q32);
+    run_to(-FAR_AWAY_Q32 + TURN_Q32);
+    /* As far away as a command can be: the profile only has to go the right way. */
+    step_profile(INT32_MAX * (int64_t)65536);
+    TEST_ASSERT_TRUE(loop.profile_speed > 0);
+    position_loop_reset(&loop, FAR_AWAY_Q32);
+    run_to(FAR_AWAY_Q32 - TURN_Q32);
+    step_profile(INT32_MIN * (int64_t)65536);
+    TEST_ASSERT_TRUE(loop.profile_speed < 0);
+}
+
+static void test_speed_reference_leads_by_the_lag_times_the_gain(void)
+{
+    /* Lag 1/8 turn = 8192 in Q16: 8192·26354 / 2^7 = 1686656. */
+    TEST_ASSERT_EQUAL_INT32(1686656, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 8));
+    TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 8));
+}
+
+static void test_lag_saturates_at_half_a_turn_on_both_sides(void)
+{
+    const step_t forwards = (step_t)((32767LL * 26354LL) >> 7U);
+
+    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 2));
+    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -FAR_AWAY_Q32));
+    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 2));
+    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, FAR_AWAY_Q32));
+}
+
+static void test_speed_reference_saturates_at_twice_the_profile_speed(void)
+{
+    cfg.gain = 32767;
+    cfg.gain_shift = 0U;
+    TEST_ASSERT_EQUAL_INT32(2 * cfg.speed_max, position_loop_step(&loop, &cfg, 0, -TURN_Q32));
+    TEST_ASSERT_EQUAL_INT32(-2 * cfg.speed_max, position_loop_step(&loop, &cfg, 0, TURN_Q32));
+    cfg.speed_max = 0x20000000;
+    cfg.ramp = 0x20000000;
+    TEST_ASSERT_EQUAL_INT32(0x40000000,
+                            position_loop_step(&loop, &cfg, FAR_AWAY_Q32, -FAR_AWAY_Q32));
+}
+
+/*
+ * Without softness the braking curve ends vertically and the profile leaves it where a period costs more
+ * than one ramp: it passes the target by less than the way of two ramps in a period.
+ */
+static void
+test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most(void)
+{
+    seeded_t seed = {0x50F7U};
+    const int64_t allowed = 2 * (int64_t)cfg.ramp * cfg.ticks;
+
+    cfg.softness_q15 = 0;
+    for (int32_t run = 0; run < 200; run++) {
+        const int64_t scale = (int64_t)1 << seeded_in(&seed, 8, 22);
+        const int64_t target = loop.profile_q32 + (seeded_in(&seed, -41000, 41000) * scale);
+        const bool upwards = target >= loop.profile_q32;
+        const int32_t time = longest_time(target - loop.profile_q32);
+
+        for (int32_t k = 0; k < time; k++) {
+            step_profile(target);
+            TEST_ASSERT_TRUE(upwards ? (loop.profile_q32 <= (target + allowed))
+                                     : (loop.profile_q32 >= (target - allowed)));
+        }
+        TEST_ASSERT_EQUAL_INT64(target, loop.profile_q32);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_speed_reset_starts_at_the_present_speed_without_demand);
+    RUN_TEST(test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods);
+    RUN_TEST(test_ramp_looks_but_does_not_move);
+    RUN_TEST(test_ramp_never_goes_beyond_the_largest_speed_for_any_target);
+    RUN_TEST(test_acceleration_feed_forward_follows_the_change_of_the_reference);
+    RUN_TEST(test_feed_forward_alone_cannot_exceed_the_current_limit);
+    RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
+    RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
+    RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);
+    RUN_TEST(test_position_reset_starts_at_rest_where_the_rotor_is);
+    RUN_TEST(test_profile_reaches_seeded_targets_exactly_without_overshoot);
+    RUN_TEST(test_profile_reaches_full_speed_on_a_long_way);
+    RUN_TEST(test_profile_goes_both_ways_alike);
+    RUN_TEST(test_profile_of_one_unit_or_less_jumps);
+    RUN_TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way);
+    RUN_TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere);
+    RUN_TEST(test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is);
+    RUN_TEST(test_profile_works_at_the_ends_of_the_position_range);
+    RUN_TEST(test_speed_reference_leads_by_the_lag_times_the_gain);
+    RUN_TEST(test_lag_saturates_at_half_a_turn_on_both_sides);
+    RUN_TEST(test_speed_reference_saturates_at_twice_the_profile_speed);
+    RUN_TEST(
+        test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most);
+    return UNITY_END();
+}
