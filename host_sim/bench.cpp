@@ -72,6 +72,7 @@ template <typename Work> double seconds(Work work)
 template <typename Work> std::vector<double> timed(int runs, Work work)
 {
     std::vector<double> times;
+    times.reserve(static_cast<std::size_t>(runs));
     work();
     for (int k = 0; k < runs; k++) {
         times.push_back(seconds(work));

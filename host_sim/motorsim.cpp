@@ -29,7 +29,7 @@ constexpr int BAD_INPUT = 2;
 constexpr const char *EXAMPLES = R"(Examples:
   motorsim list                              what can be run, and with which imperfections
   motorsim run s1                            metrics of scenario s1 beside their limits
-  motorsim run s2 --with adc --with deadtime the same drive on an imperfect motor and inverter
+  motorsim run s2 --with adc --with hot      the same drive with noisy sensors and a hot motor
   motorsim run s2 --set tuning=robust        with another tuning file
   motorsim run s1 --set motor.inertia_kg_m2=0.006 --trace s1.csv --json s1.json
   motorsim run ./mine.toml --json - | jq .angle_error_max_deg
@@ -75,10 +75,10 @@ std::function<void(double)> progress_line()
     if (isatty(STDERR_FILENO) == 0) {
         return {};
     }
-    return [shown = -1](double done) mutable {
+    return [shown = 0](double done) mutable {
         const int percent = static_cast<int>(done * 100.0);
-        if (percent != shown && percent > 0) {
-            fmt::print(stderr, "\r{} %\r", percent);
+        if (percent != shown) {
+            fmt::print(stderr, "\r{:<6}\r", done < 1 ? fmt::format("{} %", percent) : "");
             shown = percent;
         }
     };
@@ -183,7 +183,6 @@ int parse_and_do(int argc, char **argv)
     describe_run(*run_command, run_arguments);
     describe_bench(*bench_command, bench_arguments);
     app.footer(EXAMPLES);
-    app.require_subcommand(1);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success &asked) { // --help
@@ -195,7 +194,14 @@ int parse_and_do(int argc, char **argv)
     if (*run_command) {
         return run(run_arguments);
     }
-    return *list_command ? list() : bench(bench_arguments);
+    if (*bench_command) {
+        return bench(bench_arguments);
+    }
+    if (*list_command) {
+        return list();
+    }
+    fmt::print(stderr, "motorsim: no command; `motorsim --help` shows how\n");
+    return BAD_INPUT;
 }
 
 } // namespace
@@ -205,7 +211,7 @@ int main(int argc, char **argv)
     try {
         return parse_and_do(argc, argv);
     } catch (const std::exception &error) {
-        fmt::print(stderr, "motorsim: {}\n", error.what());
+        fmt::print(stderr, "{}\n", error.what());
         return BAD_INPUT;
     }
 }

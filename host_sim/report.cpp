@@ -13,6 +13,7 @@ namespace
 std::vector<std::string> imperfection_names(const Config &config)
 {
     std::vector<std::string> names;
+    names.reserve(config.sources.imperfections.size());
     for (const std::string &file : config.sources.imperfections) {
         names.push_back(std::filesystem::path(file).stem().string());
     }

@@ -57,7 +57,7 @@ template <typename Note> void check_measured(const drive_t &drive, Note note)
     note(Signal::phase_b, at(s.phase_b, PHASE_LIMIT));
     note(Signal::bus, s.bus >= FX_Q15_MAX);
     note(Signal::bus_reciprocal,
-         (reciprocal <= RECIPROCAL_MIN_Q12) | (reciprocal >= drive.cfg->modulator.inverse_max_q12));
+         reciprocal <= RECIPROCAL_MIN_Q12 || reciprocal >= drive.cfg->modulator.inverse_max_q12);
 }
 
 template <typename Note> void check_network(const drive_t &drive, Note note)
@@ -105,8 +105,8 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     note(Signal::torque, at(s.current_ref_q, drive.cfg->speed_loop.current_max));
     note(Signal::voltage, on_circle(s));
     note(Signal::ratio,
-         at(s.ratio.d, modulator.ratio_max_q15) | at(s.ratio.q, modulator.ratio_max_q15));
-    note(Signal::duty, (lowest == 0) | (highest >= modulator.timer_counts));
+         at(s.ratio.d, modulator.ratio_max_q15) || at(s.ratio.q, modulator.ratio_max_q15));
+    note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);
 }
 
 template <typename Note> void check_all(const drive_t &drive, const drive_out_t &out, Note note)

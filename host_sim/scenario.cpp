@@ -169,6 +169,9 @@ RunResult Run::all()
             options_.progress(static_cast<double>(tick_) / static_cast<double>(end_));
         }
     }
+    if (options_.progress) {
+        options_.progress(1.0);
+    }
     result_.metrics = metrics_.finish();
     result_.ticks = end_;
     return result_;
@@ -216,7 +219,8 @@ std::vector<Violation> violations(const Config &config, const RunResult &result)
     }
     for (const auto &[metric, limit] : limits->upper) {
         const std::optional<double> value = figure(result, metric);
-        if (!(value && *value <= limit)) {
+        const bool holds = value && *value <= limit;
+        if (!holds) {
             found.push_back(
                 {metric, value ? fmt::format("{:.4g}", *value) : "", fmt::format("{:g}", limit)});
         }

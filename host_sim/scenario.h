@@ -17,8 +17,8 @@ namespace nf
 {
 
 struct RunOptions {
-    TickSink *sink = nullptr;                  // sees every tick
-    std::function<void(double)> progress = {}; // share of the run that is done, now and then
+    TickSink *sink = nullptr;             // sees every tick
+    std::function<void(double)> progress; // share of the run that is done, now and then
 };
 
 struct RunResult {

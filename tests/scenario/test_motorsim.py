@@ -190,6 +190,9 @@ class Help(MotorsimTest):
             self.assert_status(HOLDS, *args)
         self.assertIn("motorsim run s1", self.motorsim("--help").stdout)
 
+    def test_a_wrong_word_is_named(self):
+        self.assertIn("fly", self.motorsim("fly").stderr)
+
     def test_list_names_scenarios_and_imperfections(self):
         text = self.assert_status(HOLDS, "list").stdout
         for name in ("s1", "s2_robust", "s3", "adc", "deadtime", "A fig. 5"):
