@@ -211,7 +211,7 @@ int main(int argc, char **argv)
     try {
         return parse_and_do(argc, argv);
     } catch (const std::exception &error) {
-        fmt::print(stderr, "{}\n", error.what());
+        fmt::print(stderr, "motorsim: {}\n", error.what());
         return BAD_INPUT;
     }
 }
