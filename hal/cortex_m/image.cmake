@@ -1,0 +1,52 @@
+# nf_add_image(<target> SCRIPT <linker script> SOURCES <file>... [LINK <target>...])
+#
+# An image for a Cortex-M: <target>.elf at the top of the build folder, with its map beside it.
+# The start-up code is compiled in; the linker script may INCLUDE sections.ld.
+set(NF_CORTEX_M ${CMAKE_CURRENT_LIST_DIR})
+
+function(nf_add_image target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "SOURCES;LINK")
+    set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
+    set(map ${CMAKE_BINARY_DIR}/${target}.map)
+    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/startup.c)
+    # Optimised together with main(), it could read variables before it has filled them.
+    set_source_files_properties(${NF_CORTEX_M}/startup.c PROPERTIES COMPILE_OPTIONS -fno-lto)
+    target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
+    target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
+    # Newlib was compiled with short enums. Nothing of it that is used here has an enum.
+    target_link_options(${target} PRIVATE
+        -nostartfiles --specs=nano.specs -T ${script} -L ${NF_CORTEX_M}
+        -Wl,--gc-sections -Wl,--fatal-warnings -Wl,--no-enum-size-warning -Wl,-Map=${map})
+    set_target_properties(${target} PROPERTIES
+        SUFFIX .elf
+        RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}
+        LINK_DEPENDS "${script};${NF_CORTEX_M}/sections.ld")
+endfunction()
+
+# nf_drive_config(<target> MOTOR <name> BOARD <name> TUNING <name>)
+#
+# Lets <target> include drive_config.h, made by the host's nfconfig from these files.
+set(NF_NFCONFIG ${CMAKE_SOURCE_DIR}/build/host/nfconfig CACHE FILEPATH
+    "The host's nfconfig, which writes the drive's configuration")
+
+function(nf_drive_config target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "MOTOR;BOARD;TUNING" "")
+    if(NOT EXISTS ${NF_NFCONFIG})
+        message(FATAL_ERROR
+            "There is no ${NF_NFCONFIG}.\n"
+            "Run `tools/dev build` first, or give the path with -DNF_NFCONFIG=FILE.")
+    endif()
+    set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
+    set(header ${folder}/drive_config.h)
+    set(data ${CMAKE_SOURCE_DIR}/host_sim)
+    file(MAKE_DIRECTORY ${folder})
+    add_custom_command(OUTPUT ${header}
+        COMMAND ${NF_NFCONFIG} header --motor ${arg_MOTOR} --board ${arg_BOARD}
+            --tuning ${arg_TUNING} --out ${header}
+        DEPENDS ${NF_NFCONFIG} ${data}/motors/${arg_MOTOR}.toml ${data}/boards/${arg_BOARD}.toml
+            ${data}/tunings/${arg_TUNING}.toml
+        COMMENT "Configuration of the drive: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
+        VERBATIM)
+    target_sources(${target} PRIVATE ${header})
+    target_include_directories(${target} PRIVATE ${folder})
+endfunction()

@@ -1,0 +1,58 @@
+#include "startup.h"
+
+#include <stdint.h>
+
+/* What has to be done to the RAM; made by sections.ld, which alone knows it. */
+typedef struct {
+    const uint32_t *data_load;
+    uint32_t *data;
+    uint32_t data_words;
+    uint32_t *bss;
+    uint32_t bss_words;
+} startup_memory_t;
+
+extern const startup_memory_t startup_memory;
+
+int main(void);
+
+void Reset_Handler(void)
+{
+    const startup_memory_t *const memory = &startup_memory;
+
+    for (uint32_t k = 0U; k < memory->data_words; k++) {
+        memory->data[k] = memory->data_load[k];
+    }
+    for (uint32_t k = 0U; k < memory->bss_words; k++) {
+        memory->bss[k] = 0U;
+    }
+    (void)main();
+    safe_state_handler();
+}
+
+void safe_state_handler(void)
+{
+    board_safe_state();
+    for (;;) {
+        /* stay */
+    }
+}
+
+/* What a target does not define. */
+#define UNEXPECTED __attribute__((weak, alias("safe_state_handler")))
+void NMI_Handler(void) UNEXPECTED;
+void HardFault_Handler(void) UNEXPECTED;
+void MemManage_Handler(void) UNEXPECTED;
+void BusFault_Handler(void) UNEXPECTED;
+void UsageFault_Handler(void) UNEXPECTED;
+void SVC_Handler(void) UNEXPECTED;
+void DebugMon_Handler(void) UNEXPECTED;
+void PendSV_Handler(void) UNEXPECTED;
+void SysTick_Handler(void) UNEXPECTED;
+
+/* Exceptions 1 to 15. ARMv6-M has fewer: its reserved ones stay unused. */
+const vector_t core_vectors[CORE_VECTORS] __attribute__((section(".vectors.core"), used)) = {
+    Reset_Handler,      NMI_Handler,        HardFault_Handler,  MemManage_Handler,
+    BusFault_Handler,   UsageFault_Handler, safe_state_handler, safe_state_handler,
+    safe_state_handler, safe_state_handler, SVC_Handler,        DebugMon_Handler,
+    safe_state_handler, PendSV_Handler,     SysTick_Handler,
+};

@@ -1,0 +1,35 @@
+/*
+ * From reset to main() on any Cortex-M, and one place where everything unexpected ends.
+ *
+ * The vector table has two parts, which sections.ld puts one behind the other: the core's own
+ * entries are in startup.c; a target adds its interrupts as
+ *
+ *     const vector_t device_vectors[N] __attribute__((section(".vectors.device"), used)) = {...};
+ *
+ * with safe_state_handler for each that it does not use. A target that uses an exception of the core
+ * defines its handler (SysTick_Handler and so on); all others are safe_state_handler.
+ */
+#ifndef STARTUP_H
+#define STARTUP_H
+
+typedef void (*vector_t)(void);
+
+/* Exceptions 1 to 15; sections.ld puts the stack pointer before them. */
+#define CORE_VECTORS (15U)
+extern const vector_t core_vectors[CORE_VECTORS];
+
+/*
+ * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A return of main() ends in safe_state_handler().
+ */
+void Reset_Handler(void);
+
+/*
+ * Handler of everything that must not happen: opens the gates and stays. What ends the stay is the
+ * target's business, for example its watchdog. Context: any exception.
+ */
+void safe_state_handler(void);
+
+/* Defined by each target: gates open, by the shortest way. No memory but registers may be relied on. */
+void board_safe_state(void);
+
+#endif

@@ -1,0 +1,61 @@
+/*
+ * A recorded run: the input frames of every tick, and what the drive made of them.
+ *
+ * Two files of one layout: a header, then one record a tick. All numbers are little-endian and packed;
+ * each field is written by itself, so the bytes depend neither on the compiler nor on the machine. The
+ * simulator's host and the targets compile this one file.
+ *
+ *     header, 16 bytes    magic 4, version 2, bytes of a record 2, configuration hash 4, ticks 4
+ *     frame,  14 bytes    adc_ia 2, adc_ib 2, adc_bus 2, flags 2, target 4, mode 1, request 1
+ *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, state hash 4
+ *
+ * Pure functions; none can fail but the check of a header.
+ */
+#ifndef RECORDING_H
+#define RECORDING_H
+
+#include "drive.h"
+
+#include <stdint.h>
+
+#define RECORDING_FRAMES (0x5246464EU)  /* magic "NFFR" */
+#define RECORDING_RESULTS (0x5352464EU) /* magic "NFRS" */
+#define RECORDING_VERSION (1U)
+
+#define RECORDING_HEADER_BYTES (16U)
+#define RECORDING_FRAME_BYTES (14U)
+#define RECORDING_RESULT_BYTES (12U)
+
+typedef struct {
+    uint32_t magic;
+    uint16_t version;
+    uint16_t record_bytes;
+    uint32_t config_hash;
+    uint32_t ticks;
+} recording_header_t;
+
+/* The header that this version writes. magic: RECORDING_FRAMES or RECORDING_RESULTS. */
+recording_header_t recording_header(uint32_t magic, uint32_t config_hash, uint32_t ticks);
+
+void recording_put_header(uint8_t *to, const recording_header_t *header);
+recording_header_t recording_get_header(const uint8_t *from);
+
+/* NULL when frames of this header can be replayed with a drive of this configuration, else why not. */
+const char *recording_refuse(const recording_header_t *header, uint32_t config_hash);
+
+void recording_put_frame(uint8_t *to, const drive_in_t *in);
+drive_in_t recording_get_frame(const uint8_t *from);
+
+/* The output frame of a tick and the drive after it. */
+void recording_put_result(uint8_t *to, const drive_out_t *out, const drive_t *drive);
+
+/*
+ * FNV-1a, 32 bits, over every field of the state; 64-bit fields low word first. Not over the pointer
+ * to the configuration and not over padding: those are the machine's.
+ */
+uint32_t recording_state_hash(const drive_t *drive);
+
+/* FNV-1a, 32 bits, over the configuration: 32-bit fields without padding. */
+uint32_t recording_config_hash(const drive_cfg_t *cfg);
+
+#endif
