@@ -4,8 +4,9 @@
  * segment has at most a few; the bound only keeps a degenerate case from going on for ever. */
 #define EVENTS_MAX 64
 
-/* Trials to locate an event. Margins are smooth over a step, so two to four are used. */
-#define LOCATE_MAX 40
+/* Trials to locate an event: two to four for a margin that falls steadily over the step. Every
+ * third one bisects, for margins that rise first, so the rest is 2^-16 of the step at worst. */
+#define LOCATE_MAX 48
 
 static const plant_vector_t phase_axis[PLANT_LEGS] = {
     {1.0, 0.0},
@@ -193,7 +194,7 @@ static double aim(const instant_t *low, const instant_t *high)
 }
 
 /* The event lies between from, the beginning of a step, and high, its end. Goes to just beyond it, by false position with the stale end's margin halved (Illinois).
- * Returns the time from the beginning of the step. */
+ * Returns the time from the beginning of the step; *leg is the leg whose current has turned, or -1. */
 static double locate(plant_motor_t *motor, const plant_motor_state_t *from, const limits_t *limits,
                      const state_t *state, instant_t high, int *leg)
 {
@@ -202,7 +203,7 @@ static double locate(plant_motor_t *motor, const plant_motor_state_t *from, cons
     motor->now = *from;
     instant_t low = {0.0, fmax(margin(motor, limits, state, leg), 0.0)};
     for (int k = 0; k < LOCATE_MAX; k++) {
-        time_s = aim(&low, &high);
+        time_s = ((k % 3) == 2) ? 0.5 * (low.time_s + high.time_s) : aim(&low, &high);
         motor->now = *from;
         step(motor, state, time_s);
         const instant_t here = {time_s, margin(motor, limits, state, leg)};
@@ -215,9 +216,10 @@ static double locate(plant_motor_t *motor, const plant_motor_state_t *from, cons
             stale = -1;
             low = here;
         } else {
-            break;
+            return time_s;
         }
     }
+    *leg = -1;
     return time_s;
 }
 

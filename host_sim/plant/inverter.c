@@ -168,8 +168,8 @@ static void leg_timeline(plant_inverter_t *inverter, uint32_t leg, uint32_t comp
 static void pattern_dead_time(plant_inverter_t *inverter, const uint32_t compare[PLANT_LEGS],
                               plant_pattern_t *pattern)
 {
-    timeline_t line[PLANT_LEGS];
-    unsigned next[PLANT_LEGS] = {0};
+    timeline_t line[PLANT_LEGS] = {0};
+    unsigned next[PLANT_LEGS] = {1, 1, 1}; /* entry 0 is the state at time 0 */
     for (uint32_t leg = 0; leg < PLANT_LEGS; leg++) {
         leg_timeline(inverter, leg, compare[leg], &line[leg]);
     }

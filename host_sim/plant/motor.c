@@ -131,13 +131,14 @@ static inline shaft_t shaft_of(const plant_motor_t *m, const core_t *core)
     return shaft;
 }
 
-/* Coulomb friction turned against the motion inside a step that began at speed before: the shaft
- * stops, or leaves zero speed with the friction reversed for what was left of the step. */
-static double speed_past_zero(const plant_motor_t *m, const core_t *core, double before,
+/* Coulomb friction turned against the motion inside a step from speed before to speed after: the
+ * shaft stops, or leaves zero speed with the friction reversed for what was left of the step.
+ * By value, so that the caller's state need not be in memory. */
+static double speed_past_zero(const plant_motor_t *m, pair_t flux, double before, double after,
                               double step_s)
 {
-    const double left_s = step_s * core->omega / (core->omega - before);
-    const double net = torque_of(m, core->flux) - m->load_torque_nm;
+    const double left_s = step_s * after / (after - before);
+    const double net = torque_of(m, flux) - m->load_torque_nm;
     if (fabs(net) <= m->coulomb_nm) {
         return 0.0;
     }
@@ -150,7 +151,7 @@ static inline void shaft_finish(const plant_motor_t *m, core_t *core, double ome
     const double before = core->omega;
     core->omega = omega;
     if (m->coulomb_nm > 0.0 && before * omega < 0.0) {
-        core->omega = speed_past_zero(m, core, before, step_s);
+        core->omega = speed_past_zero(m, core->flux, before, omega, step_s);
     }
 }
 
@@ -344,13 +345,14 @@ static void run(plant_motor_t *motor, unsigned count, const plant_interval_t int
     core_t core = load(motor);
     for (unsigned k = 0; k < count; k++) {
         const pair_t v = {interval[k].v.alpha, interval[k].v.beta};
+        const double effort = interval[k].duration_s * rate;
         double step_s = interval[k].duration_s;
-        double steps = 1.0;
-        if (step_s * rate > PLANT_MOTOR_STEP) {
-            steps = ceil(step_s * rate / PLANT_MOTOR_STEP);
-            step_s /= steps;
+        int64_t steps = 1;
+        if (effort > PLANT_MOTOR_STEP) {
+            steps = (int64_t)ceil(effort / PLANT_MOTOR_STEP);
+            step_s /= (double)steps;
         }
-        for (; steps > 0.0; steps -= 1.0) {
+        for (; steps > 0; steps--) {
             advance(motor, &core, step_s, v);
         }
     }

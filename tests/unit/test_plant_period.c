@@ -1,5 +1,6 @@
 /* The coupled plant, period by period: timing, voltages, bus, snapshots. */
 #include "plant.h"
+#include "seeded.h"
 #include "unity.h"
 
 #include <math.h>
@@ -396,6 +397,37 @@ static void test_a_copy_goes_on_as_the_original(void)
     TEST_ASSERT_EQUAL_MEMORY(&copy, &plant, sizeof plant);
 }
 
+/* Any compare values, gates on and off, at any speed: currents sum to zero and stay below what the
+ * bus and the EMF together could drive through the resistance. */
+static void test_random_operation_stays_within_physical_bounds(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+    seeded_t seeded = {2463534242U};
+
+    for (int run = 0; run < 20; run++) {
+        cfg.motor.inductance_q_h = 0.0116 * (0.5 + 0.1 * run);
+        cfg.motor.initial_speed_mech_rad_s = seeded_in(&seeded, -300, 300);
+        start(&cfg);
+        bool on = true;
+        for (int k = 0; k < 1000; k++) {
+            const uint32_t top = COUNTS;
+            write_compare(seeded_u32(&seeded) % (top + 1U), seeded_u32(&seeded) % (top + 1U),
+                          seeded_u32(&seeded) % (top + 1U));
+            on = ((seeded_u32(&seeded) % 50U) == 0U) ? !on : on;
+            plant_set_gates(&plant, on);
+            plant_step(&plant);
+            look();
+            const double emf_v = fabs(view.omega_mech_rad_s) * 2.0 * 0.387;
+            const double limit_a = (1.05 * BUS_V + 2.0 * DROP_V + 2.0 * emf_v) / 2.125;
+            for (int leg = 0; leg < PLANT_LEGS; leg++) {
+                TEST_ASSERT_TRUE(fabs(view.i_abc_a[leg]) <= limit_a);
+            }
+            TEST_ASSERT_DOUBLE_WITHIN(1.0e-12, 0.0,
+                                      view.i_abc_a[0] + view.i_abc_a[1] + view.i_abc_a[2]);
+        }
+    }
+}
+
 static void check_rejected(const plant_cfg_t *cfg, const char *field)
 {
     const char *bad = NULL;
@@ -445,6 +477,7 @@ int main(void)
     RUN_TEST(test_two_runs_give_the_same_bytes);
     RUN_TEST(test_another_seed_gives_another_run);
     RUN_TEST(test_a_copy_goes_on_as_the_original);
+    RUN_TEST(test_random_operation_stays_within_physical_bounds);
     RUN_TEST(test_init_names_the_field_that_is_out_of_range);
     return UNITY_END();
 }
