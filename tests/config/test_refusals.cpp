@@ -23,6 +23,8 @@ void expect(const Case &wrong)
     TEST_ASSERT_EQUAL_STRING(wrong.message, refusal({"hot"}).c_str());
 }
 
+const char *const DOTS = "................................................................."; // 65
+
 template <std::size_t N> void expect_all(const Case (&cases)[N])
 {
     for (const Case &wrong : cases) {
@@ -221,6 +223,23 @@ void text_that_is_not_toml_is_named_with_its_line()
         {"motors/m.toml", "", "[motor]\n",
          "motors/m.toml:14: TOML syntax: Error while parsing table header: cannot redefine existing "
          "table 'motor'"},
+        {"motors/m.toml", "2.125", "2.125 µ",
+         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
+        {"motors/m.toml", "[motor]", "[.]",
+         "motors/m.toml:1: TOML syntax: Error while parsing key: expected bare key starting "
+         "character or string delimiter, saw '.'"},
+        {"motors/m.toml", "", DOTS, "motors/m.toml:14: TOML syntax: more than 64 dots in a line"},
+    };
+    expect_all(cases);
+}
+
+void text_of_any_language_is_allowed_in_strings_and_comments()
+{
+    const Case cases[] = {
+        {"motors/m.toml", "\"m\"", "\"µ \\\" é\" # ± '", "accepted"},
+        {"motors/m.toml", "\"m\"", "'µ \" é'", "accepted"},
+        {"motors/m.toml", "\"m\"", "\"\"\"µ\"é\"\"\"\"", "accepted"},
+        {"motors/m.toml", "[motor]", "\xEF\xBB\xBF[motor]", "accepted"},
     };
     expect_all(cases);
 }
@@ -342,6 +361,7 @@ int main()
     RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_line);
     RUN_TEST(a_speed_above_the_forward_euler_limit_is_named_with_the_limit);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
+    RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
     RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
     RUN_TEST(a_file_that_cannot_be_read_is_named);
     RUN_TEST(command_and_load_are_checked_entry_by_entry);
