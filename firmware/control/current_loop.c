@@ -24,7 +24,7 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
         const int32_t bound = (int32_t)trig_sqrt((uint32_t)room);
 
         v_q = fx_clamp(v_q, -bound, bound);
-        pi_unwind(pi_q, v.q - v_q);
+        pi_unwind(pi_q, v.q - v_q, limit);
     }
     return v_q;
 }

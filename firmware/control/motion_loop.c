@@ -3,7 +3,7 @@
 #include "trig.h"
 
 #define Q32_TO_Q16 (65536)
-#define DISTANCE_MAX (0x8000U) /* in units; more than any braking distance */
+#define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
 void speed_loop_reset(speed_loop_t *loop, step_t speed)
 {
@@ -63,16 +63,13 @@ static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cf
 {
     const int64_t distance_q32 = target_q32 - loop->profile_q32;
     const uint32_t units = distance_units(cfg, distance_q32);
+    const step_t speed = (units == 0U) ? 0 : braking_speed(cfg, units);
+    const step_t wanted = (distance_q32 < 0) ? -speed : speed;
 
-    if (units == 0U) {
+    loop->profile_speed += fx_clamp(wanted - loop->profile_speed, -cfg->ramp, cfg->ramp);
+    loop->profile_q32 += (int64_t)loop->profile_speed * cfg->ticks;
+    if ((units == 0U) && (loop->profile_speed == 0)) {
         loop->profile_q32 = target_q32;
-        loop->profile_speed = 0;
-    } else {
-        const step_t speed = braking_speed(cfg, units);
-        const step_t wanted = (distance_q32 < 0) ? -speed : speed;
-
-        loop->profile_speed += fx_clamp(wanted - loop->profile_speed, -cfg->ramp, cfg->ramp);
-        loop->profile_q32 += (int64_t)loop->profile_speed * cfg->ticks;
     }
 }
 

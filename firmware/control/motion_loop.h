@@ -34,8 +34,8 @@ typedef struct {
 typedef struct {
     step_t ramp;             /* acceleration: change of the profile speed in a slow period, > 0 */
     step_t speed_max;        /* profile speed limit, 1…2^29 */
-    int32_t braking_inverse; /* 2^30 / B, B = braking distance from speed_max, 2^14…2^15 units */
-    int32_t softness_q15;    /* c below: braking fades out under c·speed_max, 0…32767 */
+    int32_t braking_inverse; /* 2^30 / B, B = braking distance from speed_max, 2^13…2^14 units */
+    int32_t softness_q15;    /* c below: braking fades out under c·speed_max, 0…12288 */
     int32_t gain;            /* speed = (lag, Q16 turns) · gain / 2^gain_shift, 0…32767 */
     uint32_t gain_shift;     /* 0…30 */
     uint32_t distance_shift; /* one distance unit = 2^distance_shift of Q32 turns, 8…48 */

@@ -30,7 +30,9 @@ int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forwa
     return output;
 }
 
-void pi_unwind(pi_t *pi, int32_t excess)
+void pi_unwind(pi_t *pi, int32_t excess, int32_t limit)
 {
-    pi->integral_q26 -= excess * Q15_TO_Q26;
+    const int32_t bound_q26 = limit * Q15_TO_Q26;
+
+    pi->integral_q26 = fx_clamp(pi->integral_q26 - (excess * Q15_TO_Q26), -bound_q26, bound_q26);
 }

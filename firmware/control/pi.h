@@ -34,8 +34,8 @@ int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forwa
 
 /*
  * Tell the controller that only u − excess of its last output could be used, as when the voltage
- * circle cuts one axis: the integral gives the excess (Q15, ±32767) back.
+ * circle cuts one axis: the integral gives the excess back, and stays within ±limit. All Q15, ±32767.
  */
-void pi_unwind(pi_t *pi, int32_t excess);
+void pi_unwind(pi_t *pi, int32_t excess, int32_t limit);
 
 #endif

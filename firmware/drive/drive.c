@@ -59,7 +59,13 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     s->bus = fx_min((int32_t)bus, FX_Q15_MAX);
 }
 
-static void watch(drive_t *drive, const drive_in_t *in)
+static bool wants_run(const drive_command_t *command)
+{
+    return (command->request & DRIVE_REQUEST_RUN) != 0U;
+}
+
+/* Latch what is wrong; true when it is a new fault. */
+static bool watch(drive_t *drive, const drive_in_t *in)
 {
     const bool running = (drive->state == DRIVE_STATE_RUN);
     const protection_in_t measured = {
@@ -68,14 +74,17 @@ static void watch(drive_t *drive, const drive_in_t *in)
         .bus = drive->signals.bus,
         .break_input = (in->flags & DRIVE_FLAG_BREAK) != 0U,
         .check_current = running || (drive->state == DRIVE_STATE_READY),
-        .check_undervoltage = running,
+        .check_undervoltage = running || wants_run(&in->command),
     };
     const protection_cfg_t *const cfg = &drive->cfg->protection;
     const fault_id_t id = protection_check(cfg, &measured);
 
-    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+    const bool is_new = (id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT);
+
+    if (is_new) {
         enter_fault(drive, protection_record(cfg, &measured, id));
     }
+    return is_new;
 }
 
 /* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
@@ -115,7 +124,7 @@ static void calibrate_step(drive_t *drive, const drive_in_t *in)
 /* State changes that the command asks for. */
 static void obey(drive_t *drive, const drive_command_t *command)
 {
-    const bool run = (command->request & DRIVE_REQUEST_RUN) != 0U;
+    const bool run = wants_run(command);
     const bool clear = (command->request & DRIVE_REQUEST_CLEAR) != 0U;
 
     if (drive->state == DRIVE_STATE_INIT) {
@@ -224,6 +233,15 @@ static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     drive->ratio_pending = drive->signals.ratio;
 }
 
+static void change_state(drive_t *drive, const drive_in_t *in)
+{
+    if (drive->state == DRIVE_STATE_OFFSET_CAL) {
+        calibrate_step(drive, in);
+    } else {
+        obey(drive, &in->command);
+    }
+}
+
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
     *drive = (drive_t){.cfg = cfg, .state = DRIVE_STATE_INIT};
@@ -234,11 +252,8 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     convert_samples(drive, in);
-    watch(drive, in);
-    if (drive->state == DRIVE_STATE_OFFSET_CAL) {
-        calibrate_step(drive, in);
-    } else {
-        obey(drive, &in->command);
+    if (!watch(drive, in)) {
+        change_state(drive, in);
     }
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
     if (drive->state == DRIVE_STATE_RUN) {

@@ -6,6 +6,7 @@
 #define STEP_MAX (0x20000000)
 #define SHIFT_MAX (30)
 #define CURRENT_MAX (16384)
+#define SOFTNESS_MAX (12288)
 
 /* A shift count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
@@ -115,8 +116,8 @@ static const char *check_position_loop(const char *before, const position_loop_c
 
     bad = range(bad, "position_loop.ramp", cfg->ramp, 1, STEP_MAX);
     bad = range(bad, "position_loop.speed_max", cfg->speed_max, 1, STEP_MAX);
-    bad = range(bad, "position_loop.braking_inverse", cfg->braking_inverse, 0x8000, 0x10000);
-    bad = range(bad, "position_loop.softness_q15", cfg->softness_q15, 0, FX_Q15_MAX);
+    bad = range(bad, "position_loop.braking_inverse", cfg->braking_inverse, 0x10000, 0x20000);
+    bad = range(bad, "position_loop.softness_q15", cfg->softness_q15, 0, SOFTNESS_MAX);
     bad = range(bad, "position_loop.gain", cfg->gain, 0, FX_Q15_MAX);
     bad = range(bad, "position_loop.gain_shift", shift_value(cfg->gain_shift), 0, SHIFT_MAX);
     bad = range(bad, "position_loop.distance_shift", shift_value(cfg->distance_shift), 8, 48);

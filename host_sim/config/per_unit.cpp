@@ -288,21 +288,21 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
     return c;
 }
 
-// The profile's braking distance in units of 2^shift Q32 turns, 2^14…2^15 of them.
+// The profile's braking distance in units of 2^shift Q32 turns, 2^13…2^14 of them.
 void store_braking(position_loop_cfg_t &c, const TuningSettings &tuning, const Bases &b)
 {
     const double speed = rad_s_from_rpm(tuning.position_speed_rpm);
     const double brake = tuning.position_acceleration_rad_s2 * BRAKING_SHARE;
     const double distance_q32 = b.turns_from_mech_rad(speed * speed / (2 * brake)) * STEPS_PER_TURN;
     int shift = 8;
-    while (std::ldexp(distance_q32, -shift) >= Q15) {
+    while (std::ldexp(distance_q32, -shift) >= Q14) {
         shift++;
     }
     store(c.distance_shift, shift, 8, 48, "position_loop.speed_rpm", tuning.position_speed_rpm,
           "the braking distance exponent");
-    store(c.braking_inverse, Q30 / std::ldexp(distance_q32, -shift), Q15, 2 * Q15,
+    store(c.braking_inverse, Q30 / std::ldexp(distance_q32, -shift), 2 * Q15, 4 * Q15,
           "position_loop.speed_rpm", tuning.position_speed_rpm, "the inverse braking distance");
-    store(c.softness_q15, brake * tuning.position_softness_s / speed * Q15, 0, MANTISSA_MAX,
+    store(c.softness_q15, brake * tuning.position_softness_s / speed * Q15, 0, 12288,
           "position_loop.softness_s", tuning.position_softness_s,
           "softness·acceleration/speed in Q15");
 }

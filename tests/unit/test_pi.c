@@ -174,25 +174,30 @@ static void test_integral_comes_within_a_shrunk_limit_while_the_error_pushes_int
 static void test_unwind_gives_the_excess_back(void)
 {
     pi_reset(&pi, 1000);
-    pi_unwind(&pi, 300);
+    pi_unwind(&pi, 300, 32767);
     TEST_ASSERT_EQUAL_INT32(700, pi_step(&pi, &PLAIN, 0, 0, 32767));
-    pi_unwind(&pi, -300);
+    pi_unwind(&pi, -300, 32767);
     TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &PLAIN, 0, 0, 32767));
 }
 
-static void test_unwind_of_the_largest_excess_is_bounded_by_the_next_step(void)
+static void test_unwind_stops_at_the_limit_on_both_sides(void)
 {
-    pi_reset(&pi, -32767);
-    pi_unwind(&pi, 32767);
-    TEST_ASSERT_EQUAL_INT32(-1000, pi_step(&pi, &PLAIN, 0, 0, 1000));
+    pi_reset(&pi, 0);
+    pi_unwind(&pi, 32767, 1000);
     TEST_ASSERT_EQUAL_INT32(-1000 * ONE_LSB, pi.integral_q26);
-    pi_reset(&pi, 32767);
-    pi_unwind(&pi, -32767);
-    TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &PLAIN, 0, 0, 1000));
+    pi_unwind(&pi, -32767, 1000);
     TEST_ASSERT_EQUAL_INT32(1000 * ONE_LSB, pi.integral_q26);
+    pi_reset(&pi, -32767);
+    pi_unwind(&pi, 32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(-32767 * ONE_LSB, pi.integral_q26);
+    pi_reset(&pi, 32767);
+    pi_unwind(&pi, -32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(32767 * ONE_LSB, pi.integral_q26);
+    pi_unwind(&pi, 5, 0);
+    TEST_ASSERT_EQUAL_INT32(0, pi.integral_q26);
 }
 
-static void test_unwinding_again_and_again_beside_a_held_limit_does_not_overflow(void)
+static void test_unwinding_again_and_again_beside_a_held_limit_stays_within_it(void)
 {
     /* Feed-forward alone holds the limit, so the integral cannot end the excess. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -201,11 +206,9 @@ static void test_unwinding_again_and_again_beside_a_held_limit_does_not_overflow
             const int32_t output = pi_step(&pi, &PLAIN, 0, sign * 60000, 20000);
 
             TEST_ASSERT_EQUAL_INT32(sign * 20000, output);
-            pi_unwind(&pi, sign * 15000);
-            TEST_ASSERT_TRUE((sign * pi.integral_q26) <= 0);
+            pi_unwind(&pi, sign * 15000, 20000);
+            TEST_ASSERT_TRUE(abs(pi.integral_q26) <= (20000 * ONE_LSB));
         }
-        /* Once the feed-forward is gone, the output starts from within the limit. */
-        TEST_ASSERT_TRUE(abs(pi_step(&pi, &PLAIN, 0, 0, 20000)) <= 20000);
     }
 }
 
@@ -253,8 +256,7 @@ static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
     static const int32_t errors[] = {-65535, -1, 0, 1, 65535};
     static const int32_t feed_forwards[] = {-131072, 0, 131072};
     static const int32_t limits[] = {0, 1, 32767};
-    /* Twice full scale is what an unwind can leave behind. */
-    static const int32_t integrals[] = {-65534 * ONE_LSB, -32767 * ONE_LSB, 0, 65534 * ONE_LSB};
+    static const int32_t integrals[] = {-32767 * ONE_LSB, 0, 32767 * ONE_LSB};
     static const pi_cfg_t cfgs[] = {
         {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U},
         {.kp = 32767, .ki = 32767, .kp_shift = 30U, .ki_shift = 30U},
@@ -328,8 +330,8 @@ int main(void)
     RUN_TEST(test_integral_comes_within_a_limit_that_has_shrunk);
     RUN_TEST(test_integral_comes_within_a_shrunk_limit_while_the_error_pushes_into_it);
     RUN_TEST(test_unwind_gives_the_excess_back);
-    RUN_TEST(test_unwind_of_the_largest_excess_is_bounded_by_the_next_step);
-    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_does_not_overflow);
+    RUN_TEST(test_unwind_stops_at_the_limit_on_both_sides);
+    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_stays_within_it);
     RUN_TEST(test_no_sum_overflows_at_the_ends_of_all_ranges);
     RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
     return UNITY_END();
