@@ -89,12 +89,12 @@ static inline position_loop_cfg_t example_position_loop_cfg(void)
     return (position_loop_cfg_t){
         .ramp = 109370,        /* 1.6 rad/s el. a slow period */
         .speed_max = 12884902, /* 900 rpm */
-        /* B = (94.25 rad/s)²/(2·720 rad/s²) = 1.9635 el. turns = 32169.9 units of 2^18/2^32 turn */
-        .braking_inverse = 33377,
+        /* B = (94.25 rad/s)²/(2·720 rad/s²) = 1.9635 el. turns = 16085.0 units of 2^19/2^32 turn */
+        .braking_inverse = 66754,
         .softness_q15 = 2503, /* 10 ms·720/94.25, times 2^15 */
         .gain = 26354,        /* 2π·5/s·T·2^16 = 205.887, times 2^7 */
         .gain_shift = 7U,
-        .distance_shift = 18U,
+        .distance_shift = 19U,
         .ticks = 10,
     };
 }

@@ -12,9 +12,9 @@
 /* Passes when share·bound ≤ worst ≤ bound. Prints the figure in any case. */
 static inline void figure_check(const char *what, double worst, double bound, double share)
 {
-    char text[160];
+    char text[200];
 
-    (void)snprintf(text, sizeof text, "%s: at most %.5g, bound %.5g, at least %.3g of it", what,
+    (void)snprintf(text, sizeof text, "%.120s: at most %.5g, bound %.5g, at least %.3g of it", what,
                    worst, bound, share);
     (void)printf("%s\n", text);
     TEST_ASSERT_TRUE_MESSAGE((worst <= bound) && (worst >= (share * bound)), text);

@@ -1,0 +1,6 @@
+// The firmware's headers for C++.
+#pragma once
+
+extern "C" {
+#include "drive.h"
+}

@@ -1,0 +1,71 @@
+// Current control in the rotor frame, in A, V and rad/s: PI an axis, decoupling by the motor equations
+// (1), (2) of paper A, voltage limited to a circle with the d axis first.
+#pragma once
+
+#include "twin_pi.h"
+#include "twin_transforms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf::twin
+{
+
+class CurrentLoop
+{
+public:
+    struct Params {
+        Pi::Params pi_d; // V per A
+        Pi::Params pi_q;
+        double inductance_d_h;
+        double inductance_q_h;
+        double flux_wb;
+    };
+
+    explicit CurrentLoop(const Params &params) : p_(params), pi_d_(params.pi_d), pi_q_(params.pi_q)
+    {
+    }
+
+    // One tick: the voltage to apply, V; limit_v is the radius of the circle.
+    Vector step(const Vector &reference_a, const Vector &measured_a, double speed_rad_s,
+                double limit_v)
+    {
+        const Vector error = reference_a - measured_a;
+        const double emf_d = -speed_rad_s * p_.inductance_q_h * measured_a.y();
+        const double emf_q = speed_rad_s * (p_.inductance_d_h * measured_a.x() + p_.flux_wb);
+        Vector v(pi_d_.step(error.x(), emf_d, limit_v), pi_q_.step(error.y(), emf_q, limit_v));
+        const double room = std::sqrt(std::max(0.0, limit_v * limit_v - v.x() * v.x()));
+
+        cut_ = std::abs(v.y()) > room;
+        if (cut_) {
+            const double allowed = std::copysign(room, v.y());
+            pi_q_.unwind(v.y() - allowed, limit_v);
+            v.y() = allowed;
+        }
+        return v;
+    }
+
+    // The circle has cut the q axis in the last tick.
+    bool cut() const
+    {
+        return cut_;
+    }
+
+    const Pi &pi_d() const
+    {
+        return pi_d_;
+    }
+
+    const Pi &pi_q() const
+    {
+        return pi_q_;
+    }
+
+private:
+    Params p_;
+    Pi pi_d_;
+    Pi pi_q_;
+    bool cut_ = false;
+};
+
+} // namespace nf::twin
