@@ -3,6 +3,7 @@
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
 #include "config.h"
 #include "describe.h"
+#include "hal_header.h"
 #include "header.h"
 #include "schema.h"
 
@@ -42,9 +43,8 @@ nf::Config load(const Choice &choice)
     return nf::load_parts(choice.motor, choice.board, choice.tuning, choice.with, choice.set);
 }
 
-void write_header(const Choice &choice)
+void write_out(const Choice &choice, const std::string &text)
 {
-    const std::string text = nf::make_header(load(choice));
     if (choice.out.empty()) {
         std::cout << text;
         return;
@@ -100,7 +100,12 @@ int run(int argc, char **argv)
     CLI::App *header = app.add_subcommand("header", "Write the C header of a configuration");
     add_choice(*header, choice);
     header->add_option("--out", choice.out, "File to write; without it, standard output");
-    header->callback([&] { write_header(choice); });
+    header->callback([&] { write_out(choice, nf::make_header(load(choice))); });
+    CLI::App *binding =
+        app.add_subcommand("hal-header", "Write the C header of a hardware binding");
+    add_choice(*binding, choice);
+    binding->add_option("--out", choice.out, "File to write; without it, standard output");
+    binding->callback([&] { write_out(choice, nf::make_hal_header(load(choice))); });
     CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
     add_choice(*table, choice);
     table->callback([&] { show(choice); });

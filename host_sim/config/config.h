@@ -7,6 +7,7 @@
 // Every function here throws ConfigError, and nothing else, for whatever the files hold.
 #pragma once
 
+#include "hal_settings.h"
 #include "origin.h"
 #include "per_unit.h"
 #include "settings.h"
@@ -69,6 +70,7 @@ struct SourceFiles {
 struct Config {
     MotorSettings motor;
     BoardSettings board;
+    HalSettings hal; // empty without [hal]
     TuningSettings tuning;
     ModelScales model;
     PlantSettings plant;

@@ -18,6 +18,7 @@ template <auto Part, auto Member> Target at(Config &config)
 
 template <auto Member> constexpr auto motor = at<&Config::motor, Member>;
 template <auto Member> constexpr auto board = at<&Config::board, Member>;
+template <auto Member> constexpr auto hal = at<&Config::hal, Member>;
 template <auto Member> constexpr auto tuning = at<&Config::tuning, Member>;
 template <auto Member> constexpr auto model = at<&Config::model, Member>;
 template <auto Member> constexpr auto plant = at<&Config::plant, Member>;
@@ -25,6 +26,7 @@ template <auto Member> constexpr auto scenario = at<&Config::scenario, Member>;
 
 using M = MotorSettings;
 using B = BoardSettings;
+using H = HalSettings;
 using T = TuningSettings;
 using S = ScenarioSettings;
 using P = PlantSettings;
@@ -64,6 +66,21 @@ const std::vector<Field> FIELDS = {
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
+
+    {"hal", "dead_time_ns", "ns", 10, 20000, OPTIONAL, hal<&H::dead_time_ns>, "both switches of a leg off at each edge"},
+    {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
+    {"hal", "adc_sampling_ns", "ns", 10, 100000, OPTIONAL, hal<&H::adc_sampling_ns>, "the converter's sample switch closed at least as long"},
+    {"hal", "break_polarity", "", 0, NAME_MAX, OPTIONAL, hal<&H::break_polarity>, "comparators trip above (active_high) or below (active_low) their level"},
+    {"hal", "shunt_ohm", "Ω", 1e-5, 1, OPTIONAL, hal<&H::shunt_ohm>, "low-side shunts"},
+    {"hal", "amplifier_gain", "", -1000, 1000, OPTIONAL, hal<&H::amplifier_gain>, "shunt to converter; negative where a current into the motor counts down"},
+    {"hal", "amplifier_zero_v", "V", 0, 5, OPTIONAL, hal<&H::amplifier_zero_v>, "at the converter without current"},
+    {"hal", "pga_gain", "", 2, 64, OPTIONAL, hal<&H::pga_gain>, "the part of the gain behind the comparators' inputs"},
+    {"hal", "adc_reference_v", "V", 1, 5, OPTIONAL, hal<&H::adc_reference_v>, "full scale of the converters"},
+    {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
+    {"hal", "trip_a", "A", 0.01, 5000, OPTIONAL, hal<&H::trip_a>, "comparators open the gates at this current"},
+    {"hal", "temperature_25c_v", "V", 0, 5, OPTIONAL, hal<&H::temperature_25c_v>, "temperature sensor at 25 °C, at the converter"},
+    {"hal", "temperature_slope_v_c", "V/°C", -1, 1, OPTIONAL, hal<&H::temperature_slope_v_c>, "change of it with the temperature"},
+    {"hal", "temperature_max_c", "°C", 0, 200, OPTIONAL, hal<&H::temperature_max_c>, "the drive stops above it"},
 
     {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},
@@ -118,6 +135,7 @@ struct Section {
 const std::vector<Section> SECTIONS = {
     {"motor", {FileKind::motor}},
     {"board", {FileKind::board, FileKind::imperfection}},
+    {"hal", {FileKind::board}},
     {"tuning", {FileKind::tuning}},
     {"observer", {FileKind::tuning, FileKind::scenario}},
     {"current_loop", {FileKind::tuning, FileKind::scenario}},
@@ -238,7 +256,7 @@ std::string Field::allowed() const
     const std::string range = range_text(min, max, unit);
     return std::visit(
         Overloaded{
-            [&](const double *) { return range; },
+            [&](const double *) { return std::string(range); },
             [&](const int *) { return "a whole number, " + range; },
             [&](const unsigned *) { return "a whole number, " + range; },
             [&](const std::string *) {

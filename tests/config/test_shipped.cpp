@@ -16,11 +16,20 @@ extern "C" const drive_cfg_t *generated_motor_b(void);
 namespace
 {
 
+// Motors and boards for 24 V have numbers of their own.
+bool go_together(const std::string &motor, const std::string &board)
+{
+    return (motor == "outrunner_24v") == (board == "b_g431b_esc1");
+}
+
 void every_shipped_combination_fits_the_firmware()
 {
     for (const std::string &motor : nf::list_motors()) {
         for (const std::string &board : nf::list_boards()) {
             for (const std::string &tuning : nf::list_tunings()) {
+                if (!go_together(motor, board)) {
+                    continue;
+                }
                 const drive_cfg_t cfg = nf::build(nf::load_parts(motor, board, tuning));
                 TEST_ASSERT_NULL(params_check(&cfg));
             }

@@ -1,0 +1,242 @@
+#include "hal_header.h"
+
+#include "schema.h"
+
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double NS = 1e-9;
+constexpr double MILLI = 1e-3;
+constexpr double MICRO = 1e-6;
+constexpr double Q16 = 65536.0;
+constexpr double DAC_COUNTS = 4096.0;
+// Two statements of one scale, each rounded by hand, agree within this share.
+constexpr double SCALE_TOLERANCE = 0.02;
+constexpr const char *ACTIVE_HIGH = "active_high";
+constexpr const char *ACTIVE_LOW = "active_low";
+
+// Half of the shortest time for which a low side is commanded on, around the instant of sampling: the
+// largest duty is 1 − margin/2.
+double half_low_side_s(const BoardSettings &board)
+{
+    return board.duty_margin_pct / 100.0 / 4.0 / board.pwm_frequency_hz;
+}
+
+[[noreturn]] void refuse(const Config &config, const std::string &key, const std::string &value,
+                         const std::string &problem, const std::string &allowed)
+{
+    const Origin board_file = {config.origins.at("board.name").file, 0};
+    const auto origin = config.origins.find(key);
+    fail(origin == config.origins.end() ? board_file : origin->second, key, value, problem,
+         allowed);
+}
+
+void need(bool holds, const Config &config, const std::string &key, double value,
+          const std::string &problem, const std::string &allowed)
+{
+    if (!holds) {
+        refuse(config, key, fmt::format("{:.6g}", value), problem, allowed);
+    }
+}
+
+void check_complete(const Config &config)
+{
+    for (const Field &field : schema()) {
+        if (std::strcmp(field.section, "hal") == 0 && config.origins.count(field.name()) == 0) {
+            refuse(config, field.name(), "", "is missing, and a hardware binding needs it",
+                   field.name() == "hal.break_polarity"
+                       ? fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW)
+                       : field.allowed());
+        }
+    }
+}
+
+void check_choices(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    if (hal.break_polarity != ACTIVE_HIGH && hal.break_polarity != ACTIVE_LOW) {
+        refuse(config, "hal.break_polarity", '"' + hal.break_polarity + '"', "is no polarity",
+               fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW));
+    }
+    need((hal.pga_gain & (hal.pga_gain - 1)) == 0, config, "hal.pga_gain", hal.pga_gain,
+         "is no gain of the amplifier", "2, 4, 8, 16, 32 or 64");
+    need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
+         "a positive or negative number");
+    need(hal.temperature_slope_v_c != 0, config, "hal.temperature_slope_v_c",
+         hal.temperature_slope_v_c, "is no slope", "a positive or negative number");
+}
+
+void check_timing(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const double half = half_low_side_s(config.board) / NS;
+    const std::string window = fmt::format(
+        "{:.0f} ns, half of the shortest low-side on-time at board.duty_margin_pct = {:g} and "
+        "board.pwm_frequency_hz = {:g}",
+        half, config.board.duty_margin_pct, config.board.pwm_frequency_hz);
+    need(hal.dead_time_ns < half, config, "hal.dead_time_ns", hal.dead_time_ns,
+         "is longer than the PWM period allows", "below " + window);
+    need(hal.dead_time_ns + hal.adc_settling_ns <= half, config, "hal.adc_settling_ns",
+         hal.adc_settling_ns, "does not fit into the low-side on-time",
+         fmt::format("at most {:.0f} ns: with hal.dead_time_ns = {:g} it has to end within {}",
+                     half - hal.dead_time_ns, hal.dead_time_ns, window));
+    need(hal.adc_sampling_ns <= half, config, "hal.adc_sampling_ns", hal.adc_sampling_ns,
+         "does not fit into the low-side on-time", "at most " + window);
+}
+
+void check_scale(const Config &config, const std::string &key, double given, double measured,
+                 const std::string &formula)
+{
+    need(std::fabs(given - measured) <= SCALE_TOLERANCE * measured, config, key, given,
+         "is not what the converter sees",
+         fmt::format("{:.5g} within 2 %, from {}", measured, formula));
+}
+
+double volts_per_ampere(const HalSettings &hal)
+{
+    return hal.shunt_ohm * std::fabs(hal.amplifier_gain);
+}
+
+void check_scales(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    check_scale(config, "board.current_full_scale_a", config.board.current_full_scale_a,
+                hal.adc_reference_v / 2 / volts_per_ampere(hal),
+                "hal.adc_reference_v/2/(hal.shunt_ohm·hal.amplifier_gain)");
+    check_scale(config, "board.bus_full_scale_v", config.board.bus_full_scale_v,
+                hal.adc_reference_v / hal.bus_divider, "hal.adc_reference_v/hal.bus_divider");
+    need(hal.amplifier_zero_v < hal.adc_reference_v, config, "hal.amplifier_zero_v",
+         hal.amplifier_zero_v, "is beyond the converter's range",
+         fmt::format("below {:g} V", hal.adc_reference_v));
+}
+
+// The comparators look at the pin before the programmable amplifier.
+double trip_level_v(const HalSettings &hal)
+{
+    const double rise = volts_per_ampere(hal) * hal.trip_a;
+    const double output = hal.amplifier_zero_v + (hal.break_polarity == ACTIVE_LOW ? -rise : rise);
+    return output / hal.pga_gain;
+}
+
+void check_trip(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const double level = trip_level_v(hal);
+    need(hal.trip_a >= config.board.overcurrent_a, config, "hal.trip_a", hal.trip_a,
+         "trips before the drive's own limit can",
+         fmt::format("at least board.overcurrent_a = {:g} A", config.board.overcurrent_a));
+    need(level > 0 && level < hal.adc_reference_v, config, "hal.trip_a", hal.trip_a,
+         fmt::format("needs a comparator level of {:.3g} V", level),
+         fmt::format("a current for which it is within 0 to {:g} V", hal.adc_reference_v));
+}
+
+// One line `#define HAL_NAME (value) /* meaning */`.
+std::string define(const char *name, double value, const char *suffix, const std::string &meaning)
+{
+    return fmt::format("#define HAL_{} ({:.0f}{}) /* {} */\n", name, std::round(value), suffix,
+                       meaning);
+}
+
+std::string flag(const char *name, bool value, const std::string &meaning)
+{
+    return fmt::format("#define HAL_{} ({}) /* {} */\n", name, value ? "true" : "false", meaning);
+}
+
+std::string timer_lines(const Config &config)
+{
+    const BoardSettings &board = config.board;
+    const HalSettings &hal = config.hal;
+    const double clock = board.timer_clock_hz;
+    return define("TIMER_CLOCK_HZ", clock, "U", "board.timer_clock_hz") +
+           define("TIMER_COUNTS", clock / (2 * board.pwm_frequency_hz), "U",
+                  fmt::format("half a period at {:g} Hz", board.pwm_frequency_hz)) +
+           define("DEAD_TIME_TICKS", std::ceil(hal.dead_time_ns * NS * clock), "U",
+                  fmt::format("{:g} ns, rounded up", hal.dead_time_ns));
+}
+
+std::string sensing_lines(const Config &config)
+{
+    const HalSettings &hal = config.hal;
+    const double counts = std::ldexp(1.0, config.board.adc_bits);
+    const double zero = hal.amplifier_zero_v / hal.adc_reference_v * counts;
+    return define("ADC_BITS", config.board.adc_bits, "U", "board.adc_bits") +
+           define("ADC_REFERENCE_MV", hal.adc_reference_v / MILLI, "", "hal.adc_reference_v") +
+           define("ADC_SAMPLING_NS", std::ceil(hal.adc_sampling_ns), "U", "at least") +
+           define("AMPLIFIER_ZERO", zero, "U",
+                  fmt::format("counts without current, {:g} V", hal.amplifier_zero_v)) +
+           flag("AMPLIFIER_INVERTS", hal.amplifier_gain < 0, "current into the motor counts down") +
+           define("PGA_GAIN", hal.pga_gain, "U", "hal.pga_gain") +
+           define("CURRENT_FULL_SCALE_MA", config.board.current_full_scale_a / MILLI, "U",
+                  "board.current_full_scale_a") +
+           define("BUS_FULL_SCALE_MV", config.board.bus_full_scale_v / MILLI, "U",
+                  "board.bus_full_scale_v");
+}
+
+std::string trip_lines(const HalSettings &hal)
+{
+    const double level = trip_level_v(hal);
+    return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
+                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator", hal.trip_a, level)) +
+           flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
+}
+
+std::string temperature_lines(const HalSettings &hal)
+{
+    return define("TEMPERATURE_25C_MV", hal.temperature_25c_v / MILLI, "",
+                  "hal.temperature_25c_v") +
+           define("TEMPERATURE_UV_PER_C", hal.temperature_slope_v_c / MICRO, "",
+                  "hal.temperature_slope_v_c") +
+           define("TEMPERATURE_MAX_C", hal.temperature_max_c, "", "hal.temperature_max_c");
+}
+
+std::string speed_lines(const Config &config)
+{
+    const Bases bases = make_bases(config.motor, config.board);
+    return define("STEP_PER_RPM_Q16", bases.step_from_rpm(1.0) * Q16, "U",
+                  "advance of the electrical angle in a tick, 2^32 = one turn") +
+           define("SPEED_MAX_RPM", std::floor(config.motor.max_speed_rpm), "",
+                  "motor.max_speed_rpm");
+}
+
+// A string literal of plain characters.
+std::string quoted(const std::string &text)
+{
+    std::string safe = text;
+    for (char &c : safe) {
+        if (c < 0x20 || c > 0x7E || c == '"' || c == '\\' || c == '?') {
+            c = '_';
+        }
+    }
+    return '"' + safe + '"';
+}
+
+} // namespace
+
+std::string make_hal_header(const Config &config)
+{
+    check_complete(config);
+    check_choices(config);
+    check_timing(config);
+    check_scales(config);
+    check_trip(config);
+    return fmt::format(
+        "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
+        "again. */\n"
+        "#ifndef HAL_CONFIG_H\n#define HAL_CONFIG_H\n\n"
+        "#define HAL_NAME {}\n"
+        "{}{}{}{}{}"
+        "\n#endif\n",
+        quoted(fmt::format("neurofoc: {}, {}, {}", config.motor.name, config.board.name,
+                           config.tuning.name)),
+        timer_lines(config), sensing_lines(config), trip_lines(config.hal),
+        temperature_lines(config.hal), speed_lines(config));
+}
+
+} // namespace nf

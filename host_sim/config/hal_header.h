@@ -1,0 +1,17 @@
+// The C header that gives a hardware binding its board.
+#pragma once
+
+#include "config.h"
+
+#include <string>
+
+namespace nf
+{
+
+// Numbers of [hal], [board] and [motor] as macros HAL_..., in counts and ticks. The same files give the
+// same text on every machine. Refuses, with file, line and reason, what the hardware cannot do: dead
+// time or sampling that do not fit the PWM period, scales that contradict each other, a trip level out of
+// the converter's range, a missing key.
+std::string make_hal_header(const Config &config);
+
+} // namespace nf

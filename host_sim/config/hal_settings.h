@@ -1,0 +1,27 @@
+// [hal] of a board file: what a target's hardware binding has to know beyond [board]. Optional; asked for
+// only when a header for a binding is made.
+#pragma once
+
+#include <string>
+
+namespace nf
+{
+
+struct HalSettings {
+    double dead_time_ns = 0;
+    double adc_settling_ns = 0; // low side on before its shunt can be sampled
+    double adc_sampling_ns = 0; // sample switch closed
+    std::string break_polarity; // level of the over-current comparators that opens the gates
+    double shunt_ohm = 0;
+    double amplifier_gain = 0;   // shunt to converter; negative: current into the motor counts down
+    double amplifier_zero_v = 0; // at the converter, without current
+    int pga_gain = 0;            // the part of the gain behind the comparators' inputs
+    double adc_reference_v = 0;
+    double bus_divider = 0; // bus to converter
+    double trip_a = 0;
+    double temperature_25c_v = 0; // at the converter
+    double temperature_slope_v_c = 0;
+    int temperature_max_c = 0;
+};
+
+} // namespace nf
