@@ -69,6 +69,14 @@ std::string json_text(const Config &config, const RunResult &result)
         json["saturations"][signal_name(k)] = result.saturations.ticks()[k];
     }
     json[SATURATION_INTERNAL_COUNT] = result.saturations.internal_count();
+    if (limits_of(config) != nullptr) {
+        const std::vector<Violation> broken = violations(config, result);
+        json["accepted"] = broken.empty();
+        json["failed_limits"] = nlohmann::ordered_json::array();
+        for (const Violation &violation : broken) {
+            json["failed_limits"].push_back(violation.text());
+        }
+    }
     return json.dump(2) + '\n';
 }
 

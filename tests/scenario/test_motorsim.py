@@ -16,7 +16,7 @@ METRICS = """
 scenario with seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults saturations
-saturation_internal_count""".split()
+saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
 time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm
 position_command_rad position_rad position_estimated_rad angle_el_deg angle_estimated_el_deg
