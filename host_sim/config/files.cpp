@@ -47,7 +47,7 @@ std::string inside(const fs::path &path, const fs::path &folder)
 fs::path made_absolute(const fs::path &path)
 {
     std::error_code error;
-    fs::path result = fs::absolute(path, error);
+    const fs::path result = fs::absolute(path, error);
     return error ? path : result;
 }
 

@@ -25,7 +25,8 @@ const std::vector<std::string> METRICS = {"speed_error_max_rpm",
                                           "speed_dip_rpm",
                                           "recovery_time_s",
                                           "position_error_final_rad",
-                                          "id_settled_a"};
+                                          "id_settled_a",
+                                          "saturation_internal_count"};
 const std::string LOCKED = "locked";
 const std::string ANY = "any";
 const std::string IDEAL = "ideal";
@@ -62,7 +63,7 @@ void check_entry_keys(const std::string &list, const TimedKey &value_key, const 
     }
     for (const auto &[key, value] : entry.members) {
         if (key != TIME.key && key != value_key.key) {
-            fail(value.origin, list + '.' + key, shown(value), "unknown key",
+            fail(value.origin, fmt::format("{}.{}", list, key), shown(value), "unknown key",
                  fmt::format("{}, {}", TIME.key, value_key.key));
         }
     }
@@ -183,6 +184,7 @@ const AcceptLimits *ScenarioSettings::limits(const std::string &selection) const
 std::string selection_name(const std::vector<std::string> &with)
 {
     std::vector<std::string> names;
+    names.reserve(with.size());
     for (const std::string &name : with) {
         names.push_back(std::filesystem::path(name).stem().string());
     }

@@ -82,15 +82,15 @@ const std::map<std::string, std::string> VALID = {
 class Folder
 {
 public:
-    Folder() : m_before(std::filesystem::current_path())
+    Folder() : before_(std::filesystem::current_path())
     {
         std::string name = (std::filesystem::temp_directory_path() / "nfconfigXXXXXX").string();
-        m_path = mkdtemp(name.data());
+        path_ = mkdtemp(name.data());
         for (const auto &[file, text] : VALID) {
             write(file, text);
         }
-        std::filesystem::current_path(m_path);
-        setenv("NEUROFOC_DATA", m_path.c_str(), 1);
+        std::filesystem::current_path(path_);
+        setenv("NEUROFOC_DATA", path_.c_str(), 1);
     }
 
     Folder(const Folder &) = delete;
@@ -99,14 +99,14 @@ public:
     ~Folder()
     {
         unsetenv("NEUROFOC_DATA");
-        std::filesystem::current_path(m_before);
-        std::filesystem::remove_all(m_path);
+        std::filesystem::current_path(before_);
+        std::filesystem::remove_all(path_);
     }
 
     void write(const std::string &file, const std::string &text) const
     {
-        std::filesystem::create_directories((m_path / file).parent_path());
-        std::ofstream(m_path / file, std::ios::binary) << text;
+        std::filesystem::create_directories((path_ / file).parent_path());
+        std::ofstream(path_ / file, std::ios::binary) << text;
     }
 
     // Replaces `old` in a valid file; with an empty `old`, appends.
@@ -119,12 +119,12 @@ public:
 
     const std::filesystem::path &path() const
     {
-        return m_path;
+        return path_;
     }
 
 private:
-    std::filesystem::path m_before;
-    std::filesystem::path m_path;
+    std::filesystem::path before_;
+    std::filesystem::path path_;
 };
 
 // The message with which scenario `s` is refused, or "accepted".
