@@ -1,0 +1,100 @@
+// Records a run of the simulator for the replay on targets:
+//
+//     record FOLDER SCENARIO [IMPERFECTION...]
+//
+// writes FOLDER/frames.nfr, what the drive was given, and FOLDER/results.nfr, what it made of it, tick
+// by tick from the first one on (hal/mps2/recording.h). Exit status: 0, or 2 with a line on stderr.
+#include "scenario.h"
+
+extern "C" {
+#include "recording.h"
+}
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+constexpr int RECORDED = 0;
+constexpr int BAD_INPUT = 2;
+
+class Recorder : public nf::TickSink
+{
+public:
+    void add(const nf::Tick &tick) override
+    {
+        const nf::Simulation &sim = *tick.sim;
+        recording_put_frame(grow(frames_, RECORDING_FRAME_BYTES), &sim.in());
+        recording_put_result(grow(results_, RECORDING_RESULT_BYTES), &sim.out(), &sim.drive());
+        ticks_++;
+    }
+
+    void write(const std::filesystem::path &folder, const drive_cfg_t &cfg) const
+    {
+        const uint32_t hash = recording_config_hash(&cfg);
+        write(folder / "frames.nfr", recording_header(RECORDING_FRAMES, hash, ticks_), frames_);
+        write(folder / "results.nfr", recording_header(RECORDING_RESULTS, hash, ticks_), results_);
+    }
+
+private:
+    static uint8_t *grow(std::vector<uint8_t> &bytes, std::size_t by)
+    {
+        bytes.resize(bytes.size() + by);
+        return bytes.data() + (bytes.size() - by);
+    }
+
+    static void write(const std::filesystem::path &path, const recording_header_t &header,
+                      const std::vector<uint8_t> &records)
+    {
+        std::vector<uint8_t> bytes(RECORDING_HEADER_BYTES);
+        recording_put_header(bytes.data(), &header);
+        bytes.insert(bytes.end(), records.begin(), records.end());
+        std::ofstream file(path, std::ios::binary);
+        file.write(reinterpret_cast<const char *>(bytes.data()),
+                   static_cast<std::streamsize>(bytes.size()));
+        file.close();
+        if (!file) {
+            throw std::runtime_error(path.string() + ": cannot be written");
+        }
+    }
+
+    std::vector<uint8_t> frames_;
+    std::vector<uint8_t> results_;
+    uint32_t ticks_ = 0;
+};
+
+void record(const std::filesystem::path &folder, const std::string &scenario,
+            const std::vector<std::string> &with)
+{
+    const nf::Config config = nf::load_scenario(scenario, with);
+    Recorder recorder;
+    nf::RunOptions options;
+    options.sink = &recorder;
+    (void)nf::run_scenario(config, options);
+    std::filesystem::create_directories(folder);
+    recorder.write(folder, nf::build(config));
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    if (arguments.size() < 2) {
+        std::fputs("usage: record FOLDER SCENARIO [IMPERFECTION...]\n", stderr);
+        return BAD_INPUT;
+    }
+    try {
+        record(arguments[0], arguments[1], {arguments.begin() + 2, arguments.end()});
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "record: %s\n", error.what());
+        return BAD_INPUT;
+    }
+    return RECORDED;
+}

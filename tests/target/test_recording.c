@@ -1,0 +1,151 @@
+/*
+ * The recording's format: bytes where the header says, and a hash that misses no part of the state.
+ */
+#include "recording.h"
+#include "unity.h"
+
+#include <string.h>
+
+/*
+ * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the
+ * rest of the mode's word, and a word before the position, in the position loop and at the end, where
+ * 64-bit fields ask for alignment.
+ */
+#define MODE_PADDING (3U)
+#define ALIGNMENT (3U * 4U)
+#define MACHINE_BYTES (sizeof(void *) + MODE_PADDING + ALIGNMENT)
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_header_bytes(void)
+{
+    const uint8_t expected[RECORDING_HEADER_BYTES] = {'N',  'F',  'F',  'R',  1U, 0U, 14U, 0U,
+                                                      0x44, 0x33, 0x22, 0x11, 5U, 0U, 0U,  0U};
+    const recording_header_t header = recording_header(RECORDING_FRAMES, 0x11223344U, 5U);
+    uint8_t bytes[RECORDING_HEADER_BYTES];
+    recording_header_t back;
+
+    recording_put_header(bytes, &header);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, bytes, sizeof(bytes));
+    back = recording_get_header(bytes);
+    TEST_ASSERT_EQUAL_HEX32(header.magic, back.magic);
+    TEST_ASSERT_EQUAL_HEX32(header.config_hash, back.config_hash);
+    TEST_ASSERT_EQUAL_UINT32(header.ticks, back.ticks);
+    TEST_ASSERT_NULL(recording_refuse(&back, 0x11223344U));
+}
+
+static void test_header_is_refused(void)
+{
+    const recording_header_t good = recording_header(RECORDING_FRAMES, 7U, 1U);
+    recording_header_t bad = recording_header(RECORDING_RESULTS, 7U, 1U);
+
+    TEST_ASSERT_NOT_NULL(recording_refuse(&bad, 7U));
+    bad = good;
+    bad.version++;
+    TEST_ASSERT_NOT_NULL(recording_refuse(&bad, 7U));
+    bad = good;
+    bad.record_bytes++;
+    TEST_ASSERT_NOT_NULL(recording_refuse(&bad, 7U));
+    TEST_ASSERT_NOT_NULL(recording_refuse(&good, 8U));
+}
+
+static void test_frame_bytes(void)
+{
+    const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0807U, {-2, 0x0DU, 0x0EU}};
+    const uint8_t expected[RECORDING_FRAME_BYTES] = {1U, 2U,    3U,    4U,    5U,    6U,    7U,
+                                                     8U, 0xFEU, 0xFFU, 0xFFU, 0xFFU, 0x0DU, 0x0EU};
+    uint8_t bytes[RECORDING_FRAME_BYTES];
+    uint8_t again[RECORDING_FRAME_BYTES];
+    drive_in_t back;
+
+    recording_put_frame(bytes, &in);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, bytes, sizeof(bytes));
+    back = recording_get_frame(bytes);
+    recording_put_frame(again, &back);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, again, sizeof(again));
+    TEST_ASSERT_EQUAL_INT32(-2, back.command.target);
+}
+
+static void test_result_bytes(void)
+{
+    const drive_out_t out = {{{0x0201U, 0x0403U, 0x0605U}}, true};
+    const drive_t drive = {.state = DRIVE_STATE_RUN};
+    const uint32_t hash = recording_state_hash(&drive);
+    const uint8_t expected[] = {1U, 2U, 3U, 4U, 5U, 6U, 1U, (uint8_t)DRIVE_STATE_RUN};
+    uint8_t bytes[RECORDING_RESULT_BYTES];
+
+    recording_put_result(bytes, &out, &drive);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, bytes, sizeof(expected));
+    for (uint32_t k = 0U; k < 4U; k++) {
+        TEST_ASSERT_EQUAL_HEX8((hash >> (8U * k)) & 0xFFU, bytes[8U + k]);
+    }
+}
+
+/* A field that is added to the state and not to the hash is found here. */
+static void test_hash_sees_every_byte(void)
+{
+    drive_t drive;
+    uint8_t bytes[sizeof(drive)];
+    uint32_t unseen = 0U;
+    uint32_t hash;
+
+    (void)memset(&drive, 0, sizeof(drive));
+    hash = recording_state_hash(&drive);
+    for (size_t k = 0U; k < sizeof(drive); k++) {
+        (void)memset(bytes, 0, sizeof(bytes));
+        bytes[k] = 1U;
+        (void)memcpy(&drive, bytes, sizeof(drive));
+        if (recording_state_hash(&drive) == hash) {
+            unseen++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(MACHINE_BYTES, unseen);
+}
+
+/* FNV-1a by its definition, over a state of zeros; the mode goes in as a word. */
+static void test_hash_is_fnv_1a(void)
+{
+    drive_t drive;
+    uint32_t expected = 2166136261U;
+
+    (void)memset(&drive, 0, sizeof(drive));
+    for (size_t k = 0U; k < (sizeof(drive) - sizeof(void *) - ALIGNMENT); k++) {
+        expected *= 16777619U;
+    }
+    TEST_ASSERT_EQUAL_HEX32(expected, recording_state_hash(&drive));
+}
+
+static void test_config_hash_sees_every_byte(void)
+{
+    drive_cfg_t cfg;
+    uint8_t bytes[sizeof(cfg)] = {0};
+    uint32_t hash;
+
+    (void)memset(&cfg, 0, sizeof(cfg));
+    hash = recording_config_hash(&cfg);
+    for (size_t k = 0U; k < sizeof(cfg); k++) {
+        bytes[k] = 1U;
+        (void)memcpy(&cfg, bytes, sizeof(cfg));
+        TEST_ASSERT_NOT_EQUAL(hash, recording_config_hash(&cfg));
+        bytes[k] = 0U;
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_header_bytes);
+    RUN_TEST(test_header_is_refused);
+    RUN_TEST(test_frame_bytes);
+    RUN_TEST(test_result_bytes);
+    RUN_TEST(test_hash_sees_every_byte);
+    RUN_TEST(test_hash_is_fnv_1a);
+    RUN_TEST(test_config_hash_sees_every_byte);
+    return UNITY_END();
+}
