@@ -309,6 +309,8 @@ static void test_a_run_command_at_undervoltage_never_enables_the_gates(void)
     for (uint32_t k = 0U; k < 5U; k++) {
         tick();
         assert_gates_open();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, drive.fault.id);
     }
 }
 

@@ -210,6 +210,28 @@ static void test_profile_reaches_full_speed_on_a_long_way(void)
     TEST_ASSERT_INT32_WITHIN((cfg.speed_max / 32768) + 2, cfg.speed_max, fastest);
 }
 
+static void test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units(void)
+{
+    static const int32_t inverses[] = {0x10000, 0x20000};
+    static const uint32_t shifts[] = {19U, 20U};
+
+    for (uint32_t i = 0U; i < 2U; i++) {
+        step_t fastest = 0;
+
+        cfg.braking_inverse = inverses[i];
+        cfg.distance_shift = shifts[i];
+        cfg.softness_q15 = 12288;
+        position_loop_reset(&loop, 0);
+        for (int32_t k = 0; k < 1500; k++) {
+            step_profile(20 * TURN_Q32);
+            TEST_ASSERT_TRUE(loop.profile_q32 <= (20 * TURN_Q32));
+            fastest = (loop.profile_speed > fastest) ? loop.profile_speed : fastest;
+        }
+        TEST_ASSERT_INT32_WITHIN((cfg.speed_max / 32768) + 2, cfg.speed_max, fastest);
+        TEST_ASSERT_EQUAL_INT64(20 * TURN_Q32, loop.profile_q32);
+    }
+}
+
 static void test_profile_goes_both_ways_alike(void)
 {
     position_loop_t other;
@@ -369,6 +391,7 @@ int main(void)
     RUN_TEST(test_position_reset_starts_at_rest_where_the_rotor_is);
     RUN_TEST(test_profile_reaches_seeded_targets_exactly_without_overshoot);
     RUN_TEST(test_profile_reaches_full_speed_on_a_long_way);
+    RUN_TEST(test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units);
     RUN_TEST(test_profile_goes_both_ways_alike);
     RUN_TEST(test_profile_of_one_unit_or_less_jumps);
     RUN_TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way);

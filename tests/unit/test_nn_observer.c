@@ -288,6 +288,26 @@ static void test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample(void)
                               -0.005 * TRAINING_ERROR_RAD_S, speed_rad_s(obs.speed));
 }
 
+static void test_training_goes_down_along_both_errors(void)
+{
+    /* b = e_q·x̂ − e_d·ŷ with x̂ = 8192, ŷ = 4096 in Q15 of I_x, held: b >> 14 = e_q/2 − e_d/4. */
+    static const dq_t errors[] = {{400, 0},  {0, 400},    {-400, 0},
+                                  {0, -400}, {400, -200}, {400, 200}};
+    static const int32_t descents[] = {-100, 200, 100, -200, -200, 0};
+
+    cfg.decay_d = 0;
+    cfg.decay_q = 0;
+    cfg.flux_drive_q27 = 0;
+    cfg.flux_q27 = 8192 * 4096;
+    for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
+        nn_observer_reset(&obs, &cfg);
+        obs.y_q27 = 4096 * 4096; /* i_q = 8192 of I_b */
+        nn_observer_step(&obs, &cfg, (dq_t){errors[i].d, 8192 + errors[i].q}, (dq_t){0, 0});
+        TEST_ASSERT_EQUAL_INT32(-(descents[i] * 19192) / 128, obs.speed);
+        TEST_ASSERT_EQUAL_INT32(-(descents[i] * 23990) / 8, obs.speed_out - obs.speed);
+    }
+}
+
 static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(void)
 {
     static const double alphas[] = {0.5, 0.9, 0.96875};
@@ -469,6 +489,7 @@ int main(void)
     RUN_TEST(test_voltage_drives_its_own_axis_by_the_gain);
     RUN_TEST(test_current_output_is_in_the_base_of_the_measurement);
     RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
+    RUN_TEST(test_training_goes_down_along_both_errors);
     RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
     RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
     RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);

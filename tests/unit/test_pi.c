@@ -119,6 +119,15 @@ static void test_integral_does_not_move_further_into_a_reached_limit(void)
     }
 }
 
+static void test_integral_moves_up_to_an_output_exactly_at_the_limit(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        pi_reset(&pi, sign * 999);
+        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &ONLY_KI, sign * 1024, 0, 1000));
+        TEST_ASSERT_EQUAL_INT32(sign * 1000 * ONE_LSB, pi.integral_q26);
+    }
+}
+
 static void test_output_leaves_the_limit_as_soon_as_the_error_turns(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
@@ -324,6 +333,7 @@ int main(void)
     RUN_TEST(test_output_is_limited_on_both_sides_exactly_at_the_limit);
     RUN_TEST(test_limit_of_zero_gives_zero);
     RUN_TEST(test_integral_does_not_move_further_into_a_reached_limit);
+    RUN_TEST(test_integral_moves_up_to_an_output_exactly_at_the_limit);
     RUN_TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns);
     RUN_TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds);
     RUN_TEST(test_integral_stays_within_the_limit);
