@@ -29,7 +29,7 @@ public:
 };
 
 // What a replay computes, so that none of it can be left out.
-uint64_t checksum = 0;
+volatile uint64_t checksum = 0;
 
 void replay_plant(const Config &config, const drive_cfg_t &drive_cfg,
                   const std::vector<Frame> &frames)
@@ -41,7 +41,7 @@ void replay_plant(const Config &config, const drive_cfg_t &drive_cfg,
     for (const Frame &frame : frames) {
         plant_adc_t adc{};
         plant_sample(&plant, &adc);
-        checksum += adc.ia;
+        checksum = checksum + adc.ia;
         plant_set_load_torque(&plant, frame.load_nm);
         const uint16_t *const phase = frame.out.compare.phase;
         const uint32_t compare[PLANT_LEGS] = {phase[0], phase[1], phase[2]};
@@ -58,7 +58,7 @@ void replay_drive(const drive_cfg_t &cfg, const std::vector<Frame> &frames)
     for (const Frame &frame : frames) {
         drive_out_t out{};
         drive_step(&drive, &frame.in, &out);
-        checksum += out.compare.phase[0];
+        checksum = checksum + out.compare.phase[0];
     }
 }
 
@@ -90,8 +90,8 @@ BenchResult bench(const Config &config, int runs)
     options.sink = &recorder;
     const RunResult result = run_scenario(config, options);
     const drive_cfg_t cfg = build(config);
-    const auto whole =
-        timed(runs, [&] { checksum += static_cast<uint64_t>(run_scenario(config).ticks); });
+    const auto whole = timed(
+        runs, [&] { checksum = checksum + static_cast<uint64_t>(run_scenario(config).ticks); });
     const auto plant = timed(runs, [&] { replay_plant(config, cfg, recorder.frames); });
     const auto drive = timed(runs, [&] { replay_drive(cfg, recorder.frames); });
     const double ns_per_tick = 1e9 / static_cast<double>(result.ticks);

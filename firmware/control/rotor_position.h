@@ -25,7 +25,10 @@ static inline void rotor_position_reset(rotor_position_t *position, angle_t angl
 /* (23), one tick. The turn count wraps after 2^31 turns (8 days at 3000 turns a second). */
 static inline void rotor_position_step(rotor_position_t *position, step_t speed)
 {
-    position->turns_q32 += speed;
+    const int64_t advance = speed;
+    const uint64_t turns = (uint64_t)position->turns_q32 + (uint64_t)advance;
+
+    position->turns_q32 = (int64_t)turns;
 }
 
 /* θ̂ within its turn. */

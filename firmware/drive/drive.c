@@ -126,15 +126,14 @@ static void obey(drive_t *drive, const drive_command_t *command)
 {
     const bool run = wants_run(command);
     const bool clear = (command->request & DRIVE_REQUEST_CLEAR) != 0U;
+    const bool cleared = (drive->state == DRIVE_STATE_FAULT) && clear && !run;
 
-    if (drive->state == DRIVE_STATE_INIT) {
+    if ((drive->state == DRIVE_STATE_INIT) || cleared) {
         enter_offset_cal(drive);
     } else if ((drive->state == DRIVE_STATE_READY) && run) {
         enter_run(drive);
     } else if ((drive->state == DRIVE_STATE_RUN) && !run) {
         drive->state = DRIVE_STATE_READY;
-    } else if ((drive->state == DRIVE_STATE_FAULT) && clear && !run) {
-        enter_offset_cal(drive);
     } else {
         /* stay */
     }

@@ -44,7 +44,7 @@ void store(Field &field, double value, double lo, double hi, const char *key, do
            const char *what)
 {
     const double rounded = std::round(value);
-    if (!(rounded >= lo && rounded <= hi)) {
+    if (std::isnan(rounded) || rounded < lo || rounded > hi) {
         throw SettingError(key, setting,
                            fmt::format("a value for which {} is within {:g}…{:g} (is {:g})", what,
                                        lo, hi, rounded));
@@ -62,7 +62,7 @@ Mantissa normalise(double value, int shift_min, int shift_max, const char *key, 
                    const char *what)
 {
     const double largest = std::ldexp(MANTISSA_MAX, -shift_min);
-    if (!(value >= 0 && value <= largest)) {
+    if (std::isnan(value) || value < 0 || value > largest) {
         throw SettingError(
             key, setting,
             fmt::format("a value for which {} is at most {:g} (is {:g})", what, largest, value));

@@ -40,6 +40,6 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
 // Throws SettingError naming the offending key; the result passes params_check.
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &model);
+                           const TuningSettings &tuning, const ModelScales &scales);
 
 } // namespace nf

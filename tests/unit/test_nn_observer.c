@@ -303,8 +303,9 @@ static void test_training_goes_down_along_both_errors(void)
         nn_observer_reset(&obs, &cfg);
         obs.y_q27 = 4096 * 4096; /* i_q = 8192 of I_b */
         nn_observer_step(&obs, &cfg, (dq_t){errors[i].d, 8192 + errors[i].q}, (dq_t){0, 0});
-        TEST_ASSERT_EQUAL_INT32(-(descents[i] * 19192) / 128, obs.speed);
-        TEST_ASSERT_EQUAL_INT32(-(descents[i] * 23990) / 8, obs.speed_out - obs.speed);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 19192 / 128.0)), obs.speed);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 23990 / 8.0)),
+                                obs.speed_out - obs.speed);
     }
 }
 

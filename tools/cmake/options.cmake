@@ -20,7 +20,6 @@ target_compile_options(nf_warnings INTERFACE
     $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 
 option(NF_GATES "Register the quality gates as tests" ON)
-option(NF_DRAFT "Skip listed sources that are not written yet" OFF)
 
 set(UNITY_ROOT ${CMAKE_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
 set(NF_PYTHON ${CMAKE_SOURCE_DIR}/.cache/venv/bin/python CACHE FILEPATH "Python of the tools")

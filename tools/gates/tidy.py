@@ -3,12 +3,16 @@
 import argparse
 import json
 import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import sources
 
 FOLDERS = {"firmware", "hal", "host_sim"}
+TOOL = Path(sys.executable).with_name("clang-tidy")
+# Path by path through the templates of the libraries, for nothing: sanitizers watch the C++ code run.
+NOT_FOR_CPP = "--checks=-clang-analyzer-*"
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("build", type=Path, help="a build folder with compile_commands.json")
@@ -20,7 +24,8 @@ def is_ours(path):
 
 
 def tidy(path):
-    run = subprocess.run(["clang-tidy-19", "--quiet", "-p", str(args.build), str(path)],
+    options = [NOT_FOR_CPP] if path.suffix == ".cpp" else []
+    run = subprocess.run([TOOL, "--quiet", "-p", str(args.build), *options, str(path)],
                          capture_output=True, text=True)
     return run.stdout if run.returncode == 0 else run.stdout + run.stderr, run.returncode
 
