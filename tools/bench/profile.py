@@ -6,6 +6,7 @@ from dataclasses import dataclass
 # Arithmetic that is one or two instructions wherever it is used: it counts to its user, because a
 # sum over all its uses says nothing about where to look.
 HELPERS = ("firmware/math/fx.h",)
+FOLDERS = ("/firmware/", "/hal/")
 LIBRARY = "(compiler's library)"
 
 
@@ -18,8 +19,8 @@ class Share:
 
 
 def owner(chain):
-    """The innermost source position that is no helper; None for code without debug information."""
-    known = [frame for frame in chain if frame.file]
+    """The innermost source position that is no helper; None for code that is not the project's."""
+    known = [frame for frame in chain if short(frame.file)]
     for frame in known:
         if not frame.file.endswith(HELPERS):
             return frame
@@ -36,11 +37,11 @@ def key_of(image, address, chain, by_line):
 
 
 def short(path):
-    """A source file from the project's folder on."""
-    for folder in ("firmware/", "hal/"):
+    """A source file from the project's folder on; empty if it is not the project's."""
+    for folder in FOLDERS:
         if folder in path:
-            return folder + path.rpartition(folder)[2]
-    return path.rpartition("/")[2]
+            return folder[1:] + path.rpartition(folder)[2]
+    return ""
 
 
 def executed(bench, way):
