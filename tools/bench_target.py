@@ -2,32 +2,38 @@
 """What a control tick costs on a Cortex-M: instructions, modelled cycles, stack, sizes.
 
   tools/bench_target.py                     the tables
+  tools/bench_target.py --json cost.json    and all figures as JSON
   tools/bench_target.py --profile           where the instructions of a RUN tick go, by function
+  tools/bench_target.py --check             compared with the budget, tools/bench/budget.toml
+  tools/bench_target.py --write-budget      the budget from what is measured now
 
-The images hal/mps2/replay_*.elf replay runs of the simulator in an emulator, S1 to S3 with the
+It needs the builds host, cortex-m0plus, cortex-m3 and cortex-m4 (tools/dev build PRESET). Their
+images hal/mps2/replay_*.elf replay runs of the simulator in an emulator, S1 to S3: with the
 published tuning and nothing imperfect, and with the robust tuning and every imperfection. Each
 tick's results must be those of the PC, or there is no figure.
 
 Counted is a call of the control interrupt from its first instruction to its return: sampling
 conversion, protection, state machine, observer, current loop, modulator, the decimated motion loops
-and what they call of the compiler's library. In it hal_sample() and hal_apply() of a board that
-reads and writes memory; the exception's entry and the reading and writing of the recording are not.
-An instruction that an IT block skips counts, as it is fetched. A tick belongs to the state that it
-ends in.
-
-Exit status: 0 done, 2 an image, a file or an argument is missing or wrong.
+and what they call of the compiler's library. hal_sample() and hal_apply() are in it, those of a board
+that reads and writes memory; the exception's entry and the recording's reading and writing are not.
+An instruction that an IT block skips counts, as the core fetches it. A tick belongs to the state
+that it ends in. Cycles are a model; its assumptions are printed with it.
 """
 
 import argparse
 import contextlib
+import json
 import os
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".cache" / "venv"
-CORES = ("cortex-m0plus", "cortex-m3", "cortex-m4")
-TUNINGS = ("published", "robust")
+BUDGET = ROOT / "tools/bench/budget.toml"
+MARGIN_PERCENT = 3.0
+
+EPILOG = """Exit status: 0 done; 1 with --check, a figure is outside the budget, each in one line; 2 an
+image, a file or an argument is missing or wrong."""
 
 
 def needed_packages():
@@ -40,16 +46,19 @@ def needed_packages():
         python = VENV / "bin" / "python"
         if python.exists() and Path(sys.prefix) != VENV:
             os.execv(python, [str(python), *sys.argv])
-        sys.exit(f"bench_target.py: {error}; expected the packages of tools/requirements.txt: "
-                 "run tools/dev setup")
+        print(f"bench_target.py: {error}; expected the packages of tools/requirements.txt: "
+              "run tools/dev setup", file=sys.stderr)
+        sys.exit(2)
 
 
 def progress_on(console):
-    """A bar on the terminal for each replay; nothing where there is no terminal."""
+    """A bar on the terminal for each replay, or a line each where there is no terminal."""
     from rich.progress import Progress
 
     @contextlib.contextmanager
     def progress(title, total):
+        if not console.is_terminal:
+            console.print(f"{title} ...")
         with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
             task = bar.add_task(title, total=total)
             yield lambda done: bar.update(task, advance=done)
@@ -66,37 +75,102 @@ def show_profiles(console, benches, args):
             console.print(profile_table(bench, args.state, shares, args.top))
 
 
+def write(path, text):
+    from bench.image import BenchError
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror}; expected a file that can be written") from error
+
+
+def check(figures, path):
+    """Compares with the budget; the exit status."""
+    from bench import budget
+    found = budget.findings(figures, budget.read(path))
+    for line in found:
+        print(line)
+    count = sum(map(len, figures.values()))
+    if found:
+        print(f"{len(found)} of {count} figures outside {path.name}. If that is meant: "
+              "tools/bench_target.py --write-budget")
+        return 1
+    print(f"all {count} figures within {path.name}")
+    return 0
+
+
+def report_on(console, benches, args):
+    """Tables, files and the comparison that the arguments ask for; the exit status."""
+    from bench import budget, report, tables
+    found = report.collect(benches)
+    if args.json:
+        write(args.json, json.dumps(found, indent=2) + "\n")
+    figures = report.figures(found)
+    if args.check:
+        return check(figures, args.budget)
+    for table in tables.all_tables(found):
+        console.print(table)
+    if args.write_budget:
+        write(args.budget, budget.as_toml(figures, args.margin))
+        print(args.budget)
+    return 0
+
+
 def one_of(names):
     """A list of names separated by commas, each out of `names`."""
     def parse(text):
         chosen = text.split(",")
-        unknown = [name for name in chosen if name not in names]
-        if unknown:
-            raise argparse.ArgumentTypeError(
-                f"'{unknown[0]}' is none of {', '.join(names)}")
+        for name in chosen:
+            if name not in names:
+                raise argparse.ArgumentTypeError(f"'{name}' is none of {', '.join(names)}")
         return chosen
     return parse
 
 
+def add_profile(parser, states):
+    group = parser.add_argument_group("profile")
+    group.add_argument("--profile", action="store_true",
+                       help="instructions by source function, inlined ones told apart, "
+                       "instead of the tables")
+    group.add_argument("--lines", action="store_true", help="by source line")
+    group.add_argument("--worst", action="store_true",
+                       help="sorted by the longest tick, not by the mean")
+    group.add_argument("--state", default="RUN", choices=states, help="of which ticks (RUN)")
+    group.add_argument("--top", type=int, default=25, metavar="N", help="how many rows (25)")
+
+
+def add_budget(parser):
+    group = parser.add_argument_group("budget")
+    either = group.add_mutually_exclusive_group()
+    either.add_argument("--check", action="store_true", help="compare, instead of the tables")
+    either.add_argument("--write-budget", action="store_true",
+                        help="write it, each figure with the margin to both sides")
+    group.add_argument("--budget", type=Path, default=BUDGET, metavar="FILE",
+                       help="the budget (tools/bench/budget.toml)")
+    group.add_argument("--margin", type=float, default=MARGIN_PERCENT, metavar="PERCENT",
+                       help=f"of --write-budget ({MARGIN_PERCENT:g})")
+
+
 def arguments_of(words):
+    from bench.machine import CPU
+    from bench.replay import RECORDINGS, state_names
     parser = argparse.ArgumentParser(
-        prog="bench_target.py", description=__doc__,
+        prog="bench_target.py", description=__doc__, epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=Path, default=ROOT / "build", metavar="DIR",
-                        help="builds of the presets host, cortex-m0plus ... (default: build)")
-    parser.add_argument("--cores", type=one_of(CORES), default=CORES, metavar="CORE,...",
-                        help=f"out of {', '.join(CORES)} (default: all)")
-    parser.add_argument("--tunings", type=one_of(TUNINGS), default=TUNINGS, metavar="NAME,...",
-                        help=f"out of {', '.join(TUNINGS)} (default: both)")
-    parser.add_argument("--profile", action="store_true",
-                        help="instructions by source function, inlined ones told apart")
-    parser.add_argument("--lines", action="store_true", help="with --profile: by source line")
-    parser.add_argument("--worst", action="store_true",
-                        help="with --profile: sorted by the longest tick, not by the mean")
-    parser.add_argument("--state", default="RUN", help="with --profile: of which ticks (RUN)")
-    parser.add_argument("--top", type=int, default=25, metavar="N",
-                        help="with --profile: how many (25)")
-    return parser.parse_args(words)
+                        help="folder of the builds (build)")
+    parser.add_argument("--cores", type=one_of(CPU), default=list(CPU), metavar="CORE,...",
+                        help=f"out of {', '.join(CPU)} (all)")
+    parser.add_argument("--tunings", type=one_of(RECORDINGS), default=list(RECORDINGS),
+                        metavar="NAME,...", help=f"out of {', '.join(RECORDINGS)} (all)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures there")
+    add_profile(parser, state_names())
+    add_budget(parser)
+    args = parser.parse_args(words)
+    if args.write_budget and (len(args.cores) < len(CPU) or len(args.tunings) < len(RECORDINGS)):
+        parser.error("--write-budget: a budget of all cores and tunings is expected")
+    if not 0.0 <= args.margin < 100.0:
+        parser.error(f"--margin: {args.margin:g}; expected 0 to 100 %")
+    return args
 
 
 def main(words=None):
@@ -109,11 +183,13 @@ def main(words=None):
     console = Console()
     try:
         benches = measure(args.build, args.cores, args.tunings, progress_on(Console(stderr=True)))
-        show_profiles(console, benches, args)
+        if args.profile:
+            show_profiles(console, benches, args)
+            return 0
+        return report_on(console, benches, args)
     except BenchError as error:
         print(f"bench_target.py: {error}", file=sys.stderr)
         return 2
-    return 0
 
 
 if __name__ == "__main__":

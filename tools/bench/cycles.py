@@ -2,7 +2,8 @@
 
 From Arm's technical reference manuals, "Instruction set summary", all for zero wait states: Cortex-M0+
 DDI 0484C table 3-1, Cortex-M3 DDI 0337I table 3-1, Cortex-M4 100166 table 3-1. Where a manual gives a
-range (a refill of the pipeline takes 1 to 3 cycles, two loads in a row overlap), so does the model.
+range (a refill of the pipeline takes 1 to 3 cycles, two loads in a row overlap), so does the model. The
+M0+ comes with either of two multipliers, of 1 and of 32 cycles ("slow MULS").
 """
 
 from dataclasses import dataclass
@@ -46,7 +47,7 @@ M3 = M4 | {"multiply-add": TWO, "long multiply": Cost(3, 5), "long multiply-add"
 
 MODELS = (
     Model("cortex-m0plus", "M0+", M0PLUS, ONE),
-    Model("cortex-m0plus", "M0+ with the 32-cycle multiplier", M0PLUS_SMALL, ONE),
+    Model("cortex-m0plus", "M0+ slow MULS", M0PLUS_SMALL, ONE),
     Model("cortex-m3", "M3", M3, Cost(1, 3)),
     Model("cortex-m4", "M4", M4, Cost(1, 3)),
 )
@@ -82,16 +83,24 @@ def block_cycles(model, block):
             sum(cost.high + cost.each * n for cost, n in costs))
 
 
-def trail_cycles(model, blocks, back):
-    """(low, high) of a way through blocks that returns to the address `back`."""
-    low = high = 0
-    following = [block.start for block in blocks[1:]] + [back]
-    for block, then in zip(blocks, following):
-        cycles = block_cycles(model, block)
-        jumps = then != block.end
-        low += cycles[0] + jumps * model.refill.low
-        high += cycles[1] + jumps * model.refill.high
-    return low, high
+class Clock:
+    """The cycles of a core; each block is summed up once."""
+
+    def __init__(self, model):
+        self._model = model
+        self._blocks = {}
+
+    def cycles(self, blocks, back):
+        """(low, high) of a way through blocks that returns to the address `back`."""
+        low = high = jumps = 0
+        following = [block.start for block in blocks[1:]] + [back]
+        for block, then in zip(blocks, following):
+            if block.start not in self._blocks:
+                self._blocks[block.start] = block_cycles(self._model, block)
+            jumps += then != block.end
+            low += self._blocks[block.start][0]
+            high += self._blocks[block.start][1]
+        return low + jumps * self._model.refill.low, high + jumps * self._model.refill.high
 
 
 def as_text(cost):

@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from . import machine
@@ -49,7 +50,7 @@ class Bench:
         """The blocks of a way; its last address is where it returns to."""
         return [self.decoder.block(at, self.sizes[at]) for at in way[:-1]]
 
-    @property
+    @cached_property
     def sizes(self):
         return {at: size for replay in self.replays for at, size in replay.sizes.items()}
 

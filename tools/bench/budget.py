@@ -1,0 +1,86 @@
+"""The committed budget: each figure bounded on both sides.
+
+The lower bound is there because a figure that falls for no known reason is as suspicious as one that
+rises: a tick that got cheap may have stopped doing something.
+"""
+
+import math
+import tomllib
+
+from .image import BenchError
+
+HEADER = """\
+# What the control tick may cost: [lowest, highest] of each figure, measured ± {margin:g} %.
+# Held by the test target.cost. Written by `tools/bench_target.py --write-budget`; say in the
+# commit why the figures moved.
+"""
+
+
+def bounds(value, percent):
+    """The whole numbers around a value with its margin."""
+    return [math.floor(value * (1 - percent / 100)), math.ceil(value * (1 + percent / 100))]
+
+
+def as_toml(figures, percent):
+    lines = [HEADER.format(margin=percent)]
+    for group, values in figures.items():
+        lines.append(f"[{group}]")
+        lines += [f"{name} = {bounds(value, percent)}" for name, value in values.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def read(path):
+    """Bounds by group and figure."""
+    try:
+        with open(path, "rb") as file:
+            budget = tomllib.load(file)
+    except OSError as error:
+        raise BenchError(f"{path}: {error.strerror}; expected a budget, which --write-budget "
+                         "writes") from error
+    except tomllib.TOMLDecodeError as error:
+        raise BenchError(f"{path}: {error}; expected TOML") from error
+    return checked(path, budget)
+
+
+def checked(path, budget):
+    """The file's tables [core.group], each figure a pair; anything else is refused."""
+    found = {}
+    for core, groups in budget.items():
+        for group, values in groups.items() if isinstance(groups, dict) else [("", groups)]:
+            if not isinstance(values, dict):
+                raise BenchError(f"{path}: {core} {group} is {values}; expected tables "
+                                 "[core.group] of figures")
+            for name, pair in values.items():
+                check_pair(path, f"{core}.{group}.{name}", pair)
+            found[f"{core}.{group}"] = values
+    return found
+
+
+def check_pair(path, name, pair):
+    numbers = isinstance(pair, list) and len(pair) == 2 and all(
+        type(bound) in (int, float) for bound in pair)
+    if not numbers or pair[0] > pair[1]:
+        raise BenchError(f"{path}: {name} is {pair}; expected [lowest, highest]")
+
+
+def findings(figures, budget):
+    """A line for each figure that is outside its bounds, or on one side only."""
+    lines = []
+    for group, values in figures.items():
+        allowed = budget.get(group, {})
+        for name, value in values.items():
+            lines += finding(f"{group}.{name}", value, allowed.get(name))
+        lines += [f"{group}.{name}: not measured, allowed {pair[0]} to {pair[1]}"
+                  for name, pair in allowed.items() if name not in values]
+    return lines
+
+
+def finding(name, value, pair):
+    if pair is None:
+        return [f"{name}: {value:g}, not in the budget"]
+    if value > pair[1]:
+        return [f"{name}: {value:g}, more than allowed ({pair[0]} to {pair[1]})"]
+    if value < pair[0]:
+        return [f"{name}: {value:g}, less than allowed ({pair[0]} to {pair[1]})"]
+    return []
