@@ -67,12 +67,15 @@ def progress_on(console):
 
 
 def show_profiles(console, benches, args):
+    from bench.image import BenchError
     from bench.profile import profile
     from bench.tables import profile_table
     for bench in benches:
-        if args.state in bench.states:
-            shares = profile(bench, args.state, args.lines, args.worst)
-            console.print(profile_table(bench, args.state, shares, args.top))
+        if args.state not in bench.states:
+            raise BenchError(f"--state: no tick of {bench.tuning} ends in {args.state}; "
+                             f"expected one of {', '.join(bench.states)}")
+        shares = profile(bench, args.state, args.lines, args.worst)
+        console.print(profile_table(bench, args.state, shares, args.top))
 
 
 def write(path, text):

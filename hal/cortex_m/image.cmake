@@ -13,8 +13,8 @@ function(nf_add_image target)
     set_source_files_properties(${NF_CORTEX_M}/startup.c PROPERTIES COMPILE_OPTIONS -fno-lto)
     target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
-    # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how much
-    # stack. It is an option of the link, as that is when the code is made.
+    # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
+    # much stack. It is an option of the link, as that is when the code is made.
     #
     # Newlib was compiled with short enums. Nothing of it that is used here has an enum.
     target_link_options(${target} PRIVATE

@@ -13,7 +13,7 @@ from capstone import arm
 from .blocks import Decoder
 from .image import BenchError
 
-# The exception's own frame: 8 registers, and up to 4 bytes to align it (ARMv6-M and ARMv7-M, without FPU).
+# The exception's own frame: 8 registers, and up to 4 bytes to align it (no FPU context).
 EXCEPTION_BYTES = 8 * 4 + 4
 INDIRECT_CALL = "__indirect_call"
 # Whom a function calls through a pointer, by its name. The control tick has no such call.
