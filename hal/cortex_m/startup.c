@@ -13,8 +13,6 @@ typedef struct {
 
 extern const startup_memory_t startup_memory;
 
-int main(void);
-
 void Reset_Handler(void)
 {
     const startup_memory_t *const memory = &startup_memory;
@@ -36,18 +34,6 @@ void safe_state_handler(void)
         /* stay */
     }
 }
-
-/* What a target does not define. */
-#define UNEXPECTED __attribute__((weak, alias("safe_state_handler")))
-void NMI_Handler(void) UNEXPECTED;
-void HardFault_Handler(void) UNEXPECTED;
-void MemManage_Handler(void) UNEXPECTED;
-void BusFault_Handler(void) UNEXPECTED;
-void UsageFault_Handler(void) UNEXPECTED;
-void SVC_Handler(void) UNEXPECTED;
-void DebugMon_Handler(void) UNEXPECTED;
-void PendSV_Handler(void) UNEXPECTED;
-void SysTick_Handler(void) UNEXPECTED;
 
 /* Exceptions 1 to 15. ARMv6-M has fewer: its reserved ones stay unused. */
 const vector_t core_vectors[CORE_VECTORS] __attribute__((section(".vectors.core"), used)) = {

@@ -6,8 +6,7 @@
  *
  *     const vector_t device_vectors[N] __attribute__((section(".vectors.device"), used)) = {...};
  *
- * with safe_state_handler for each that it does not use. A target that uses an exception of the core
- * defines its handler (SysTick_Handler and so on); all others are safe_state_handler.
+ * with safe_state_handler for each that it does not use.
  */
 #ifndef STARTUP_H
 #define STARTUP_H
@@ -19,7 +18,8 @@ typedef void (*vector_t)(void);
 extern const vector_t core_vectors[CORE_VECTORS];
 
 /*
- * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A return of main() ends in safe_state_handler().
+ * Brings up the memory (.data copied, .bss zero) and calls main(). Runs on the stack alone. A return of
+ * main() ends in safe_state_handler().
  */
 void Reset_Handler(void);
 
@@ -28,6 +28,20 @@ void Reset_Handler(void);
  * target's business, for example its watchdog. Context: any exception.
  */
 void safe_state_handler(void);
+
+/* Exceptions of the core: safe_state_handler, by sections.ld, if a target does not define them. */
+void NMI_Handler(void);
+void HardFault_Handler(void);
+void MemManage_Handler(void);
+void BusFault_Handler(void);
+void UsageFault_Handler(void);
+void SVC_Handler(void);
+void DebugMon_Handler(void);
+void PendSV_Handler(void);
+void SysTick_Handler(void);
+
+/* Defined by each target; called once the memory is as C wants it. */
+int main(void);
 
 /* Defined by each target: gates open, by the shortest way. No memory but registers may be relied on. */
 void board_safe_state(void);

@@ -22,7 +22,7 @@ static app_t app;
 static uint8_t frames[BLOCK_TICKS * RECORDING_FRAME_BYTES];
 static uint8_t results[BLOCK_TICKS * RECORDING_RESULT_BYTES];
 
-int main(void);
+// NOLINTNEXTLINE(misc-use-internal-linkage): tools look for its name
 void control_interrupt(void);
 
 void board_safe_state(void)
