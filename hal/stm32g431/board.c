@@ -1,0 +1,33 @@
+#include "board.h"
+
+#include "hal_config.h"
+
+/* What this chip cannot do, and nfconfig cannot know. */
+_Static_assert(HAL_TIMER_CLOCK_HZ == BOARD_CLOCK_HZ,
+               "board.timer_clock_hz: this chip's timer runs at 170000000 Hz");
+_Static_assert(HAL_ADC_BITS == 12U, "board.adc_bits: this chip's converters have 12");
+_Static_assert(HAL_DEAD_TIME_TICKS <= 1008U,
+               "hal.dead_time_ns: this chip's timer makes 1008 of its ticks at most");
+_Static_assert(HAL_ADC_SAMPLING_NS <= 1100U,
+               "hal.adc_sampling_ns: 47.5 converter cycles at most, as long as the bus is sampled");
+
+const board_t BOARD = {
+    .timer_counts = HAL_TIMER_COUNTS,
+    .dead_time_ticks = HAL_DEAD_TIME_TICKS,
+    .adc_sampling_ns = HAL_ADC_SAMPLING_NS,
+    .amplifier_zero = HAL_AMPLIFIER_ZERO,
+    .amplifier_inverts = HAL_AMPLIFIER_INVERTS,
+    .pga_gain = HAL_PGA_GAIN,
+    .trip_count = HAL_TRIP_COUNT,
+    .trip_below = HAL_TRIP_BELOW,
+    .current_full_scale_ma = HAL_CURRENT_FULL_SCALE_MA,
+    .bus_full_scale_mv = HAL_BUS_FULL_SCALE_MV,
+    .step_per_rpm_q16 = HAL_STEP_PER_RPM_Q16,
+    .speed_max_rpm = HAL_SPEED_MAX_RPM,
+    .adc_reference_mv = HAL_ADC_REFERENCE_MV,
+    .temperature_25c_mv = HAL_TEMPERATURE_25C_MV,
+    .temperature_uv_per_c = HAL_TEMPERATURE_UV_PER_C,
+    .temperature_max_c = HAL_TEMPERATURE_MAX_C,
+};
+
+const char *const BOARD_NAME = HAL_NAME;

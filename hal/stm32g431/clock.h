@@ -1,0 +1,23 @@
+/*
+ * Clock tree, clocks of the peripherals and pins. RM0440 6.1.5 (boost), 7.2, 9.3.
+ */
+#ifndef CLOCK_H
+#define CLOCK_H
+
+#include <stdbool.h>
+
+/*
+ * System, timer and bus clocks to 170 MHz from the internal 16 MHz oscillator: 16 MHz / 4 · 85 / 2, with
+ * the regulator in boost mode and four wait states of the flash. The oscillator is accurate to 1 % and
+ * needs no part outside of the chip; speeds are as accurate as it is.
+ * Call once, first. False when regulator or clock do not settle.
+ */
+bool clock_init(void);
+
+/* Pins as the README's table says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
+void clock_pins(void);
+
+/* Waits for 1 to 90000 µs. Context: before the tick guard is started, whose counter it uses. */
+void clock_wait_us(unsigned int us);
+
+#endif

@@ -1,0 +1,255 @@
+#include "console.h"
+
+#include "board.h"
+#include "sensing.h"
+#include "uart.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define Q15_ONE (32768)
+#define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
+
+void console_say(console_t *console, const char *line)
+{
+    text_add(&console->out, line);
+    text_add(&console->out, "\r\n");
+}
+
+/* Q15 of a base in thousandths of its unit. */
+static int32_t in_thousandths(int32_t value_q15, uint32_t base)
+{
+    const int64_t product = (int64_t)value_q15 * (int64_t)base;
+
+    return (int32_t)(product / Q15_ONE);
+}
+
+static int32_t in_rpm(step_t speed)
+{
+    const int64_t scaled = (int64_t)speed * 65536;
+
+    return (int32_t)(scaled / (int64_t)BOARD.step_per_rpm_q16);
+}
+
+static void add_quantity(text_t *text, const char *name, int32_t value, uint32_t decimals)
+{
+    text_add(text, name);
+    text_number(text, value, decimals);
+}
+
+/* As measured, with the amplifier's offset: that is worth a look at the first power-up. */
+static void add_current(text_t *text, const char *name, uint16_t count)
+{
+    const int32_t above_zero = (int32_t)count - (int32_t)SENSING_MIDDLE;
+    const int32_t full_scale_ma = (int32_t)BOARD.current_full_scale_ma;
+
+    add_quantity(text, name, (above_zero * full_scale_ma) / (int32_t)SENSING_MIDDLE, 3U);
+}
+
+static void add_fault(text_t *text, const fault_t *fault)
+{
+    static const char *const names[] = {
+        "none", "break", "over-current", "over-voltage", "under-voltage", "current offset",
+    };
+    const bool bus = (fault->id == FAULT_OVERVOLTAGE) || (fault->id == FAULT_UNDERVOLTAGE);
+    const uint32_t base =
+        bus ? BOARD.bus_full_scale_mv : (BOARD.current_full_scale_ma * CURRENT_BASE_RATIO);
+
+    text_add(text, " by ");
+    text_add(text, names[fault->id]);
+    add_quantity(text, " ", in_thousandths(fault->value, base), 3U);
+    add_quantity(text, bus ? " V, limit " : " A, limit ", in_thousandths(fault->limit, base), 3U);
+}
+
+static void show_status(console_t *console)
+{
+    static const char *const states[] = {"INIT", "OFFSET_CAL", "READY", "RUN", "FAULT"};
+    const app_t *const app = console->app;
+    const drive_t *const drive = &app->drive;
+    const uint32_t load_pct = (console->hal->longest * 50U) / BOARD.timer_counts;
+    text_t *const out = &console->out;
+
+    text_add(out, states[drive->state]);
+    if (drive->state == DRIVE_STATE_FAULT) {
+        add_fault(out, &drive->fault);
+    }
+    add_quantity(out, ", speed ", in_rpm(drive_speed(drive)), 0U);
+    add_quantity(out, " of ", console->speed_rpm, 0U);
+    add_current(out, " rpm, phases ", app->in.adc_ia);
+    add_current(out, " ", app->in.adc_ib);
+    add_current(out, " ", console->hal->phase_c);
+    add_quantity(out, " A, bus ", in_thousandths(drive->signals.bus, BOARD.bus_full_scale_mv), 3U);
+    add_quantity(out, " V, ", console->temperature_c, 0U);
+    add_quantity(out, " C, late ", (int32_t)console->hal->overruns, 0U);
+    add_quantity(out, ", load ", (int32_t)load_pct, 0U);
+    console_say(console, " %");
+}
+
+static void request(console_t *console, uint8_t what)
+{
+    volatile drive_command_t *const command = &console->app->command;
+
+    command->request = what;
+}
+
+static void start(console_t *console)
+{
+    if (console->app->drive.state == DRIVE_STATE_FAULT) {
+        console_say(console, "error: a fault is latched; clear it first");
+    } else if (console->temperature_c > BOARD.temperature_max_c) {
+        console_say(console, "error: the board is too hot");
+    } else {
+        request(console, DRIVE_REQUEST_RUN);
+        console_say(console, "ok");
+    }
+}
+
+static void clear_fault(console_t *console)
+{
+    if (console->app->drive.state == DRIVE_STATE_FAULT) {
+        request(console, DRIVE_REQUEST_CLEAR);
+        console_say(console, "ok");
+    } else {
+        console_say(console, "error: there is no fault to clear");
+    }
+}
+
+static void stop(console_t *console)
+{
+    request(console, 0U);
+    console_say(console, "ok");
+}
+
+/* Rounded to the nearest step. */
+static int32_t step_of(int32_t rpm)
+{
+    const int64_t product = (int64_t)rpm * (int64_t)BOARD.step_per_rpm_q16;
+    const int64_t half = (product < 0) ? -32768 : 32768;
+
+    return (int32_t)((product + half) / 65536);
+}
+
+static void set_speed(console_t *console, const char *argument)
+{
+    volatile drive_command_t *const command = &console->app->command;
+    int32_t rpm = 0;
+    const bool good = text_to_number(argument, &rpm);
+
+    if (good && (rpm >= -BOARD.speed_max_rpm) && (rpm <= BOARD.speed_max_rpm)) {
+        command->target = step_of(rpm);
+        console->speed_rpm = rpm;
+        console_say(console, "ok");
+    } else {
+        add_quantity(&console->out, "error: speed takes a whole number of rpm, at most ",
+                     BOARD.speed_max_rpm, 0U);
+        console_say(console, " either way");
+    }
+}
+
+static bool same(const char *line, const char *command)
+{
+    const char *const rest = text_after(line, command);
+
+    return (rest != NULL) && (rest[0] == '\0');
+}
+
+static void do_line(console_t *console)
+{
+    const char *const line = console->line;
+    const char *const speed = text_after(line, "speed ");
+
+    if (speed != NULL) {
+        set_speed(console, speed);
+    } else if (same(line, "run")) {
+        start(console);
+    } else if (same(line, "stop")) {
+        stop(console);
+    } else if (same(line, "clear")) {
+        clear_fault(console);
+    } else if (same(line, "status")) {
+        show_status(console);
+    } else {
+        console_say(console, "error: the commands are run, stop, clear, speed RPM, status");
+    }
+}
+
+/* A line ends with CR, LF or both; an empty one is none. */
+static void take(console_t *console, uint8_t byte)
+{
+    const bool ends = (byte == (uint8_t)'\r') || (byte == (uint8_t)'\n');
+
+    if (ends && (console->length > 0U)) {
+        console->line[console->length] = '\0';
+        console->length = 0U;
+        do_line(console);
+    } else if (ends) {
+        /* nothing was typed */
+    } else if (console->length < CONSOLE_LINE_MAX) {
+        console->line[console->length] = (char)byte;
+        console->length++;
+    } else {
+        console->line[0] = '?'; /* too long: no command starts so */
+    }
+}
+
+/* A clear is done once the fault is left: kept, it would clear the next one unseen. */
+static void finish_clear(console_t *console)
+{
+    const drive_command_t *const command = &console->app->command;
+
+    if ((command->request == DRIVE_REQUEST_CLEAR) &&
+        (console->app->drive.state != DRIVE_STATE_FAULT)) {
+        request(console, 0U);
+    }
+}
+
+static void announce(console_t *console)
+{
+    const drive_state_t state = console->app->drive.state;
+
+    if (state != console->announced) {
+        console->announced = state;
+        show_status(console);
+    }
+}
+
+static void send(console_t *console)
+{
+    text_t *const out = &console->out;
+
+    while ((console->sent < out->length) && uart_put((uint8_t)out->characters[console->sent])) {
+        console->sent++;
+    }
+    if (console->sent == out->length) {
+        console->sent = 0U;
+        out->length = 0U;
+    }
+}
+
+void console_init(console_t *console, app_t *app, const hal_t *hal)
+{
+    *console = (console_t){.app = app, .hal = hal, .announced = DRIVE_STATE_INIT};
+}
+
+void console_step(console_t *console)
+{
+    uint8_t byte = 0U;
+
+    while (uart_get(&byte)) {
+        take(console, byte);
+    }
+    finish_clear(console);
+    announce(console);
+    send(console);
+}
+
+void console_set_temperature(console_t *console, int32_t temperature_c)
+{
+    const bool running = (console->app->command.request & DRIVE_REQUEST_RUN) != 0U;
+
+    console->temperature_c = temperature_c;
+    if (running && (temperature_c > BOARD.temperature_max_c)) {
+        request(console, 0U);
+        console_say(console, "stopped: the board is too hot");
+    }
+}

@@ -1,0 +1,43 @@
+/*
+ * The console: one command a line, one line as answer; and the status when the drive changes its state.
+ *
+ *     run  stop  clear  speed RPM  status
+ *
+ * Runs in the background. It writes app_t.command and reads the drive; both may be interrupted by the
+ * control tick at any instruction, each field is one aligned access.
+ */
+#ifndef CONSOLE_H
+#define CONSOLE_H
+
+#include "app.h"
+#include "hal_g431.h"
+#include "text.h"
+
+#include <stdint.h>
+
+#define CONSOLE_LINE_MAX (31U)
+
+typedef struct {
+    app_t *app;
+    const hal_t *hal;
+    drive_state_t announced;
+    int32_t speed_rpm; /* asked for last */
+    int32_t temperature_c;
+    char line[CONSOLE_LINE_MAX + 1U];
+    uint32_t length; /* of the line so far */
+    text_t out;      /* to be sent */
+    uint32_t sent;
+} console_t;
+
+void console_init(console_t *console, app_t *app, const hal_t *hal);
+
+/* Send a line. The console never waits: what does not fit behind what is still to be sent is lost. */
+void console_say(console_t *console, const char *line);
+
+/* One pass of the background: bytes in and out, a command, an announcement. */
+void console_step(console_t *console);
+
+/* The board's temperature. Above the board's limit the drive is stopped. */
+void console_set_temperature(console_t *console, int32_t temperature_c);
+
+#endif

@@ -1,0 +1,129 @@
+#include "hal_g431.h"
+
+#include "guard.h"
+#include "pwm.h"
+#include "sensing.h"
+#include "trip.h"
+
+#include <stddef.h>
+
+/* Timer ticks that three compare registers take to be written, with room: 0.4 µs. */
+#define WRITE_TICKS (64U)
+
+/* The comparators come first: the timer's break input must not see them start. */
+const char *hal_g431_init(hal_t *hal)
+{
+    const char *why = NULL;
+
+    *hal = (hal_t){0};
+    if (!trip_init()) {
+        why = "the trip level's DAC does not become ready";
+    } else {
+        pwm_init();
+        if (!sensing_init()) {
+            why = "a converter does not become ready";
+        }
+    }
+    return why;
+}
+
+const char *hal_g431_start(void)
+{
+    const char *why = NULL;
+
+    if (!pwm_start()) {
+        why = "the timer does not update at its peak";
+    } else if (!guard_start()) {
+        why = "the watchdog does not start";
+    } else {
+        sensing_start();
+    }
+    return why;
+}
+
+/*
+ * Acknowledges the update, and the break if there was one; an active break input sets its flag again.
+ * Only what was seen is cleared, so that a break in between is not lost.
+ */
+static uint16_t take_flags(hal_t *hal)
+{
+    const uint32_t seen = reg_read(TIM1_SR) & (TIM_SR_UIF | TIM_SR_BIF);
+    const bool broken = (seen & TIM_SR_BIF) != 0U;
+
+    reg_write(TIM1_SR, ~seen);
+    if (broken) {
+        hal->gates_on = false;
+    }
+    return (broken || hal->tick_lost) ? DRIVE_FLAG_BREAK : 0U;
+}
+
+void hal_sample(hal_t *hal, drive_in_t *in)
+{
+    guard_restart();
+    reg_write(ADC1 + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
+    in->flags = take_flags(hal);
+    pwm_write_rest();
+    in->adc_ia = sensing_current(reg_read(ADC1 + ADC_JDR1));
+    in->adc_ib = sensing_current(reg_read(ADC2 + ADC_JDR1));
+    in->adc_bus = (uint16_t)reg_read(ADC1 + ADC_JDR2);
+    hal->phase_c = sensing_current(reg_read(ADC2 + ADC_JDR2));
+}
+
+/*
+ * The output is enabled once, when it is asked for: if a break has opened the gates meanwhile, they stay
+ * open until the drive has seen it and asks again.
+ */
+static void set_gates(hal_t *hal, bool enable)
+{
+    if (!enable) {
+        hal_open_gates(hal);
+    } else if (!hal->gates_on && !hal->tick_lost && !reg_any(TIM1_SR, TIM_SR_BIF)) {
+        reg_set(TIM1_BDTR, TIM_BDTR_MOE);
+        hal->gates_on = true;
+        /* The tick guard may have come between its look above and the output's enabling. */
+        if (hal->tick_lost) {
+            hal_open_gates(hal);
+        }
+    } else {
+        /* as it is */
+    }
+}
+
+/* Too late once the next update has come, or is so close that the three values could be torn apart. */
+static bool is_late(uint32_t elapsed)
+{
+    const bool close = elapsed > ((2U * BOARD.timer_counts) - WRITE_TICKS);
+
+    return close || reg_any(TIM1_SR, TIM_SR_UIF);
+}
+
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    const uint32_t elapsed = pwm_elapsed();
+
+    if (is_late(elapsed)) {
+        hal->overruns++;
+    } else {
+        pwm_write(out->compare.phase[0], out->compare.phase[1], out->compare.phase[2]);
+        hal->longest = (elapsed > hal->longest) ? elapsed : hal->longest;
+    }
+    set_gates(hal, out->gate_enable);
+    hal->ticks++;
+}
+
+void hal_open_gates(hal_t *hal)
+{
+    reg_clear(TIM1_BDTR, TIM_BDTR_MOE);
+    hal->gates_on = false;
+}
+
+uint32_t hal_ticks(const hal_t *hal)
+{
+    return hal->ticks;
+}
+
+void hal_g431_tick_lost(hal_t *hal)
+{
+    hal->tick_lost = true;
+    hal_open_gates(hal);
+}

@@ -1,0 +1,130 @@
+/*
+ * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while the
+ * background serves console, LED, temperature and watchdog, once a tick.
+ */
+#include "app.h"
+#include "board.h"
+#include "clock.h"
+#include "console.h"
+#include "cpu.h"
+#include "drive_config.h"
+#include "guard.h"
+#include "hal_g431.h"
+#include "led.h"
+#include "pwm.h"
+#include "sensing.h"
+#include "uart.h"
+#include "vectors.h"
+
+#include <stddef.h>
+
+#define TEMPERATURE_TICKS (1024U) /* between two looks at the temperature */
+
+static app_t app;
+static hal_t hardware;
+static console_t console;
+
+void board_safe_state(void)
+{
+    reg_clear(TIM1_BDTR, TIM_BDTR_MOE);
+}
+
+void ADC1_2_IRQHandler(void)
+{
+    control_isr(&app);
+}
+
+/* The tick guard: no control tick for one and a half periods. */
+void SysTick_Handler(void)
+{
+    hal_g431_tick_lost(&hardware);
+}
+
+static int32_t temperature_of(uint32_t count)
+{
+    const uint32_t millivolts = (count * BOARD.adc_reference_mv) / (SENSING_COUNT_MAX + 1U);
+    const int32_t above = (int32_t)millivolts - BOARD.temperature_25c_mv;
+
+    return 25 + ((above * 1000) / BOARD.temperature_uv_per_c);
+}
+
+static void watch_temperature(uint32_t tick)
+{
+    uint32_t count = 0U;
+
+    if (sensing_get_temperature(&count)) {
+        console_set_temperature(&console, temperature_of(count));
+    }
+    if ((tick % TEMPERATURE_TICKS) == 0U) {
+        sensing_start_temperature();
+    }
+}
+
+/* Never returns. A lost tick ends the feeding, and the watchdog ends this. */
+static void background(void)
+{
+    uint32_t fed = 0U;
+
+    sensing_start_temperature();
+    for (;;) {
+        const uint32_t tick = hal_ticks(&hardware);
+
+        if ((tick != fed) && !hardware.tick_lost) {
+            guard_feed();
+            fed = tick;
+            watch_temperature(tick);
+            led_show(app.drive.state, tick);
+        }
+        console_step(&console);
+        cpu_wait();
+    }
+}
+
+static const char *bring_up(void)
+{
+    const char *why = hal_g431_init(&hardware);
+
+    if (why == NULL) {
+        why = app_init(&app, &hardware, &DRIVE_CONFIG);
+    }
+    if (why == NULL) {
+        why = hal_g431_start();
+    }
+    return why;
+}
+
+/* The gates are open, no interrupt runs, the watchdog may or may not. The console tells why. */
+static void stay(const char *why)
+{
+    console_say(&console, "cannot start:");
+    console_say(&console, why);
+    for (;;) {
+        led_show(DRIVE_STATE_FAULT, 0U);
+        console_step(&console);
+    }
+}
+
+int main(void)
+{
+    const char *why = NULL;
+
+    reg_write(SCB_VTOR, 0x08000000U);
+    if (!clock_init()) {
+        why = "the clock does not settle"; /* and the baud rate is wrong: nobody will read it */
+    }
+    clock_pins();
+    uart_init();
+    console_init(&console, &app, &hardware);
+    console_say(&console, BOARD_NAME);
+    if (guard_has_bitten()) {
+        console_say(&console, "the watchdog made the last reset");
+    }
+    if (why == NULL) {
+        why = bring_up();
+    }
+    if (why != NULL) {
+        stay(why);
+    }
+    background();
+    return 0;
+}

@@ -1,0 +1,64 @@
+/*
+ * Access to memory-mapped registers by their address: the one place that turns a number into a pointer.
+ *
+ * All are 32-bit accesses, done in the order in which they are written. Waits are bounded: hardware
+ * that does not answer ends in a message and not in a dead loop.
+ */
+#ifndef REG_H
+#define REG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Reads that reg_wait() makes before it gives up: some 10 ms and more at 16 to 170 MHz. */
+#define REG_PATIENCE (500000U)
+
+static inline volatile uint32_t *reg_at(uint32_t address)
+{
+    // cppcheck-suppress misra-c2012-11.4 ; D2: the address is given by the chip
+    return (volatile uint32_t *)address;
+}
+
+static inline uint32_t reg_read(uint32_t address)
+{
+    return *reg_at(address);
+}
+
+static inline void reg_write(uint32_t address, uint32_t value)
+{
+    *reg_at(address) = value;
+}
+
+/* Replaces the bits of `mask` by those of `value`, which lies within it. */
+static inline void reg_change(uint32_t address, uint32_t mask, uint32_t value)
+{
+    reg_write(address, (reg_read(address) & ~mask) | value);
+}
+
+static inline void reg_set(uint32_t address, uint32_t bits)
+{
+    reg_change(address, bits, bits);
+}
+
+static inline void reg_clear(uint32_t address, uint32_t bits)
+{
+    reg_change(address, bits, 0U);
+}
+
+static inline bool reg_any(uint32_t address, uint32_t bits)
+{
+    return (reg_read(address) & bits) != 0U;
+}
+
+/* Waits until the bits of `mask` are `value`. False when that does not happen. */
+static inline bool reg_wait(uint32_t address, uint32_t mask, uint32_t value)
+{
+    uint32_t left = REG_PATIENCE;
+
+    while (((reg_read(address) & mask) != value) && (left > 0U)) {
+        left--;
+    }
+    return left > 0U;
+}
+
+#endif

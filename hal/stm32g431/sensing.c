@@ -1,0 +1,119 @@
+#include "sensing.h"
+
+#include "clock.h"
+
+/* RM0440 table 163 and data sheet table 4: inputs of the converters. */
+#define CHANNEL_BUS (1UL)          /* ADC1, PA0 */
+#define CHANNEL_SHUNT (3UL)        /* ADC1: PA2, first amplifier; ADC2: PA6, second */
+#define CHANNEL_TEMPERATURE (5UL)  /* ADC1, PB14 */
+#define CHANNEL_AMPLIFIER_3 (18UL) /* ADC2, inside */
+
+/* Data sheet: converter regulator 20 µs, operational amplifier wake-up 6 µs. */
+#define WAKE_US (30U)
+
+#define ADC_CLOCK_MHZ (42U) /* a little below the true 42.5 */
+
+#define SLOW_SAMPLING (4UL) /* 47.5 cycles, 1.1 µs: dividers of some kΩ with a capacitor */
+
+/* The shortest sampling time of at least `ns`; SLOW_SAMPLING at most, so that ADC1 ends last. */
+static uint32_t sampling_code(uint32_t ns)
+{
+    /* Sampling times in half cycles of the converter's clock, in the order of their codes. */
+    static const uint32_t half_cycles[SLOW_SAMPLING] = {5U, 13U, 25U, 49U};
+    const uint32_t wanted = ((ns * ADC_CLOCK_MHZ * 2U) + 999U) / 1000U;
+    uint32_t code = 0U;
+
+    while ((code < SLOW_SAMPLING) && (half_cycles[code] < wanted)) {
+        code++;
+    }
+    return code;
+}
+
+static uint32_t log2_of(uint32_t power)
+{
+    uint32_t log2 = 0U;
+
+    while ((power >> (log2 + 1U)) != 0U) {
+        log2++;
+    }
+    return log2;
+}
+
+/* Gain from the difference between plus and minus pin, so that the ground at the shunt counts. */
+static void start_amplifiers(void)
+{
+    const uint32_t gain = (log2_of(BOARD.pga_gain) - 1U) << OPAMP_CSR_PGA_GAIN_SHIFT;
+    const uint32_t amplifier =
+        OPAMP_CSR_EN | OPAMP_CSR_VMSEL_PGA | OPAMP_CSR_HIGHSPEED | OPAMP_CSR_PGA_MINUS_PIN | gain;
+
+    reg_write(OPAMP1_CSR, amplifier);
+    reg_write(OPAMP2_CSR, amplifier);
+    reg_write(OPAMP3_CSR, amplifier | OPAMP_CSR_INTEN);
+}
+
+/* RM0440 21.4.6, 21.4.8, 21.4.9: out of deep power down, calibrated, enabled. */
+static bool wake_converter(uint32_t adc)
+{
+    reg_write(adc + ADC_CR, 0U);
+    reg_write(adc + ADC_CR, ADC_CR_ADVREGEN);
+    clock_wait_us(WAKE_US);
+    reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADCAL);
+    if (!reg_wait(adc + ADC_CR, ADC_CR_ADCAL, 0U)) {
+        return false;
+    }
+    clock_wait_us(1U); /* four of its cycles between calibration and enabling */
+    reg_write(adc + ADC_ISR, ADC_ISR_ADRDY);
+    reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN);
+    return reg_wait(adc + ADC_ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
+}
+
+static void set_sequence(uint32_t adc, uint32_t second, uint32_t shunt_code)
+{
+    reg_write(adc + ADC_CFGR, ADC_CFGR_JQDIS | ADC_CFGR_OVRMOD);
+    reg_write(adc + ADC_SMPR1, (SLOW_SAMPLING << (3U * CHANNEL_BUS)) |
+                                   (shunt_code << (3U * CHANNEL_SHUNT)) |
+                                   (SLOW_SAMPLING << (3U * CHANNEL_TEMPERATURE)));
+    reg_write(adc + ADC_SMPR2, shunt_code << (3U * (CHANNEL_AMPLIFIER_3 - 10U)));
+    reg_write(adc + ADC_JSQR, ADC_JSQR_TWO | ADC_JSQR_EXTSEL_TIM1_TRGO2 | ADC_JSQR_EXTEN_RISING |
+                                  (CHANNEL_SHUNT << ADC_JSQR_SQ1_SHIFT) |
+                                  (second << ADC_JSQR_SQ2_SHIFT));
+}
+
+bool sensing_init(void)
+{
+    const uint32_t shunt_code = sampling_code(BOARD.adc_sampling_ns);
+
+    start_amplifiers();
+    reg_write(ADC12_CCR, ADC12_CCR_HCLK_4);
+    if (!wake_converter(ADC1) || !wake_converter(ADC2)) {
+        return false;
+    }
+    set_sequence(ADC1, CHANNEL_BUS, shunt_code);
+    set_sequence(ADC2, CHANNEL_AMPLIFIER_3, shunt_code);
+    reg_write(ADC1 + ADC_SQR1, CHANNEL_TEMPERATURE << ADC_SQR1_SQ1_SHIFT);
+    reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
+    reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
+    return true;
+}
+
+void sensing_start(void)
+{
+    reg_write(ADC1 + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
+    reg_write(ADC1 + ADC_IER, ADC_IER_JEOSIE);
+}
+
+/* Bits of the control register that are not meant are written as 0, which changes nothing. */
+void sensing_start_temperature(void)
+{
+    reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+}
+
+bool sensing_get_temperature(uint32_t *count)
+{
+    const bool ended = reg_any(ADC1 + ADC_ISR, ADC_ISR_EOC);
+
+    if (ended) {
+        *count = reg_read(ADC1 + ADC_DR); /* clears the flag */
+    }
+    return ended;
+}

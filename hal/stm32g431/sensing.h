@@ -1,0 +1,49 @@
+/*
+ * Shunt amplifiers and converters. RM0440 21.4, 25.3.
+ *
+ * Both converters start at TIM1's peak: ADC1 takes phase a, then the bus; ADC2 phase b, then phase c.
+ * The two first conversions are simultaneous, and phase currents come before anything else. ADC1's
+ * sequence is the longer one, so that all four results are there when it ends and its interrupt comes.
+ * The temperature is a regular conversion of ADC1, which gives way to the injected ones.
+ */
+#ifndef SENSING_H
+#define SENSING_H
+
+#include "board.h"
+#include "reg.h"
+#include "stm32g431.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define SENSING_COUNT_MAX (4095U)
+#define SENSING_MIDDLE (2048U)
+
+/* All but the interrupt. False when a converter does not become ready. */
+bool sensing_init(void);
+
+/* From now on the end of each sequence is a control interrupt; what was converted before is forgotten. */
+void sensing_start(void);
+
+/* Start a conversion of the temperature sensor. Context: background. */
+void sensing_start_temperature(void);
+
+/* True once a conversion has ended; then its counts. Context: background. */
+bool sensing_get_temperature(uint32_t *count);
+
+/*
+ * Raw counts of a shunt amplifier to the form that the drive takes: zero current at mid-scale, current
+ * into the motor counts up. Clamped to 0…4095.
+ */
+static inline uint16_t sensing_current(uint32_t raw)
+{
+    const uint32_t zero = BOARD.amplifier_zero;
+    const uint32_t up = BOARD.amplifier_inverts ? zero : raw;
+    const uint32_t down = BOARD.amplifier_inverts ? raw : zero;
+    const uint32_t lifted = up + SENSING_MIDDLE;
+    const uint32_t count = (lifted > down) ? (lifted - down) : 0U;
+
+    return (uint16_t)((count < SENSING_COUNT_MAX) ? count : SENSING_COUNT_MAX);
+}
+
+#endif

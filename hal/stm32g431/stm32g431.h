@@ -1,0 +1,231 @@
+/*
+ * The registers of the STM32G431 that this binding touches, and no others.
+ *
+ * Facts from the reference manual RM0440 (STM32G4), whose chapter is given with each block, from the
+ * STM32G431 data sheet (pins), and from the ARMv7-M architecture manual (core). Names are those of the
+ * manual; a bit is written as a mask.
+ */
+#ifndef STM32G431_H
+#define STM32G431_H
+
+/* --- Flash, 3.7 ------------------------------------------------------------------------------- */
+#define FLASH_ACR (0x40022000U)
+#define FLASH_ACR_LATENCY (0xFU)    /* wait states */
+#define FLASH_ACR_PRFTEN (1UL << 8) /* prefetch */
+#define FLASH_ACR_ICEN (1UL << 9)   /* instruction cache */
+#define FLASH_ACR_DCEN (1UL << 10)  /* data cache */
+
+/* --- Power, 6.4 ------------------------------------------------------------------------------- */
+#define PWR_CR3 (0x40007008U)
+#define PWR_CR3_UCPD1_DBDIS (1UL << 14) /* no dead-battery pull-downs; one sits on PB4 */
+#define PWR_SR2 (0x40007014U)
+#define PWR_SR2_VOSF (1UL << 10) /* the regulator has not settled */
+#define PWR_CR5 (0x40007080U)
+#define PWR_CR5_R1MODE (1UL << 8) /* 0: range 1 boost, needed above 150 MHz */
+
+/* --- Reset and clocks, 7.4 -------------------------------------------------------------------- */
+#define RCC_CR (0x40021000U)
+#define RCC_CR_HSION (1UL << 8)
+#define RCC_CR_HSIRDY (1UL << 10)
+#define RCC_CR_PLLON (1UL << 24)
+#define RCC_CR_PLLRDY (1UL << 25)
+#define RCC_CFGR (0x40021008U)
+#define RCC_CFGR_SW (3U)
+#define RCC_CFGR_SW_PLL (3U)
+#define RCC_CFGR_SWS (3UL << 2)
+#define RCC_CFGR_SWS_PLL (3UL << 2)
+#define RCC_CFGR_HPRE (0xFUL << 4)
+#define RCC_CFGR_HPRE_2 (8UL << 4) /* the core at half the system clock */
+#define RCC_PLLCFGR (0x4002100CU)
+#define RCC_PLLCFGR_SRC_HSI16 (2U)
+#define RCC_PLLCFGR_M_4 (3UL << 4)
+#define RCC_PLLCFGR_N_85 (85UL << 8)
+#define RCC_PLLCFGR_REN (1UL << 24) /* R = 2 with bits 26:25 at zero */
+#define RCC_AHB2ENR (0x4002104CU)
+#define RCC_AHB2ENR_GPIOA (1UL << 0)
+#define RCC_AHB2ENR_GPIOB (1UL << 1)
+#define RCC_AHB2ENR_GPIOC (1UL << 2)
+#define RCC_AHB2ENR_ADC12 (1UL << 13)
+#define RCC_AHB2ENR_DAC3 (1UL << 18)
+#define RCC_APB1ENR1 (0x40021058U)
+#define RCC_APB1ENR1_USART2 (1UL << 17)
+#define RCC_APB1ENR1_PWR (1UL << 28)
+#define RCC_APB2ENR (0x40021060U)
+#define RCC_APB2ENR_SYSCFG (1UL << 0) /* comparators and operational amplifiers too */
+#define RCC_APB2ENR_TIM1 (1UL << 11)
+#define RCC_CSR (0x40021094U)
+#define RCC_CSR_RMVF (1UL << 23)     /* clears the reset causes */
+#define RCC_CSR_IWDGRSTF (1UL << 29) /* the independent watchdog made the last reset */
+
+/* --- Pins, 9.4 -------------------------------------------------------------------------------- */
+#define GPIOA (0x48000000U)
+#define GPIOB (0x48000400U)
+#define GPIOC (0x48000800U)
+#define GPIO_MODER (0x00U) /* two bits a pin */
+#define GPIO_MODE_OUTPUT (1U)
+#define GPIO_MODE_ALTERNATE (2U)
+#define GPIO_MODE_ANALOG (3U)
+#define GPIO_OSPEEDR (0x08U) /* two bits a pin */
+#define GPIO_SPEED_HIGH (2U)
+#define GPIO_PUPDR (0x0CU) /* two bits a pin */
+#define GPIO_PULL_UP (1U)
+#define GPIO_PULL_DOWN (2U)
+#define GPIO_BSRR (0x18U) /* low half sets, high half resets */
+#define GPIO_AFRL (0x20U) /* four bits a pin, 0 to 7; the next register 8 to 15 */
+
+/* --- Converters, 21.6 and 21.7 ---------------------------------------------------------------- */
+#define ADC1 (0x50000000U)
+#define ADC2 (0x50000100U)
+#define ADC_ISR (0x00U)
+#define ADC_ISR_ADRDY (1UL << 0)
+#define ADC_ISR_EOC (1UL << 2)
+#define ADC_ISR_JEOC (1UL << 5)
+#define ADC_ISR_JEOS (1UL << 6) /* injected sequence complete; written as 1 to clear */
+#define ADC_IER (0x04U)
+#define ADC_IER_JEOSIE (1UL << 6)
+#define ADC_CR (0x08U)
+#define ADC_CR_ADEN (1UL << 0)
+#define ADC_CR_ADSTART (1UL << 2)
+#define ADC_CR_JADSTART (1UL << 3)
+#define ADC_CR_ADVREGEN (1UL << 28)
+#define ADC_CR_ADCAL (1UL << 31)
+#define ADC_CFGR (0x0CU)
+#define ADC_CFGR_OVRMOD (1UL << 12) /* a regular result that nobody read is replaced */
+#define ADC_CFGR_JQDIS (1UL << 31)  /* no queue of contexts: JSQR stays as written */
+#define ADC_SMPR1 (0x14U)           /* three bits a channel, 0 to 9 */
+#define ADC_SMPR2 (0x18U)           /* 10 to 18 */
+#define ADC_SQR1 (0x30U)
+#define ADC_SQR1_SQ1_SHIFT (6U)
+#define ADC_DR (0x40U)
+#define ADC_JSQR (0x4CU)
+#define ADC_JSQR_TWO (1U) /* conversions less one */
+#define ADC_JSQR_EXTSEL_TIM1_TRGO2 (8UL << 2)
+#define ADC_JSQR_EXTEN_RISING (1UL << 7)
+#define ADC_JSQR_SQ1_SHIFT (9U)
+#define ADC_JSQR_SQ2_SHIFT (15U)
+#define ADC_JDR1 (0x80U)
+#define ADC_JDR2 (0x84U)
+#define ADC12_CCR (0x50000308U)
+#define ADC12_CCR_HCLK_4 (3UL << 16) /* clock of both converters, in step with the timer's */
+
+/* --- Converter to analogue, 22.7 -------------------------------------------------------------- */
+#define DAC3_CR (0x50001000U)
+#define DAC_CR_EN1 (1UL << 0)
+#define DAC_CR_EN2 (1UL << 16)
+#define DAC3_DHR12R1 (0x50001008U)
+#define DAC3_DHR12R2 (0x50001014U)
+#define DAC3_SR (0x50001034U)
+#define DAC_SR_DAC1RDY (1UL << 11)
+#define DAC_SR_DAC2RDY (1UL << 27)
+#define DAC3_MCR (0x5000103CU)
+#define DAC_MCR_MODE1_INTERNAL (3UL << 0) /* to on-chip peripherals only, no buffer */
+#define DAC_MCR_MODE2_INTERNAL (3UL << 16)
+#define DAC_MCR_HFSEL_160MHZ (2UL << 14) /* bus clock above 160 MHz */
+
+/* --- Comparators, 24.6 ------------------------------------------------------------------------ */
+#define COMP1_CSR (0x40010200U) /* plus input PA1, DAC3 channel 1 */
+#define COMP2_CSR (0x40010204U) /* plus input PA7, DAC3 channel 2 */
+#define COMP4_CSR (0x4001020CU) /* plus input PB0, DAC3 channel 2 */
+#define COMP_CSR_EN (1UL << 0)
+#define COMP_CSR_INMSEL_DAC3 (4UL << 4)
+#define COMP_CSR_HYST_10MV (1UL << 16)
+#define COMP_CSR_LOCK (1UL << 31) /* read-only until reset */
+
+/* --- Operational amplifiers, 25.5 ------------------------------------------------------------- */
+#define OPAMP1_CSR (0x40010300U) /* plus PA1, minus PA3, output PA2 */
+#define OPAMP2_CSR (0x40010304U) /* plus PA7, minus PA5, output PA6 */
+#define OPAMP3_CSR (0x40010308U) /* plus PB0, minus PB2, output PB1 or ADC2 channel 18 */
+#define OPAMP_CSR_EN (1UL << 0)
+#define OPAMP_CSR_VMSEL_PGA (2UL << 5)
+#define OPAMP_CSR_HIGHSPEED (1UL << 7)
+#define OPAMP_CSR_INTEN (1UL << 8)          /* output to the converter only */
+#define OPAMP_CSR_PGA_GAIN_SHIFT (14U)      /* 0…5: 2, 4, 8, 16, 32, 64 */
+#define OPAMP_CSR_PGA_MINUS_PIN (8UL << 14) /* the foot of the divider is the minus pin */
+
+/* --- Timer 1, 28.6 ---------------------------------------------------------------------------- */
+#define TIM1_CR1 (0x40012C00U)
+#define TIM_CR1_CEN (1UL << 0)
+#define TIM_CR1_DIR (1UL << 4) /* counting down */
+#define TIM_CR1_CMS_1 (1UL << 5)
+#define TIM_CR1_ARPE (1UL << 7)
+#define TIM1_CR2 (0x40012C04U)
+#define TIM_CR2_MMS2_UPDATE (2UL << 20)
+#define TIM1_SR (0x40012C10U)
+#define TIM_SR_UIF (1UL << 0)
+#define TIM_SR_BIF (1UL << 7)
+#define TIM1_EGR (0x40012C14U)
+#define TIM_EGR_UG (1UL << 0)
+#define TIM1_CCMR1 (0x40012C18U)
+#define TIM1_CCMR2 (0x40012C1CU)
+#define TIM_CCMR_PWM1_PRELOAD (0x68UL) /* PWM mode 1 with preload, first channel of the register */
+#define TIM1_CCER (0x40012C20U)
+#define TIM_CCER_CH1_AND_N (0x5UL) /* both outputs of a channel, active high; four bits a channel */
+#define TIM1_CNT (0x40012C24U)
+#define TIM1_PSC (0x40012C28U)
+#define TIM1_ARR (0x40012C2CU)
+#define TIM1_RCR (0x40012C30U)
+#define TIM1_CCR1 (0x40012C34U)
+#define TIM1_CCR2 (0x40012C38U)
+#define TIM1_CCR3 (0x40012C3CU)
+#define TIM1_BDTR (0x40012C44U)
+#define TIM_BDTR_LOCK_1 (1UL << 8) /* dead time, break and idle levels read-only until reset */
+#define TIM_BDTR_OSSI (1UL << 10)  /* outputs driven to their idle level while MOE is 0 */
+#define TIM_BDTR_OSSR (1UL << 11)
+#define TIM_BDTR_BKE (1UL << 12)
+#define TIM_BDTR_BKP (1UL << 13) /* break is active high */
+#define TIM_BDTR_MOE (1UL << 15)
+#define TIM_BDTR_BKF_8 (3UL << 16) /* 8 equal samples at 170 MHz: 47 ns */
+#define TIM1_AF1 (0x40012C60U)
+#define TIM_AF1_BKCMP1E (1UL << 1)
+#define TIM_AF1_BKCMP2E (1UL << 2)
+#define TIM_AF1_BKCMP4E (1UL << 4)
+#define TIM_AF1_BKCMP1P (1UL << 10) /* comparator active low */
+#define TIM_AF1_BKCMP2P (1UL << 11)
+#define TIM_AF1_BKCMP4P (1UL << 13)
+
+/* --- USART 2, 37.8 ---------------------------------------------------------------------------- */
+#define USART2_CR1 (0x40004400U)
+#define USART_CR1_UE (1UL << 0)
+#define USART_CR1_RE (1UL << 2)
+#define USART_CR1_TE (1UL << 3)
+#define USART_CR1_FIFOEN (1UL << 29)
+#define USART2_BRR (0x4000440CU)
+#define USART2_ISR (0x4000441CU)
+#define USART_ISR_ORE (1UL << 3)
+#define USART_ISR_RXFNE (1UL << 5)
+#define USART_ISR_TXFNF (1UL << 7)
+#define USART2_ICR (0x40004420U)
+#define USART_ICR_ERRORS (0xFU) /* parity, framing, noise, overrun */
+#define USART2_RDR (0x40004424U)
+#define USART2_TDR (0x40004428U)
+
+/* --- Independent watchdog, 42.4 --------------------------------------------------------------- */
+#define IWDG_KR (0x40003000U)
+#define IWDG_KR_FEED (0xAAAAU)
+#define IWDG_KR_UNLOCK (0x5555U)
+#define IWDG_KR_START (0xCCCCU)
+#define IWDG_PR (0x40003004U) /* 0: the 32 kHz oscillator divided by 4 */
+#define IWDG_RLR (0x40003008U)
+#define IWDG_SR (0x4000300CU) /* zero when all values are taken over */
+
+/* --- Debug, 47.6: what stops while a debugger holds the core ---------------------------------- */
+#define DBGMCU_APB1FZR1 (0xE0042008U)
+#define DBGMCU_IWDG_STOP (1UL << 12)
+#define DBGMCU_APB2FZ (0xE0042010U)
+#define DBGMCU_TIM1_STOP (1UL << 11) /* its outputs go inactive too */
+
+/* --- Core, ARMv7-M B3.2 to B3.4 --------------------------------------------------------------- */
+#define SYST_CSR (0xE000E010U)
+#define SYST_CSR_RUN (7U) /* enabled, with its exception, from the core's clock */
+#define SYST_CSR_COUNT (5U)
+#define SYST_CSR_COUNTFLAG (1UL << 16)
+#define SYST_RVR (0xE000E014U)
+#define SYST_CVR (0xE000E018U)
+#define NVIC_ISER0 (0xE000E100U)
+#define NVIC_IPR4 (0xE000E410U) /* interrupts 16 to 19 */
+#define NVIC_ADC1_2 (18U)
+#define NVIC_ADC1_2_PRIORITY_1 (0x10UL << 16)
+#define SCB_VTOR (0xE000ED08U)
+#define SCB_SHPR3 (0xE000ED20U) /* SysTick in the top byte */
+
+#endif

@@ -1,0 +1,81 @@
+#include "text.h"
+
+#include <stddef.h>
+
+#define DIGITS_MAX (10U) /* of 2^32 − 1 */
+#define INPUT_DIGITS (9U)
+
+static void add_character(text_t *text, char c)
+{
+    if (text->length < TEXT_MAX) {
+        text->characters[text->length] = c;
+        text->length++;
+    }
+}
+
+void text_add(text_t *text, const char *string)
+{
+    for (uint32_t k = 0U; string[k] != '\0'; k++) {
+        add_character(text, string[k]);
+    }
+}
+
+static uint32_t magnitude_of(int32_t value)
+{
+    const uint32_t bits = (uint32_t)value;
+
+    return (value < 0) ? (0U - bits) : bits;
+}
+
+void text_number(text_t *text, int32_t value, uint32_t decimals)
+{
+    static const char figures[] = "0123456789";
+    char reversed[DIGITS_MAX];
+    uint32_t count = 0U;
+    uint32_t rest = magnitude_of(value);
+
+    do {
+        reversed[count] = figures[rest % 10U];
+        rest /= 10U;
+        count++;
+    } while ((rest > 0U) || (count <= decimals));
+    if (value < 0) {
+        add_character(text, '-');
+    }
+    while (count > 0U) {
+        count--;
+        add_character(text, reversed[count]);
+        if ((count == decimals) && (decimals > 0U)) {
+            add_character(text, '.');
+        }
+    }
+}
+
+const char *text_after(const char *string, const char *start)
+{
+    uint32_t k = 0U;
+
+    while ((start[k] != '\0') && (string[k] == start[k])) {
+        k++;
+    }
+    return (start[k] == '\0') ? &string[k] : NULL;
+}
+
+bool text_to_number(const char *string, int32_t *value)
+{
+    const bool negative = string[0] == '-';
+    const uint32_t first = (negative || (string[0] == '+')) ? 1U : 0U;
+    uint32_t k = first;
+    int32_t sum = 0;
+    bool good;
+
+    while ((string[k] >= '0') && (string[k] <= '9') && ((k - first) < INPUT_DIGITS)) {
+        sum = (sum * 10) + ((int32_t)string[k] - (int32_t)'0');
+        k++;
+    }
+    good = (k > first) && (string[k] == '\0');
+    if (good) {
+        *value = negative ? -sum : sum;
+    }
+    return good;
+}

@@ -1,0 +1,32 @@
+/*
+ * Text of the console: words and numbers into a buffer of fixed size. What does not fit is cut off.
+ */
+#ifndef TEXT_H
+#define TEXT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define TEXT_MAX (256U)
+
+typedef struct {
+    uint32_t length;
+    char characters[TEXT_MAX];
+} text_t;
+
+/* Append a string that ends with 0. */
+void text_add(text_t *text, const char *string);
+
+/* Append a number with 0 to 6 decimals: 12345 with 2 is "123.45". */
+void text_number(text_t *text, int32_t value, uint32_t decimals);
+
+/* What follows `start` in `string`; NULL when the string does not start so. */
+const char *text_after(const char *string, const char *start);
+
+/*
+ * A whole decimal number, with a sign or without, and nothing behind it. False, and nothing done, for
+ * anything else and beyond ±999999999.
+ */
+bool text_to_number(const char *string, int32_t *value);
+
+#endif

@@ -1,0 +1,38 @@
+#include "uart.h"
+
+#include "board.h"
+#include "reg.h"
+#include "stm32g431.h"
+
+#define BAUD (115200U)
+
+void uart_init(void)
+{
+    reg_write(USART2_BRR, (BOARD_CLOCK_HZ + (BAUD / 2U)) / BAUD);
+    reg_write(USART2_CR1, USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_RE | USART_CR1_UE);
+}
+
+bool uart_get(uint8_t *byte)
+{
+    const uint32_t flags = reg_read(USART2_ISR);
+    const bool there = (flags & USART_ISR_RXFNE) != 0U;
+
+    /* An overrun flag that stays set would block the receiver. */
+    if ((flags & USART_ISR_ORE) != 0U) {
+        reg_write(USART2_ICR, USART_ICR_ERRORS);
+    }
+    if (there) {
+        *byte = (uint8_t)(reg_read(USART2_RDR) & 0xFFU);
+    }
+    return there;
+}
+
+bool uart_put(uint8_t byte)
+{
+    const bool room = reg_any(USART2_ISR, USART_ISR_TXFNF);
+
+    if (room) {
+        reg_write(USART2_TDR, byte);
+    }
+    return room;
+}
