@@ -158,6 +158,9 @@ void Run::one()
     if (options_.sink != nullptr) {
         options_.sink->add(tick);
     }
+    if (options_.power_stage) {
+        sim_.apply(options_.power_stage(tick));
+    }
     sim_.advance();
 }
 

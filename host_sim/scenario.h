@@ -19,6 +19,8 @@ namespace nf
 struct RunOptions {
     TickSink *sink = nullptr;             // sees every tick
     std::function<void(double)> progress; // share of the run that is done, now and then
+    // What the power stage does in place of the drive's demand of this tick.
+    std::function<drive_out_t(const Tick &)> power_stage;
 };
 
 struct RunResult {

@@ -34,6 +34,12 @@ public:
         control_isr(&app_);
     }
 
+    // Gives the power stage another demand than that of the last control().
+    void apply(const drive_out_t &out)
+    {
+        hal_apply(&hal_, &out);
+    }
+
     // One PWM period goes by.
     void advance()
     {

@@ -1,0 +1,185 @@
+"""Models of the STM32G431's analogue side: amplifiers, converters, comparators and their level.
+
+Facts from the reference manual RM0440 and the data sheet. Voltages are in counts of the converters,
+4096 for the reference.
+"""
+
+from digital import NEVER, bit, need
+from registers import Block, Register, WrongAccess
+
+SHUNT_PINS = {1: "PA1", 2: "PA7", 3: "PB0"}       # of the amplifiers' plus inputs
+COMPARATORS = {1: ("PA1", 1), 2: ("PA7", 2), 4: ("PB0", 2)}  # plus input, DAC3 channel at the minus
+HALF_CYCLES = (5, 13, 25, 49, 95, 185, 495, 1281)  # of sampling, by the code in SMPR
+CONVERSION_HALF_CYCLES = 25
+HALF_CYCLE = 2                                     # at a quarter of 170 MHz
+REGULATOR_CYCLES = 20 * 170                        # 20 µs until the converter's regulator is up
+CALIBRATION_CYCLES = 116 * 4
+
+
+class Amplifiers(Block):
+    """Three programmable amplifiers."""
+
+    def __init__(self, pins, clocked):
+        self.pins = pins
+        super().__init__("OPAMP", 0x40010300, {
+            f"{number}_CSR": (4 * (number - 1), Register(0, 0x0007C1ED)) for number in SHUNT_PINS
+        }, clocked)
+
+    def output(self, number, inside):
+        """At the output pin, or inside of the chip."""
+        value = self[f"{number}_CSR"]
+        need(value & 0x6D == 0x41, f"amplifier {number} does not amplify its pin")
+        need(value >> 17 & 3 == 1, f"amplifier {number} does not refer to its minus pin")
+        need(bool(bit(value, 8)) == inside, f"amplifier {number} drives another output")
+        return self.pins[SHUNT_PINS[number]] * (2 << (value >> 14 & 7))
+
+
+class Converter(Block):
+    """One of the two converters. `inputs` gives the voltage of a channel."""
+
+    def __init__(self, chip, name, base, inputs, clocked):
+        self.chip = chip
+        self.inputs = inputs
+        self.due = NEVER       # end of the injected sequence
+        self.regulated = NEVER
+        self.calibrated = NEVER
+        self.results = []
+        super().__init__(name, base, {
+            "ISR": (0x00, Register(0, 0x7FF, on_write=self._acknowledge)),
+            "IER": (0x04, Register(0, 0x40)),
+            "CR": (0x08, Register(0x20000000, 0x9000000D, self._control_read, self._control)),
+            "CFGR": (0x0C, Register(0x80000000, 0x1000, on_write=self._stopped("CFGR"))),
+            "SMPR1": (0x14, Register(0, 0x3FFFFFFF, on_write=self._stopped("SMPR1"))),
+            "SMPR2": (0x18, Register(0, 0x07FFFFFF, on_write=self._stopped("SMPR2"))),
+            "SQR1": (0x30, Register(0, 0x7CF)),
+            "DR": (0x40, Register(0, 0, self._read_regular)),
+            "JSQR": (0x4C, Register(0, 0x007FFFFF, on_write=self._stopped("JSQR"))),
+            "JDR1": (0x80, Register(0, 0)),
+            "JDR2": (0x84, Register(0, 0)),
+        }, clocked)
+
+    def trigger(self):
+        """TIM1's TRGO2 has risen: both inputs of the sequence are taken, the first one now."""
+        sequence = self["JSQR"]
+        if not bit(self["CR"], 3):
+            return
+        need(sequence & 0x1FF == 0xA1, f"{self.name}: not two conversions on the edge of TRGO2")
+        need(self.due == NEVER, f"{self.name} is triggered while it converts")
+        channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)
+        self.results = [self._convert(channel) for channel in channels]
+        self.due = self.chip.now + sum(
+            HALF_CYCLE * (self._sampling(channel) + CONVERSION_HALF_CYCLES) for channel in channels)
+
+    def fire(self):
+        self.due = NEVER
+        self["JDR1"], self["JDR2"] = self.results
+        self["ISR"] |= 0x60
+
+    def wants_interrupt(self):
+        return bool(self["ISR"] & self["IER"])
+
+    def _sampling(self, channel):
+        register, place = ("SMPR1", channel) if channel < 10 else ("SMPR2", channel - 10)
+        return HALF_CYCLES[self[register] >> 3 * place & 7]
+
+    def _convert(self, channel):
+        if channel not in self.inputs:
+            raise WrongAccess(f"{self.name} converts channel {channel}, where nothing is connected")
+        return min(max(round(self.inputs[channel]()), 0), 4095)
+
+    def _stopped(self, key):
+        def write(value):
+            need(not bit(self["CR"], 3), f"{self.name}_{key} is written while triggers are awaited")
+            self[key] = value
+        return write
+
+    def _acknowledge(self, value):
+        self["ISR"] &= ~value
+
+    def _control_read(self):
+        value = self.register("CR").value
+        if bit(value, 31) and self.chip.now >= self.calibrated:
+            value &= ~(1 << 31)
+            self["CR"] = value
+        return value
+
+    def _control(self, value):
+        now = self.chip.now
+        if not bit(self["CR"], 28) and bit(value, 28):
+            need(not bit(self["CR"], 29), f"{self.name} is in deep power-down")
+            self.regulated = now + REGULATOR_CYCLES
+        if bit(value, 31):
+            need(now >= self.regulated, f"{self.name} is calibrated before its regulator is up")
+            self.calibrated = now + CALIBRATION_CYCLES
+        if bit(value, 0) and not bit(self["CR"], 0):
+            need(now >= self.calibrated + 4 * 4, f"{self.name} is enabled before it is calibrated")
+            self["ISR"] |= 1
+        if value & 0xC:
+            need(bit(self["CR"], 0), f"{self.name} is started before it is enabled")
+        if bit(value, 2):
+            self["DR"] = self._convert(self["SQR1"] >> 6 & 0x1F)
+            self["ISR"] |= 4
+        sticky = self["CR"] & 0x80000009  # these are not cleared by writing 0
+        self["CR"] = value & 0xB0000009 | sticky
+
+    def _read_regular(self):
+        self["ISR"] &= ~4
+        return self.register("DR").value
+
+
+class Level(Block):
+    """DAC3, whose two channels go to the comparators."""
+
+    def __init__(self, changed, clocked):
+        self._changed = changed
+        super().__init__("DAC3", 0x50001000, {
+            "CR": (0x00, Register(0, 0x10001, on_write=self._write("CR"))),
+            "DHR12R1": (0x08, Register(0, 0xFFF, on_write=self._write("DHR12R1"))),
+            "DHR12R2": (0x14, Register(0, 0xFFF, on_write=self._write("DHR12R2"))),
+            "SR": (0x34, Register(0, 0, self._status)),
+            "MCR": (0x3C, Register(0, 0x0007C007)),
+        }, clocked)
+
+    def _write(self, key):
+        def write(value):
+            self[key] = value
+            self._changed()
+        return write
+
+    def _status(self):
+        return bit(self["CR"], 0) << 11 | bit(self["CR"], 16) << 27
+
+    def voltage(self, channel):
+        mode = self["MCR"] >> 16 * (channel - 1) & 7
+        need(bit(self["CR"], 16 * (channel - 1)) and mode == 3, f"DAC3 channel {channel} is off")
+        need(self["MCR"] >> 14 & 3 == 2, "DAC3 is not set for this bus clock")
+        return self[f"DHR12R{channel}"]
+
+
+class Comparators(Block):
+    """Three comparators of the shunts with the level."""
+
+    def __init__(self, pins, level, changed, clocked):
+        self.pins = pins
+        self.level = level
+        self._changed = changed
+        super().__init__("COMP", 0x40010200, {
+            f"{number}_CSR": (4 * (number - 1),
+                              Register(0, 0x80070071, on_write=self._write(f"{number}_CSR")))
+            for number in COMPARATORS
+        }, clocked)
+
+    def _write(self, key):
+        def write(value):
+            need(not bit(self[key], 31), f"COMP{key} is locked")
+            self[key] = value
+            self._changed()
+        return write
+
+    def output(self, number):
+        value = self[f"{number}_CSR"]
+        if not bit(value, 0):
+            return False
+        need(value >> 4 & 7 == 4, f"comparator {number} does not look at DAC3")
+        pin, channel = COMPARATORS[number]
+        return self.pins[pin] > self.level.voltage(channel)

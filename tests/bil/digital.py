@@ -1,0 +1,326 @@
+"""Models of the STM32G431's digital side: clocks, pins, timer, console, watchdog and core peripherals.
+
+Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time counts cycles of the
+170 MHz clock. A model that has something to do at a time holds it in `due` and does it in fire().
+"""
+
+import collections
+
+from registers import Block, Register, WrongAccess
+
+NEVER = float("inf")
+CLOCK_HZ = 170e6
+
+
+def bit(value, number):
+    return value >> number & 1
+
+
+def need(holds, otherwise):
+    if not holds:
+        raise WrongAccess(otherwise)
+
+
+class Power:
+    """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order."""
+
+    def __init__(self, reset_flags):
+        self.pwr = Block("PWR", 0x40007000, {
+            "CR3": (0x08, Register(0x8000, 1 << 14)),
+            "SR2": (0x14, Register()),
+            "CR5": (0x80, Register(0x100, 0x100)),
+        }, lambda: bit(self.rcc["APB1ENR1"], 28))
+        self.flash = Block("FLASH", 0x40022000, {"ACR": (0x00, Register(0x40600, 0x70F))})
+        self.rcc = Block("RCC", 0x40021000, {
+            "CR": (0x00, Register(0x500, 0x01000500, on_write=self._control)),
+            "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
+            "PLLCFGR": (0x0C, Register(0x1000, 0x07007FF3, on_write=self._set_pll)),
+            "AHB2ENR": (0x4C, Register(0, 0x00052007)),
+            "APB1ENR1": (0x58, Register(0, 0x10020000)),
+            "APB2ENR": (0x60, Register(0, 0x801)),
+            "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
+        })
+        self.blocks = [self.pwr, self.flash, self.rcc]
+
+    def enabled(self, register, number):
+        """A function that says whether a peripheral has its clock."""
+        return lambda: bit(self.rcc[register], number)
+
+    def _control(self, value):
+        self.rcc["CR"] = value & 0x01000100 | bit(value, 8) << 10 | bit(value, 24) << 25
+
+    def _set_pll(self, value):
+        need(not bit(self.rcc["CR"], 24), "PLLCFGR is written while the PLL runs")
+        self.rcc["PLLCFGR"] = value
+
+    def _pll_hz(self):
+        value = self.rcc["PLLCFGR"]
+        need(value & 3 == 2 and bit(value, 24), "the PLL does not take the internal oscillator")
+        vco = 16e6 / ((value >> 4 & 0xF) + 1) * (value >> 8 & 0x7F)
+        need(96e6 <= vco <= 344e6, f"the PLL's oscillator cannot run at {vco:g} Hz")
+        return vco / (2 * ((value >> 25 & 3) + 1))
+
+    def _configure(self, value):
+        prescaler = value >> 4 & 0xF
+        if value & 3 == 3:
+            need(bit(self.rcc["CR"], 25), "the clock is switched to a PLL that is not ready")
+            need(self._pll_hz() == CLOCK_HZ, f"the clock is {self._pll_hz():g} Hz")
+            need(not bit(self.pwr["CR5"], 8), "above 150 MHz without boost")
+            need(self.flash["ACR"] & 0xF >= 4, "170 MHz with too few wait states")
+            need(prescaler == 8 or self.rcc["CFGR"] & 3 == 3, "no step at half of the speed")
+        self.rcc["CFGR"] = value & ~0xC | (value & 3) << 2
+
+    def _clear_flags(self, value):
+        if bit(value, 23):
+            self.rcc["CSR"] = 0
+
+    def runs_at_full_speed(self):
+        return self.rcc["CFGR"] & 0xFF == 0xF
+
+
+class Port(Block):
+    """A port of pins."""
+
+    def __init__(self, letter, base, modes, pulls, speeds, clocked):
+        self.output = 0
+        super().__init__(f"GPIO{letter}", base, {
+            "MODER": (0x00, Register(modes)),
+            "OSPEEDR": (0x08, Register(speeds)),
+            "PUPDR": (0x0C, Register(pulls)),
+            "BSRR": (0x18, Register(on_write=self._set)),
+            "AFRL": (0x20, Register()),
+            "AFRH": (0x24, Register()),
+        }, clocked)
+
+    def _set(self, value):
+        self.output = self.output & ~(value >> 16) | value & 0xFFFF
+
+    def mode(self, pin):
+        return self["MODER"] >> 2 * pin & 3
+
+    def function(self, pin):
+        return self["AFRH" if pin > 7 else "AFRL"] >> 4 * (pin % 8) & 0xF
+
+
+class Timer(Block):
+    """TIM1 as a centre-aligned PWM generator with break. `trigger` is called at each TRGO2."""
+
+    def __init__(self, chip, clocked):
+        self.chip = chip
+        self.due = NEVER      # the next end of the ramp
+        self.active = (0, 0, 0)  # compare values behind the preload registers
+        self.repeats = 0
+        self.rising = True
+        self.trigger = None
+        self.broken = False   # level of the break input
+        super().__init__("TIM1", 0x40012C00, {
+            "CR1": (0x00, Register(0, 0xA1, self._control_read, self._control)),
+            "CR2": (0x04, Register(0, 0xF << 20)),
+            "SR": (0x10, Register(0, on_write=self._acknowledge)),
+            "EGR": (0x14, Register(0, 1, on_write=self._generate)),
+            "CCMR1": (0x18, Register(0, 0x7878)),
+            "CCMR2": (0x1C, Register(0, 0x7878)),
+            "CCER": (0x20, Register(0, 0x555)),
+            "CNT": (0x24, Register(0, 0, self.count)),
+            "PSC": (0x28, Register(0, 0)),
+            "ARR": (0x2C, Register(0xFFFF, 0xFFFF)),
+            "RCR": (0x30, Register(0, 0xFFFF)),
+            "CCR1": (0x34, Register(0, 0xFFFF)),
+            "CCR2": (0x38, Register(0, 0xFFFF)),
+            "CCR3": (0x3C, Register(0, 0xFFFF)),
+            "BDTR": (0x44, Register(0, 0x000FBFFF, on_write=self._set_break)),
+            "AF1": (0x60, Register(1, 0x3C1E, on_write=self._select_break)),
+        }, clocked)
+
+    def preloaded(self):
+        return self["CCR1"], self["CCR2"], self["CCR3"]
+
+    def gates_on(self):
+        return bool(bit(self["BDTR"], 15))
+
+    def dead_time(self):
+        """In cycles, RM0440 28.6.20."""
+        code = self["BDTR"] & 0xFF
+        if code < 0x80:
+            return code
+        if code < 0xC0:
+            return (64 + (code & 0x3F)) * 2
+        return (32 + (code & 0x1F)) * (16 if code >= 0xE0 else 8)
+
+    def count(self):
+        left = self.due - self.chip.now if bit(self["CR1"], 0) else self["ARR"]
+        return self["ARR"] - left if self.rising else left
+
+    def set_break_input(self, active):
+        self.broken = active and bool(bit(self["BDTR"], 12))
+        if self.broken:
+            self["BDTR"] &= ~(1 << 15)
+            self["SR"] |= 1 << 7
+
+    def fire(self):
+        self.due += self["ARR"]
+        self.rising = not self.rising
+        if self.repeats:
+            self.repeats -= 1
+        else:
+            self._update()
+
+    def _update(self):
+        self.repeats = self["RCR"]
+        self.active = self.preloaded()
+        self["SR"] |= 1
+        if self["CR2"] >> 20 & 0xF == 2 and self.trigger:
+            self.trigger()
+
+    def _control_read(self):
+        return self.register("CR1").value | (not self.rising) << 4
+
+    def _control(self, value):
+        if bit(value, 0) and not bit(self["CR1"], 0):
+            need(value & 0x60 == 0x20, "TIM1 starts, and is not centre aligned")
+            need((self["CCMR1"], self["CCMR2"]) == (0x6868, 0x68), "not PWM mode 1 with preload")
+            need(self["CCER"] == 0x555, "not all six outputs are on and active high")
+            need(self["AF1"] & 0x16 == 0x16, "a comparator does not reach the break input")
+            self.due = self.chip.now + self["ARR"]
+        self["CR1"] = value & ~0x10
+
+    def _acknowledge(self, value):
+        self["SR"] &= value
+        self.chip.comparators_changed()
+
+    def _generate(self, value):
+        if bit(value, 0):
+            self._update()
+
+    def _set_break(self, value):
+        old = self["BDTR"]
+        locked = 0x000F3CFF if old >> 8 & 3 else 0  # what level 1 keeps, and more: nobody changes it
+        need((old ^ value) & locked == 0, "BDTR is locked")
+        if bit(value, 15) and not bit(value, 12):
+            raise WrongAccess("gates are enabled without a break input")
+        self["BDTR"] = value & ~(1 << 15) if self.broken else value
+        self.chip.comparators_changed()
+
+    def _select_break(self, value):
+        self["AF1"] = value
+        self.chip.comparators_changed()
+
+
+class Usart(Block):
+    """USART2, infinitely fast: its user's bytes are there at once, and no byte has to wait."""
+
+    def __init__(self, clocked):
+        self.typed = collections.deque()
+        self.said = bytearray()
+        super().__init__("USART2", 0x40004400, {
+            "CR1": (0x00, Register(0, 0x2000000D, on_write=self._enable)),
+            "BRR": (0x0C, Register(0, 0xFFFF)),
+            "ISR": (0x1C, Register(on_read=lambda: 0x80 | (0x20 if self.typed else 0))),
+            "ICR": (0x20, Register(0, 0xF)),
+            "RDR": (0x24, Register(0, 0, lambda: self.typed.popleft() if self.typed else 0)),
+            "TDR": (0x28, Register(0, 0xFF, on_write=self._send)),
+        }, clocked)
+
+    def _enable(self, value):
+        baud = CLOCK_HZ / self["BRR"]
+        need(abs(baud / 115200 - 1) < 0.02, f"the console has {baud:g} baud")
+        self["CR1"] = value
+
+    def _send(self, value):
+        need(self["CR1"] & 9 == 9, "a byte is sent while the transmitter is off")
+        self.said.append(value)
+
+
+class Watchdog(Block):
+    """The independent watchdog, with the slowest oscillator that the data sheet allows."""
+
+    CYCLES = CLOCK_HZ / 30.4e3  # of the oscillator of 32 kHz, 5 % below
+
+    def __init__(self, chip):
+        self.chip = chip
+        self.due = NEVER
+        self.unlocked = False
+        self.settled = 0
+        super().__init__("IWDG", 0x40003000, {
+            "KR": (0x00, Register(0, 0xFFFF, on_write=self._key)),
+            "PR": (0x04, Register(0, 7, on_write=lambda value: self._set("PR", value))),
+            "RLR": (0x08, Register(0xFFF, 0xFFF, on_write=lambda value: self._set("RLR", value))),
+            "SR": (0x0C, Register(0, 0, lambda: 3 if self.chip.now < self.settled else 0)),
+        })
+
+    def fire(self):
+        raise WatchdogBites
+
+    def _key(self, value):
+        need(value in (0xAAAA, 0x5555, 0xCCCC), f"{value:#x} is no key of the watchdog")
+        self.unlocked = value == 0x5555
+        if value == 0xCCCC or (value == 0xAAAA and self.due != NEVER):
+            self.due = self.chip.now + (self["RLR"] + 1) * (4 << self["PR"]) * self.CYCLES
+
+    def _set(self, key, value):
+        need(self.unlocked, f"IWDG_{key} is written while it is locked")
+        self.settled = self.chip.now + 5 * self.CYCLES
+        self[key] = value
+
+
+class WatchdogBites(Exception):
+    """The chip is reset."""
+
+
+class System(Block):
+    """SysTick, interrupt controller and system control of the core."""
+
+    SYSTICK = 15
+    ADC1_2 = 16 + 18
+
+    def __init__(self, chip):
+        self.chip = chip
+        self.due = NEVER
+        self.pending = set()
+        super().__init__("SYSTEM", 0xE000E000, {
+            "SYST_CSR": (0x010, Register(0, 7, self._read_status, self._start)),
+            "SYST_RVR": (0x014, Register(0, 0xFFFFFF)),
+            "SYST_CVR": (0x018, Register(0, on_write=self._restart)),
+            "NVIC_ISER0": (0x100, Register()),
+            "NVIC_IPR4": (0x410, Register(0, 0xF0F0F0F0)),
+            "SCB_VTOR": (0xD08, Register(0, 0xFFFFFF80)),
+            "SCB_SHPR3": (0xD20, Register(0, 0xF0F00000)),
+        })
+
+    def fire(self):
+        self.due += self["SYST_RVR"] + 1
+        self["SYST_CSR"] |= 1 << 16
+        if bit(self["SYST_CSR"], 1):
+            self.pending.add(self.SYSTICK)
+
+    def take(self):
+        """The exception to be handled now, or None. SysTick is above the converters."""
+        need(not self.pending or self["NVIC_IPR4"] >> 16 & 0xFF > self["SCB_SHPR3"] >> 24,
+             "the tick guard cannot interrupt the tick")
+        if self.pending:
+            return self.pending.pop()
+        wanted = bit(self["NVIC_ISER0"], 18) and self.chip.converters_want_interrupt()
+        return self.ADC1_2 if wanted else None
+
+    def _start(self, value):
+        need(not bit(value, 0) or bit(value, 2), "SysTick counts another clock")
+        self["SYST_CSR"] = value
+        self.due = self.chip.now + self["SYST_RVR"] + 1 if bit(value, 0) else NEVER
+
+    def _restart(self, _):
+        self["SYST_CSR"] &= ~(1 << 16)
+        if bit(self["SYST_CSR"], 0):
+            self.due = self.chip.now + self["SYST_RVR"] + 1
+
+    def _read_status(self):
+        value = self.register("SYST_CSR").value
+        self["SYST_CSR"] &= ~(1 << 16)
+        return value
+
+
+def debug_block():
+    """What stops while a debugger holds the core."""
+    return Block("DBGMCU", 0xE0042000, {
+        "APB1FZR1": (0x08, Register(0, 1 << 12)),
+        "APB2FZ": (0x10, Register(0, 1 << 11)),
+    })

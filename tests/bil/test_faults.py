@@ -1,0 +1,237 @@
+"""target.loop.faults: what the image does when something goes wrong, and that the models notice.
+
+test_faults.py IMAGE BOARD, as scenario.py.
+"""
+
+import sys
+import unittest
+from pathlib import Path
+
+import board
+from digital import NEVER, CLOCK_HZ, WatchdogBites
+from registers import WrongAccess
+
+IMAGE, BOARD = (Path(argument) for argument in sys.argv[1:3])
+
+MIDDLE = 2048
+BUS = round(310 / 450 * 4096)
+HALF_PERIOD = 8500
+REST = (HALF_PERIOD // 2,) * 3
+CALIBRATION_TICKS = 260  # 256 samples and the changes of state
+WATCHDOG_S = 1e-3
+FULL_SCALE_A = 20
+
+# Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
+PINS = {("A", 8): 6, ("A", 9): 6, ("A", 10): 6, ("C", 13): 4, ("A", 12): 6, ("B", 15): 4,
+        ("B", 3): 7, ("B", 4): 7}
+
+
+def make(image=IMAGE, **arguments):
+    made = board.Board(image, BOARD, **arguments)
+    made.set_inputs(MIDDLE, MIDDLE, BUS)
+    return made
+
+
+def ready():
+    made = make()
+    made.boot()
+    made.tick(CALIBRATION_TICKS)
+    return made
+
+
+def running():
+    made = ready()
+    made.type("run")
+    made.tick(3)
+    made.said()
+    return made
+
+
+class Boots(unittest.TestCase):
+    def test_full_speed_and_pins(self):
+        made = ready()
+        self.assertTrue(made.chip.power.runs_at_full_speed())
+        for (port, pin), function in PINS.items():
+            self.assertEqual(made.chip.ports[port].mode(pin), 2)
+            self.assertEqual(made.chip.ports[port].function(pin), function)
+
+    def test_says_what_it_is_and_opens_no_gate_unasked(self):
+        made = ready()
+        said = made.said()
+        self.assertTrue(said.startswith("neurofoc: motor A"), said)
+        self.assertIn("READY", said)
+        self.assertNotIn("watchdog", said)
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_dead_time_is_at_least_that_of_the_board(self):
+        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ, 500e-9)
+
+    def test_samples_and_updates_at_the_peak(self):
+        made = ready()
+        trigger, counts = made.chip.timer.trigger, []
+
+        def look():
+            counts.append(made.chip.timer.count())
+            trigger()
+
+        made.chip.timer.trigger = look
+        made.tick(5)
+        self.assertEqual(counts, [HALF_PERIOD] * 5)
+
+    def test_run_and_stop(self):
+        made = running()
+        self.assertTrue(made.chip.timer.gates_on())
+        made.type("stop")
+        made.tick()
+        self.assertFalse(made.chip.timer.gates_on())
+
+
+class OverCurrent(unittest.TestCase):
+    def count(self, made, ampere):
+        return MIDDLE - round(ampere / FULL_SCALE_A * MIDDLE)  # out of the motor
+
+    def test_below_the_level_nothing_happens(self):
+        made = running()
+        for phase_a, phase_b in ((0, MIDDLE), (MIDDLE, 0), (MIDDLE, MIDDLE)):
+            limit = self.count(made, made.trip_a - 0.2)
+            made.set_inputs(phase_a or limit, phase_b or limit, BUS)
+            self.assertTrue(made.chip.timer.gates_on())
+
+    def test_each_phase_opens_the_gates_without_software(self):
+        for phase in range(3):
+            with self.subTest(phase):
+                made = running()
+                counts = [MIDDLE] * 3
+                counts[phase] = self.count(made, made.trip_a + 0.2)
+                counts[(phase + 1) % 3] = 3 * MIDDLE - counts[phase] - MIDDLE
+                made.set_inputs(*counts[:2], BUS)
+                self.assertFalse(made.chip.timer.gates_on())
+
+    def test_is_reported_and_stays_until_it_is_cleared(self):
+        made = running()
+        made.set_inputs(self.count(made, made.trip_a + 0.2), MIDDLE, BUS)
+        made.set_inputs(MIDDLE, MIDDLE, BUS)
+        made.tick(2)
+        self.assertIn("FAULT by break", made.said())
+        made.type("run")
+        self.assertIn("error: a fault is latched", made.said())
+        made.tick(2)
+        self.assertFalse(made.chip.timer.gates_on())
+        made.type("clear")
+        made.tick(CALIBRATION_TICKS)
+        made.type("run")
+        made.tick()
+        self.assertTrue(made.chip.timer.gates_on())
+
+
+class Ticks(unittest.TestCase):
+    def stall(self, made, cycles):
+        """The next tick takes so much longer, between its measurements and its demand."""
+        register = made.chip.converters[0].register("JDR1")
+
+        def read():
+            register.on_read = None
+            made.chip.advance(cycles)
+            return register.value
+
+        register.on_read = read
+
+    def test_a_late_one_leaves_the_rest_duty_and_is_counted(self):
+        made = running()
+        made.type("speed 1000")
+        made.tick(50)
+        self.assertNotEqual(made.chip.timer.active, REST)
+        self.stall(made, 2 * HALF_PERIOD)
+        made.handle_next()
+        self.assertEqual(made.chip.timer.active, REST)
+        made.tick(2)
+        self.assertNotEqual(made.chip.timer.active, REST)
+        made.type("status")
+        self.assertIn(" late 1,", made.said())
+        self.assertTrue(made.chip.timer.gates_on())
+
+    def test_a_skipped_one_opens_the_gates_and_trips_the_watchdog(self):
+        made = running()
+        trigger = made.chip.timer.trigger
+        made.chip.timer.trigger = lambda: setattr(made.chip.timer, "trigger", trigger)
+        last = made.chip.now
+        self.assertEqual(made.handle_next(), made.chip.system.SYSTICK)
+        self.assertFalse(made.chip.timer.gates_on())
+        with self.assertRaises(WatchdogBites):
+            made.tick(100)
+        self.assertFalse(made.chip.timer.gates_on())
+        self.assertLess((made.chip.now - last) / CLOCK_HZ, 1.1 * WATCHDOG_S)
+
+    def test_after_the_watchdog_the_console_says_so(self):
+        made = make(reset_flags=board.WATCHDOG_FLAG)
+        made.boot()
+        self.assertIn("the watchdog made the last reset", made.said())
+        self.assertEqual(made.chip.power.rcc["CSR"], 0)
+
+    def test_an_interrupt_that_nobody_wants_opens_the_gates_for_good(self):
+        made = running()
+        made.core.handle(16, instructions=1000)  # the window watchdog's, which does not run
+        self.assertFalse(made.chip.timer.gates_on())
+
+
+class Console(unittest.TestCase):
+    def test_refuses_with_one_line(self):
+        made = ready()
+        for line, answer in (
+                ("sped 3", "error: the commands are run, stop, clear, speed RPM, status"),
+                ("speed fast", "error: speed takes a whole number of rpm, at most 2000 either way"),
+                ("speed 2001", "error: speed takes a whole number of rpm, at most 2000 either way"),
+                ("run " + 100 * "x", "error: the commands are run, stop, clear, speed RPM, status"),
+                ("clear", "error: there is no fault to clear")):
+            made.said()
+            made.type(line)
+            self.assertEqual(made.said(), answer + "\r\n")
+
+    def test_shows_what_is_measured(self):
+        made = ready()
+        made.set_inputs(MIDDLE + 205, MIDDLE - 102, BUS)
+        made.tick()
+        made.said()
+        made.type("status")
+        self.assertIn("READY, speed 0 of 0 rpm, phases 2.001 -0.996 -1.005 A, bus 310.034 V, 25 C", made.said())
+
+    def test_a_hot_board_stops(self):
+        made = running()
+        made.set_inputs(MIDDLE, MIDDLE, BUS)
+        made.chip.set_pins(PB14=(1.4 + 0.019 * 60) / 3.3 * 4096)  # 85 °C
+        made.tick(1100)
+        self.assertIn("stopped: the board is too hot", made.said())
+        self.assertFalse(made.chip.timer.gates_on())
+        made.type("run")
+        self.assertEqual(made.said(), "error: the board is too hot\r\n")
+
+
+class ModelsNotice(unittest.TestCase):
+    def test_a_register_without_a_model(self):
+        made = make()
+        del made.core.bus._found[0x40012C60]
+        with self.assertRaisesRegex(WrongAccess, "write of 0x40012c60, which has no model"):
+            made.boot()
+
+    def test_a_peripheral_without_a_model(self):
+        made = make()
+        made.core.uc.mem_unmap(0x40004000, board.PAGE)
+        with self.assertRaisesRegex(WrongAccess, "to 0x4000440c, where there is nothing"):
+            made.boot()
+
+    def test_a_peripheral_without_a_clock(self):
+        made = make()
+        made.chip.timer.clocked = lambda: False
+        with self.assertRaisesRegex(WrongAccess, "TIM1_CR1 without a clock"):
+            made.boot()
+
+    def test_what_does_not_answer_is_told(self):
+        made = make()
+        made.chip.level.register("SR").on_read = lambda: 0
+        made.core.run(instructions=6_000_000)
+        self.assertIn("cannot start:\r\nthe trip level's DAC does not become ready", made.said())
+        self.assertEqual(made.chip.timer.due, NEVER)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
