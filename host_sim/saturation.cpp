@@ -20,10 +20,9 @@ constexpr std::array<const char *, SIGNAL_COUNT> NAMES = {
     "network_error_q",
     "network_weight_step",
     "network_speed",
-    "network_speed_out",
-    "reactance_d",
-    "reactance_q",
-    "emf",
+    "integral_d",
+    "integral_q",
+    "integral_speed",
     "speed_error",
     "position_lag",
     "torque",
@@ -32,13 +31,13 @@ constexpr std::array<const char *, SIGNAL_COUNT> NAMES = {
     "duty",
 };
 
-// The clamps of drive.c, nn_observer.c, current_loop.c and motion_loop.c.
+// The clamps of drive.c, nn_observer.c, pi.c and motion_loop.c.
 constexpr int32_t PHASE_LIMIT = 16383;
 constexpr int32_t STATE_LIMIT_Q27 = (1 << 27) - 1;
 constexpr int32_t ERROR_LIMIT = 8191;
-constexpr int32_t WEIGHT_STEP_LIMIT = 1 << 29;
+constexpr int32_t WEIGHT_STEP_LIMIT = (1 << 29) - 1;
 constexpr int32_t RECIPROCAL_MIN_Q12 = 1 << 12;
-constexpr int32_t REACTANCE_END = FX_Q15_MAX << 13; // of speed · gain
+constexpr int32_t INTEGRAL_LIMIT_Q26 = (1 << 26) - 1;
 constexpr unsigned LAG_BITS = 16;
 
 // |x| >= limit, limit > 0, as one comparison.
@@ -70,18 +69,16 @@ template <typename Note> void check_network(const drive_t &drive, Note note)
     note(Signal::network_error_q, at(n.error.q, ERROR_LIMIT));
     note(Signal::network_weight_step, at(n.weight_step, WEIGHT_STEP_LIMIT));
     note(Signal::network_speed, at(n.speed, speed_limit));
-    note(Signal::network_speed_out, at(n.speed_out, speed_limit));
 }
 
 template <typename Note> void check_loops(const drive_t &drive, Note note)
 {
-    const current_loop_cfg_t &gains = drive.cfg->current_loop;
-    const int32_t speed = drive.signals.speed;
     const int32_t error =
         (drive.speed_loop.reference - drive.observer.speed) >> drive.cfg->speed_loop.error_shift;
-    note(Signal::reactance_d, at(speed * gains.reactance_d_q13, REACTANCE_END));
-    note(Signal::reactance_q, at(speed * gains.reactance_q_q13, REACTANCE_END));
-    note(Signal::emf, at(speed * gains.emf_q13, REACTANCE_END));
+    const current_loop_t &loop = drive.current_loop;
+    note(Signal::integral_d, at(loop.pi_d.integral_q26, INTEGRAL_LIMIT_Q26));
+    note(Signal::integral_q, at(loop.pi_q.integral_q26, INTEGRAL_LIMIT_Q26));
+    note(Signal::integral_speed, at(drive.speed_loop.pi.integral_q26, INTEGRAL_LIMIT_Q26));
     note(Signal::speed_error, at(error, FX_Q15_MAX));
     if (drive.mode == DRIVE_MODE_POSITION) {
         const int64_t lag = drive.position_loop.profile_q32 - drive.position.turns_q32;
@@ -105,7 +102,7 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     note(Signal::torque, at(s.current_ref_q, drive.cfg->speed_loop.current_max));
     note(Signal::voltage, on_circle(s));
     note(Signal::ratio,
-         at(s.ratio.d, modulator.ratio_max_q15) || at(s.ratio.q, modulator.ratio_max_q15));
+         at(drive.ratio.d, modulator.ratio_max_q15) || at(drive.ratio.q, modulator.ratio_max_q15));
     note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);
 }
 

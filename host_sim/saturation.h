@@ -27,12 +27,11 @@ enum class Signal : std::size_t {
     network_error_d,
     network_error_q,
     network_weight_step,
-    network_speed,     // ω̂
-    network_speed_out, // with the proportional path
-    reactance_d,       // speed-dependent voltages per ampere, and the EMF
-    reactance_q,
-    emf,
-    speed_error,  // of the speed loop
+    network_speed, // ω̂
+    integral_d,    // of the current loop
+    integral_q,
+    integral_speed, // of the speed loop
+    speed_error,
     position_lag, // of the position loop
     torque,       // limits from here on: |i_q*| at current_max
     voltage,      // demand on the voltage circle

@@ -11,7 +11,7 @@ void current_loop_reset(current_loop_t *loop)
 /* speed × gain, Q15. */
 static int32_t at_speed(int32_t speed, int32_t gain_q13)
 {
-    return fx_clamp(fx_asr(speed * gain_q13, REACTANCE_BITS), -FX_Q15_MAX, FX_Q15_MAX);
+    return fx_asr(speed * gain_q13, REACTANCE_BITS);
 }
 
 /* v_q cut to what the circle leaves beside v_d. */
@@ -24,7 +24,7 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
         const int32_t bound = (int32_t)trig_sqrt((uint32_t)room);
 
         v_q = fx_clamp(v_q, -bound, bound);
-        pi_unwind(pi_q, v.q - v_q, limit);
+        pi_unwind(pi_q, v.q - v_q);
     }
     return v_q;
 }

@@ -33,9 +33,9 @@ typedef struct {
 void current_loop_reset(current_loop_t *loop);
 
 /*
- * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 16384, |measured| ≤ 46340, |speed| ≤ 32767,
- * limit 0…32767. Reactances saturate at 1. The square root of the circle is taken only when the demand
- * leaves it; the cut is given back to the q integral.
+ * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 16384, |measured| ≤ 32770, |speed| ≤ 32767,
+ * limit 0…32767; speed times each gain, Q15, stays within ±65000 (params_check sees to it). The square
+ * root of the circle is taken only when the demand leaves it; the cut is given back to the q integral.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit);

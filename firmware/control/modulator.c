@@ -3,7 +3,6 @@
 #define ONE_Q12 (4096)
 #define ONE_Q27 (0x8000000)
 #define HALF_Q15 (0x4000)
-#define ONE_Q15 (32768)
 #define HALF_SQRT3_Q15 (28378)
 
 void modulator_reset(modulator_t *mod)
@@ -26,22 +25,18 @@ int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus)
     return fx_asr(bus * cfg->ratio_max_q15, 15U);
 }
 
-dq_t modulator_ratio(const modulator_t *mod, const modulator_cfg_t *cfg, dq_t voltage)
+dq_t modulator_ratio(const modulator_t *mod, dq_t voltage)
 {
-    const int32_t bound = cfg->ratio_max_q15;
-
     return (dq_t){
-        .d = fx_clamp(fx_asr(mod->inverse_bus_q12 * voltage.d, 12U), -bound, bound),
-        .q = fx_clamp(fx_asr(mod->inverse_bus_q12 * voltage.q, 12U), -bound, bound),
+        .d = fx_sat16(fx_asr(mod->inverse_bus_q12 * voltage.d, 12U)),
+        .q = fx_sat16(fx_asr(mod->inverse_bus_q12 * voltage.q, 12U)),
     };
 }
 
-/* Duty centred at ½ to counts. */
-static uint16_t counts(const modulator_cfg_t *cfg, int32_t ratio_q15)
+/* Duty to counts, rounded. */
+static uint16_t counts(int32_t duty_q15, int32_t timer_counts)
 {
-    const int32_t duty_q15 = fx_clamp(ratio_q15 + HALF_Q15, 0, ONE_Q15);
-
-    return (uint16_t)fx_asr((duty_q15 * cfg->timer_counts) + HALF_Q15, 15U);
+    return (uint16_t)fx_asr((fx_usat15(duty_q15) * timer_counts) + HALF_Q15, 15U);
 }
 
 compare_t modulator_compare(const modulator_cfg_t *cfg, ab_t ratio)
@@ -53,9 +48,10 @@ compare_t modulator_compare(const modulator_cfg_t *cfg, ab_t ratio)
     const int32_t c = -beta_part - half_alpha;
     const int32_t highest = fx_max(fx_max(a, b), c);
     const int32_t lowest = fx_min(fx_min(a, b), c);
-    const int32_t common = fx_asr(highest + lowest, 1U);
+    const int32_t centre = HALF_Q15 - fx_asr(highest + lowest, 1U);
+    const int32_t timer = cfg->timer_counts;
 
     return (compare_t){
-        .phase = {counts(cfg, a - common), counts(cfg, b - common), counts(cfg, c - common)},
+        .phase = {counts(a + centre, timer), counts(b + centre, timer), counts(c + centre, timer)},
     };
 }

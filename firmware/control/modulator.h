@@ -43,10 +43,10 @@ void modulator_track_bus(modulator_t *mod, const modulator_cfg_t *cfg, int32_t b
 /* Radius of the voltage circle at this bus voltage, Q15 of U_b. */
 int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus);
 
-/* Voltage (Q15 of U_b, ±32767) to a ratio of the bus (Q15), saturated to ±ratio_max, rounded down. */
-dq_t modulator_ratio(const modulator_t *mod, const modulator_cfg_t *cfg, dq_t voltage);
+/* Voltage (Q15 of U_b, ±32767) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
+dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
-/* A ratio vector, |α|, |β| ≤ 32767, to compare values; duties are clamped to 0…1, counts rounded. */
+/* A ratio vector, |α|, |β| ≤ 46341, to compare values; duties are clamped to 0…1, counts rounded. */
 compare_t modulator_compare(const modulator_cfg_t *cfg, ab_t ratio);
 
 #endif

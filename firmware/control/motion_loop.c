@@ -31,10 +31,26 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
 }
 
-void position_loop_reset(position_loop_t *loop, int64_t position_q32)
+void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)
 {
     loop->profile_q32 = position_q32;
-    loop->profile_speed = 0;
+    loop->profile_speed = speed;
+}
+
+/* from → to, the shorter way round: positions wrap as the rotor position does. */
+static int64_t distance(int64_t from_q32, int64_t to_q32)
+{
+    const uint64_t way = (uint64_t)to_q32 - (uint64_t)from_q32;
+
+    return (int64_t)way;
+}
+
+static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
+{
+    const int64_t way = (int64_t)speed * (int32_t)ticks;
+    const uint64_t there = (uint64_t)position_q32 + (uint64_t)way;
+
+    return (int64_t)there;
 }
 
 /* |distance| in units, saturated. */
@@ -59,15 +75,15 @@ static step_t braking_speed(const position_loop_cfg_t *cfg, uint32_t units)
 }
 
 static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cfg,
-                            int64_t target_q32)
+                            int64_t target_q32, uint32_t ticks)
 {
-    const int64_t distance_q32 = target_q32 - loop->profile_q32;
+    const int64_t distance_q32 = distance(loop->profile_q32, target_q32);
     const uint32_t units = distance_units(cfg, distance_q32);
     const step_t speed = (units == 0U) ? 0 : braking_speed(cfg, units);
     const step_t wanted = (distance_q32 < 0) ? -speed : speed;
 
     loop->profile_speed += fx_clamp(wanted - loop->profile_speed, -cfg->ramp, cfg->ramp);
-    loop->profile_q32 += (int64_t)loop->profile_speed * cfg->ticks;
+    loop->profile_q32 = advanced(loop->profile_q32, loop->profile_speed, ticks);
     if ((units == 0U) && (loop->profile_speed == 0)) {
         loop->profile_q32 = target_q32;
     }
@@ -89,11 +105,11 @@ static int32_t lag_q16(int64_t lag_q32)
 }
 
 step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
-                          int64_t measured_q32)
+                          int64_t measured_q32, uint32_t ticks)
 {
-    int32_t correction;
+    const int32_t lag = lag_q16(distance(measured_q32, loop->profile_q32));
+    const int32_t correction = fx_asr(lag * cfg->gain, cfg->gain_shift);
 
-    advance_profile(loop, cfg, target_q32);
-    correction = fx_asr(lag_q16(loop->profile_q32 - measured_q32) * cfg->gain, cfg->gain_shift);
-    return fx_clamp(loop->profile_speed + correction, -2 * cfg->speed_max, 2 * cfg->speed_max);
+    advance_profile(loop, cfg, target_q32, ticks);
+    return loop->profile_speed + fx_clamp(correction, -cfg->speed_max, cfg->speed_max);
 }

@@ -39,7 +39,6 @@ typedef struct {
     int32_t gain;            /* speed = (lag, Q16 turns) · gain / 2^gain_shift, 0…32767 */
     uint32_t gain_shift;     /* 0…30 */
     uint32_t distance_shift; /* one distance unit = 2^distance_shift of Q32 turns, 8…48 */
-    int32_t ticks;           /* N, control ticks in a slow period, 2…100 */
 } position_loop_cfg_t;
 
 typedef struct {
@@ -60,16 +59,17 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured);
 
-/* Start the profile at the present position, at rest. */
-void position_loop_reset(position_loop_t *loop, int64_t position_q32);
+/* Start the profile at the present position and speed, so that a moving rotor brakes along it. */
+void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
 /*
- * One slow period. The profile brakes along
+ * One slow period of `ticks` control ticks, 2…100. The profile brakes along
  *     v(d) = speed_max·(√(d/B + c²) − c),
  * d the distance left: its deceleration stays below speed_max²/(2B) and fades out linearly at the end.
- * Returns the speed reference, saturated to twice speed_max.
+ * Positions wrap; a distance is the shorter way, so it is exact for less than 2^31 turns. Returns the
+ * speed reference: the profile's, and by at most speed_max more what takes the lag back.
  */
 step_t position_loop_step(position_loop_t *loop, const position_loop_cfg_t *cfg, int64_t target_q32,
-                          int64_t measured_q32);
+                          int64_t measured_q32, uint32_t ticks);
 
 #endif

@@ -38,30 +38,30 @@
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay_d;        /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
-    int32_t decay_q;        /* 1 − W1' = T·R/L_q, same format */
-    int32_t volt_gain;      /* W3/L_d·U_b/I_x, same format */
-    uint32_t weight_shift;  /* 2…15 */
-    int32_t flux_q27;       /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
-    int32_t flux_drive_q27; /* the constant part of v_x: T·R/L_d·(φ/L_d)/I_x, 0…2^26 */
-    int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
-    uint32_t current_shift; /* s, 0…10 */
-    int32_t rate;           /* η: ΔW2 in steps = (b >> 14)·rate / 2^rate_shift */
-    uint32_t rate_shift;    /* 1…30 */
-    int32_t proportional;   /* κ_p: steps = (b >> 14)·proportional / 2^proportional_shift */
-    uint32_t proportional_shift;
-    int32_t momentum_q15; /* α */
-    step_t speed_limit;   /* |ω̂|, |ω̂_out| are kept within, 1…2^29 */
+    int32_t decay_d;             /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
+    int32_t decay_q;             /* 1 − W1' = T·R/L_q, same format */
+    int32_t volt_gain;           /* W3/L_d·U_b/I_x, same format */
+    uint32_t weight_shift;       /* 2…15 */
+    int32_t flux_q27;            /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
+    int32_t flux_drive_q27;      /* the constant part of v_x: T·R/L_d·(φ/L_d)/I_x, 0…2^26 */
+    int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
+    uint32_t current_shift;      /* s, 0…10 */
+    int32_t rate;                /* η: ΔW2 in steps = (b >> 14)·rate / 2^rate_shift */
+    uint32_t rate_shift;         /* 0…30 */
+    int32_t proportional;        /* κ_p: steps = (b >> 14)·proportional / 2^proportional_shift */
+    uint32_t proportional_shift; /* 0…30 */
+    int32_t momentum_q15;        /* α */
+    step_t speed_limit;          /* |ω̂| is kept within, 1…2^29 */
 } nn_observer_cfg_t;
 
 typedef struct {
-    int32_t x_q27;      /* x̂, within ±(2^27 − 1) */
-    int32_t y_q27;      /* ŷ, within ±(2^27 − 1) */
+    int32_t x_q27;      /* x̂, −2^27…2^27 − 1 */
+    int32_t y_q27;      /* ŷ, −2^27…2^27 − 1 */
     step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
-    step_t speed_out;   /* ω̂_out: inside the network and for the angle */
-    step_t weight_step; /* ΔW2(k)/T, for the momentum term; within ±2^29 */
+    step_t speed_out;   /* ω̂_out: inside the network and for the angle; within 1.5·2^30 */
+    step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q */
-    dq_t error;         /* e_d, e_q, kept within ±8191 (¼) */
+    dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
 } nn_observer_t;
 
 /* Start at rest with no current: x̂ = φ/L_d, everything else zero. */

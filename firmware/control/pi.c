@@ -12,9 +12,8 @@ void pi_reset(pi_t *pi, int32_t output)
 
 int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
 {
-    const int32_t bound_q26 = limit * Q15_TO_Q26;
     const int32_t integral_q26 =
-        fx_clamp(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift), -bound_q26, bound_q26);
+        fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));
     const int32_t proportional = fx_asr(error * cfg->kp, cfg->kp_shift);
     int32_t output = proportional + fx_asr(integral_q26, INTEGRAL_BITS) + feed_forward;
 
@@ -30,9 +29,7 @@ int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forwa
     return output;
 }
 
-void pi_unwind(pi_t *pi, int32_t excess, int32_t limit)
+void pi_unwind(pi_t *pi, int32_t excess)
 {
-    const int32_t bound_q26 = limit * Q15_TO_Q26;
-
-    pi->integral_q26 = fx_clamp(pi->integral_q26 - (excess * Q15_TO_Q26), -bound_q26, bound_q26);
+    pi->integral_q26 = fx_sat27(pi->integral_q26 - (excess * Q15_TO_Q26));
 }

@@ -27,15 +27,15 @@ void pi_reset(pi_t *pi, int32_t output);
 
 /*
  * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^17; limit: 0…32767, all Q15.
- * Returns u within ±limit, rounded down. Anti-windup: the integral stays within ±limit and does not
- * move further into a limit that the output has reached.
+ * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit the integral does
+ * not move further into it; it saturates at ±1.
  */
 int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit);
 
 /*
  * Tell the controller that only u − excess of its last output could be used, as when the voltage
- * circle cuts one axis: the integral gives the excess back, and stays within ±limit. All Q15, ±32767.
+ * circle cuts one axis: the integral gives the excess back, saturating at ±1. excess: Q15, ±32767.
  */
-void pi_unwind(pi_t *pi, int32_t excess, int32_t limit);
+void pi_unwind(pi_t *pi, int32_t excess);
 
 #endif

@@ -37,7 +37,7 @@ ab_t transforms_clarke(int32_t a, int32_t b);
 /* Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. ≤ 2 LSB. */
 dq_t transforms_park(ab_t v, sincos_t angle);
 
-/* Rotor to stationary frame. |d| + |q| ≤ 65534. Error ≤ 2 LSB. */
+/* Rotor to stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */
 ab_t transforms_park_inverse(dq_t v, sincos_t angle);
 
 #endif

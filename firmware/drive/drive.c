@@ -3,7 +3,6 @@
 #include <stddef.h>
 
 #define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
-#define PHASE_LIMIT (16383) /* keeps |(α, β)| and |(d, q)| below 1 */
 #define Q16_TO_Q32 (65536)
 
 static void open_gates(drive_t *drive, drive_out_t *out)
@@ -14,10 +13,16 @@ static void open_gates(drive_t *drive, drive_out_t *out)
     *out = (drive_out_t){.compare = {.phase = {rest, rest, rest}}, .gate_enable = false};
 }
 
+static void enter(drive_t *drive, drive_state_t state)
+{
+    drive->state = state;
+    drive->limits = protection_limits(&drive->cfg->protection, state == DRIVE_STATE_RUN);
+}
+
 static void enter_fault(drive_t *drive, fault_t fault)
 {
     drive->fault = fault;
-    drive->state = DRIVE_STATE_FAULT;
+    enter(drive, DRIVE_STATE_FAULT);
 }
 
 static void enter_offset_cal(drive_t *drive)
@@ -25,24 +30,23 @@ static void enter_offset_cal(drive_t *drive)
     drive->offset_a = 0;
     drive->offset_b = 0;
     drive->offset_samples = 0U;
-    drive->state = DRIVE_STATE_OFFSET_CAL;
+    enter(drive, DRIVE_STATE_OFFSET_CAL);
 }
 
 /* The rotor is taken to be at rest at angle 0. */
-static void enter_run(drive_t *drive)
+static void reset_control(drive_t *drive)
 {
     nn_observer_reset(&drive->observer, &drive->cfg->observer);
     rotor_position_reset(&drive->position, 0U);
     current_loop_reset(&drive->current_loop);
     speed_loop_reset(&drive->speed_loop, 0);
-    position_loop_reset(&drive->position_loop, 0);
+    position_loop_reset(&drive->position_loop, 0, 0);
     drive->speed_reference = 0;
-    drive->ratio_pending = (dq_t){0, 0};
+    drive->ratio = (dq_t){0, 0};
     drive->ratio_acting = (dq_t){0, 0};
     drive->signals.current_ref_q = 0;
     drive->slow_count = drive->cfg->slow_ticks;
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
-    drive->state = DRIVE_STATE_RUN;
 }
 
 /* Raw counts to per unit. Before the calibration has ended the currents are meaningless. */
@@ -54,37 +58,25 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     const uint32_t b = (uint32_t)in->adc_ib << cfg->current_shift;
     const uint32_t bus = (uint32_t)in->adc_bus << cfg->bus_shift;
 
-    s->phase_a = fx_clamp((int32_t)a - drive->offset_a, -PHASE_LIMIT, PHASE_LIMIT);
-    s->phase_b = fx_clamp((int32_t)b - drive->offset_b, -PHASE_LIMIT, PHASE_LIMIT);
-    s->bus = fx_min((int32_t)bus, FX_Q15_MAX);
+    s->phase_a = fx_sat15((int32_t)a - drive->offset_a);
+    s->phase_b = fx_sat15((int32_t)b - drive->offset_b);
+    s->bus = fx_usat15((int32_t)bus);
 }
 
-static bool wants_run(const drive_command_t *command)
+/* Latch what is wrong. */
+static void watch(drive_t *drive, const drive_in_t *in)
 {
-    return (command->request & DRIVE_REQUEST_RUN) != 0U;
-}
-
-/* Latch what is wrong; true when it is a new fault. */
-static bool watch(drive_t *drive, const drive_in_t *in)
-{
-    const bool running = (drive->state == DRIVE_STATE_RUN);
     const protection_in_t measured = {
         .phase_a = drive->signals.phase_a,
         .phase_b = drive->signals.phase_b,
         .bus = drive->signals.bus,
         .break_input = (in->flags & DRIVE_FLAG_BREAK) != 0U,
-        .check_current = running || (drive->state == DRIVE_STATE_READY),
-        .check_undervoltage = running || wants_run(&in->command),
     };
-    const protection_cfg_t *const cfg = &drive->cfg->protection;
-    const fault_id_t id = protection_check(cfg, &measured);
+    const fault_id_t id = protection_check(&drive->limits, &measured);
 
-    const bool is_new = (id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT);
-
-    if (is_new) {
-        enter_fault(drive, protection_record(cfg, &measured, id));
+    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+        enter_fault(drive, protection_record(&drive->limits, &measured, id));
     }
-    return is_new;
 }
 
 /* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
@@ -105,8 +97,9 @@ static void finish_calibration(drive_t *drive)
     drive->offset_b = mean_sample(cfg, drive->offset_b);
     fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
                                     drive->offset_b - ADC_MID_Q15);
-    drive->state = DRIVE_STATE_READY;
-    if (fault.id != FAULT_NONE) {
+    if (fault.id == FAULT_NONE) {
+        enter(drive, DRIVE_STATE_READY);
+    } else {
         enter_fault(drive, fault);
     }
 }
@@ -121,21 +114,35 @@ static void calibrate_step(drive_t *drive, const drive_in_t *in)
     }
 }
 
-/* State changes that the command asks for. */
-static void obey(drive_t *drive, const drive_command_t *command)
+static bool wants_run(const drive_command_t *command)
 {
-    const bool run = wants_run(command);
-    const bool clear = (command->request & DRIVE_REQUEST_CLEAR) != 0U;
-    const bool cleared = (drive->state == DRIVE_STATE_FAULT) && clear && !run;
+    return (command->request & DRIVE_REQUEST_RUN) != 0U;
+}
 
-    if ((drive->state == DRIVE_STATE_INIT) || cleared) {
+/* State changes other than out of RUN that the command asks for, or the end of the calibration. */
+static void change_state(drive_t *drive, const drive_in_t *in)
+{
+    const bool run = wants_run(&in->command);
+    const bool clear = (in->command.request & DRIVE_REQUEST_CLEAR) != 0U;
+
+    switch (drive->state) {
+    case DRIVE_STATE_READY:
+        if (run) {
+            reset_control(drive);
+            enter(drive, DRIVE_STATE_RUN);
+        }
+        break;
+    case DRIVE_STATE_OFFSET_CAL:
+        calibrate_step(drive, in);
+        break;
+    case DRIVE_STATE_FAULT:
+        if (clear && !run) {
+            enter_offset_cal(drive);
+        }
+        break;
+    default: /* INIT */
         enter_offset_cal(drive);
-    } else if ((drive->state == DRIVE_STATE_READY) && run) {
-        enter_run(drive);
-    } else if ((drive->state == DRIVE_STATE_RUN) && !run) {
-        drive->state = DRIVE_STATE_READY;
-    } else {
-        /* stay */
+        break;
     }
 }
 
@@ -166,7 +173,8 @@ static void estimate(drive_t *drive)
 static void change_mode(drive_t *drive, uint8_t mode)
 {
     drive->mode = mode;
-    position_loop_reset(&drive->position_loop, drive->position.turns_q32);
+    position_loop_reset(&drive->position_loop, drive->position.turns_q32,
+                        drive->speed_loop.reference);
 }
 
 /* First half of the slow period: the speed reference. */
@@ -178,9 +186,9 @@ static void plan_speed(drive_t *drive, const drive_command_t *command)
         change_mode(drive, command->mode);
     }
     if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
-        drive->speed_reference =
-            position_loop_step(&drive->position_loop, &cfg->position_loop,
-                               (int64_t)command->target * Q16_TO_Q32, drive->position.turns_q32);
+        drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
+                                                    (int64_t)command->target * Q16_TO_Q32,
+                                                    drive->position.turns_q32, cfg->slow_ticks);
     } else {
         drive->speed_reference =
             speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
@@ -216,8 +224,10 @@ static compare_t control_currents(drive_t *drive)
     s->voltage_limit = modulator_limit(&cfg->modulator, s->bus);
     s->voltage = current_loop_step(&drive->current_loop, &cfg->current_loop, reference, s->current,
                                    s->speed, s->voltage_limit);
-    s->ratio = modulator_ratio(&drive->modulator, &cfg->modulator, s->voltage);
-    s->ratio_ab = transforms_park_inverse(s->ratio, trig_sincos(middle));
+    drive->ratio_acting.d = drive->ratio.d;
+    drive->ratio_acting.q = drive->ratio.q;
+    drive->ratio = modulator_ratio(&drive->modulator, s->voltage);
+    s->ratio_ab = transforms_park_inverse(drive->ratio, trig_sincos(middle));
     return modulator_compare(&cfg->modulator, s->ratio_ab);
 }
 
@@ -228,22 +238,12 @@ static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     out->compare = control_currents(drive);
     out->gate_enable = true;
     rotor_position_step(&drive->position, drive->observer.speed_out);
-    drive->ratio_acting = drive->ratio_pending;
-    drive->ratio_pending = drive->signals.ratio;
-}
-
-static void change_state(drive_t *drive, const drive_in_t *in)
-{
-    if (drive->state == DRIVE_STATE_OFFSET_CAL) {
-        calibrate_step(drive, in);
-    } else {
-        obey(drive, &in->command);
-    }
 }
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
-    *drive = (drive_t){.cfg = cfg, .state = DRIVE_STATE_INIT};
+    *drive = (drive_t){.cfg = cfg};
+    enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
     return params_check(cfg);
 }
@@ -251,9 +251,14 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     convert_samples(drive, in);
-    if (!watch(drive, in)) {
+    if (drive->state != DRIVE_STATE_RUN) {
         change_state(drive, in);
+    } else if (!wants_run(&in->command)) {
+        enter(drive, DRIVE_STATE_READY);
+    } else {
+        /* stay */
     }
+    watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
     if (drive->state == DRIVE_STATE_RUN) {
         run_tick(drive, in, out);

@@ -76,31 +76,32 @@ typedef struct {
     int32_t current_ref_q; /* i_q*, Q15 of I_b */
     int32_t voltage_limit; /* Q15 of U_b */
     dq_t voltage;          /* demand */
-    dq_t ratio;            /* demand over bus, Q15 */
     ab_t ratio_ab;
 } drive_signals_t;
 
+/* What each tick works with comes first: a Cortex-M0+ reaches 128 bytes in one instruction. */
 typedef struct {
+    rotor_position_t position;
     const drive_cfg_t *cfg;
     drive_state_t state;
-    fault_t fault;    /* why FAULT was entered last */
-    uint32_t tick;    /* since drive_init, wraps */
+    protection_limits_t limits; /* in force in this state */
     int32_t offset_a; /* sensor zero, Q15 of I_b, mid-scale = 16384; sum while calibrating */
     int32_t offset_b;
-    uint32_t offset_samples;
-    uint32_t slow_count; /* N…1: ticks to the end of the slow period */
-    uint8_t mode;        /* mode of the running motion loops */
+    int32_t bus_before; /* bus at the last instant */
     nn_observer_t observer;
-    rotor_position_t position;
+    uint32_t slow_count; /* N…1: ticks to the end of the slow period */
     current_loop_t current_loop;
+    modulator_t modulator;
+    dq_t ratio;        /* demand over bus, Q15, of the last tick: acts from this instant on */
+    dq_t ratio_acting; /* acted since the last instant */
+    drive_signals_t signals;
+    uint32_t tick; /* since drive_init, wraps */
+    step_t speed_reference;
     speed_loop_t speed_loop;
     position_loop_t position_loop;
-    step_t speed_reference;
-    modulator_t modulator;
-    dq_t ratio_pending; /* asked for in the last tick: being applied from this instant on */
-    dq_t ratio_acting;  /* applied since the last instant */
-    int32_t bus_before; /* bus at the last instant */
-    drive_signals_t signals;
+    uint8_t mode; /* of the running motion loops */
+    uint32_t offset_samples;
+    fault_t fault; /* why FAULT was entered last */
 } drive_t;
 
 /*

@@ -7,6 +7,7 @@
 #define SHIFT_MAX (30)
 #define CURRENT_MAX (16384)
 #define SOFTNESS_MAX (12288)
+#define REACH_MAX (65000) /* times a current of 1 it stays below 2^31 */
 
 /* A shift count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
@@ -57,9 +58,9 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
     bad = range(bad, "observer.iq_gain_q14", cfg->iq_gain_q14, 1, FX_Q15_MAX);
     bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 10);
     bad = range(bad, "observer.rate", cfg->rate, 0, FX_Q15_MAX);
-    bad = range(bad, "observer.rate_shift", shift_value(cfg->rate_shift), 1, SHIFT_MAX);
+    bad = range(bad, "observer.rate_shift", shift_value(cfg->rate_shift), 0, SHIFT_MAX);
     bad = range(bad, "observer.proportional", cfg->proportional, 0, FX_Q15_MAX);
-    bad = range(bad, "observer.proportional_shift", shift_value(cfg->proportional_shift), 1,
+    bad = range(bad, "observer.proportional_shift", shift_value(cfg->proportional_shift), 0,
                 SHIFT_MAX);
     bad = range(bad, "observer.momentum_q15", cfg->momentum_q15, 0, FX_Q15_MAX);
     return range(bad, "observer.speed_limit", cfg->speed_limit, 1, STEP_MAX);
@@ -74,6 +75,33 @@ static const char *check_speed_base(const char *before, const drive_cfg_t *cfg)
         bad = "observer.speed_limit";
     }
     return bad;
+}
+
+/* Voltage per unit at the highest speed, for each gain of the decoupling. */
+static const char *check_reach(const char *before, const drive_cfg_t *cfg)
+{
+    const current_loop_cfg_t *const loop = &cfg->current_loop;
+    const int32_t largest_gain =
+        fx_max(fx_max(loop->reactance_d_q13, loop->reactance_q_q13), loop->emf_q13);
+    const char *bad = before;
+
+    if (bad == NULL) {
+        const int32_t speed = fx_asr(cfg->observer.speed_limit, cfg->speed_shift);
+
+        bad = range(bad, "observer.speed_limit", fx_asr(speed * largest_gain, 13U), 0, REACH_MAX);
+    }
+    return bad;
+}
+
+/* What one part asks for must be within what another allows. */
+static const char *check_agreement(const char *before, const drive_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad =
+        range(bad, "speed_loop.speed_max", cfg->speed_loop.speed_max, 1, cfg->observer.speed_limit);
+    return range(bad, "speed_loop.current_max", cfg->speed_loop.current_max, 1,
+                 cfg->protection.current_max);
 }
 
 static const char *check_pi(const char *before, const char *name, const pi_cfg_t *cfg)
@@ -120,8 +148,7 @@ static const char *check_position_loop(const char *before, const position_loop_c
     bad = range(bad, "position_loop.softness_q15", cfg->softness_q15, 0, SOFTNESS_MAX);
     bad = range(bad, "position_loop.gain", cfg->gain, 0, FX_Q15_MAX);
     bad = range(bad, "position_loop.gain_shift", shift_value(cfg->gain_shift), 0, SHIFT_MAX);
-    bad = range(bad, "position_loop.distance_shift", shift_value(cfg->distance_shift), 8, 48);
-    return range(bad, "position_loop.ticks", cfg->ticks, 2, 100);
+    return range(bad, "position_loop.distance_shift", shift_value(cfg->distance_shift), 8, 48);
 }
 
 const char *params_check(const drive_cfg_t *cfg)
@@ -135,6 +162,8 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_current_loop(bad, &cfg->current_loop);
     bad = check_speed_loop(bad, &cfg->speed_loop);
     bad = check_position_loop(bad, &cfg->position_loop);
+    bad = check_reach(bad, cfg);
+    bad = check_agreement(bad, cfg);
     bad = range(bad, "modulator.timer_counts", cfg->modulator.timer_counts, 1, FX_Q15_MAX);
     bad = range(bad, "modulator.ratio_max_q15", cfg->modulator.ratio_max_q15, 1, 18918);
     bad = range(bad, "modulator.inverse_max_q12", cfg->modulator.inverse_max_q12, 4096, FX_Q15_MAX);

@@ -23,16 +23,17 @@ typedef struct {
     uint32_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
 } sampling_cfg_t;
 
+/* In the order of their use in a tick, the motion loops last: see drive_t. */
 typedef struct {
+    uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
     sampling_cfg_t sampling;
-    protection_cfg_t protection;
     nn_observer_cfg_t observer;
     current_loop_cfg_t current_loop;
+    modulator_cfg_t modulator;
+    uint32_t slow_ticks; /* N: the motion loops run every N-th tick, 2…100 */
+    protection_cfg_t protection;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
-    modulator_cfg_t modulator;
-    uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
-    uint32_t slow_ticks;  /* N: the motion loops run every N-th tick, 2…100 */
 } drive_cfg_t;
 
 /*

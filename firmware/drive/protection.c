@@ -2,6 +2,44 @@
 
 #include "fx.h"
 
+#define NEVER (65536) /* above every |current|: −a − b is at most 32768 */
+
+protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
+{
+    return (protection_limits_t){
+        .current_max = running ? cfg->current_max : NEVER,
+        .bus_max = cfg->bus_max,
+        .bus_min = running ? cfg->bus_min : 0,
+    };
+}
+
+/* |x| > limit in one comparison: x + limit becomes a large unsigned number on either side. */
+static bool exceeds(int32_t x, int32_t limit)
+{
+    return ((uint32_t)x + (uint32_t)limit) > (2U * (uint32_t)limit);
+}
+
+fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in)
+{
+    const int32_t a = in->phase_a;
+    const int32_t b = in->phase_b;
+    const int32_t max = limits->current_max;
+    fault_id_t id = FAULT_NONE;
+
+    if (in->break_input) {
+        id = FAULT_BREAK;
+    } else if (exceeds(a, max) || exceeds(b, max) || exceeds(a + b, max)) {
+        id = FAULT_OVERCURRENT;
+    } else if (in->bus > limits->bus_max) {
+        id = FAULT_OVERVOLTAGE;
+    } else if (in->bus < limits->bus_min) {
+        id = FAULT_UNDERVOLTAGE;
+    } else {
+        /* nothing wrong */
+    }
+    return id;
+}
+
 /* The largest magnitude of the three phase currents. */
 static int32_t largest_current(const protection_in_t *in)
 {
@@ -11,33 +49,19 @@ static int32_t largest_current(const protection_in_t *in)
     return fx_max(fx_max(fx_abs(a), fx_abs(b)), fx_abs(a + b));
 }
 
-fault_id_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in)
+fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
+                          fault_id_t id)
 {
-    fault_id_t id = FAULT_NONE;
+    fault_t fault = {.id = id, .value = in->bus, .limit = limits->bus_max};
 
-    if (in->break_input) {
-        id = FAULT_BREAK;
-    } else if (in->check_current && (largest_current(in) > cfg->current_max)) {
-        id = FAULT_OVERCURRENT;
-    } else if (in->bus > cfg->bus_max) {
-        id = FAULT_OVERVOLTAGE;
-    } else if (in->check_undervoltage && (in->bus < cfg->bus_min)) {
-        id = FAULT_UNDERVOLTAGE;
-    } else {
-        /* nothing wrong */
-    }
-    return id;
-}
-
-fault_t protection_record(const protection_cfg_t *cfg, const protection_in_t *in, fault_id_t id)
-{
-    fault_t fault = {.id = id, .value = in->bus, .limit = cfg->bus_max};
-
-    if ((id == FAULT_BREAK) || (id == FAULT_OVERCURRENT)) {
+    if (id == FAULT_BREAK) {
         fault.value = largest_current(in);
-        fault.limit = cfg->current_max;
+        fault.limit = 0;
+    } else if (id == FAULT_OVERCURRENT) {
+        fault.value = largest_current(in);
+        fault.limit = limits->current_max;
     } else if (id == FAULT_UNDERVOLTAGE) {
-        fault.limit = cfg->bus_min;
+        fault.limit = limits->bus_min;
     } else {
         /* over-voltage: as initialised */
     }

@@ -12,7 +12,7 @@
 
 typedef enum {
     FAULT_NONE = 0,
-    FAULT_BREAK,         /* the power stage's own comparator opened the gates */
+    FAULT_BREAK, /* the power stage's own comparator, value: the largest phase current, limit: 0 */
     FAULT_OVERCURRENT,   /* value: the largest phase current */
     FAULT_OVERVOLTAGE,   /* value: bus */
     FAULT_UNDERVOLTAGE,  /* value: bus */
@@ -33,21 +33,30 @@ typedef struct {
     int32_t offset_max; /* |sensor offset|, Q15 of I_b */
 } protection_cfg_t;
 
+/* The limits in force: those of the configuration, or out of reach while a measurement means nothing. */
+typedef struct {
+    int32_t current_max;
+    int32_t bus_max;
+    int32_t bus_min;
+} protection_limits_t;
+
 /* What is watched in this tick. */
 typedef struct {
-    int32_t phase_a; /* ±16383 */
+    int32_t phase_a; /* −16384…16383 */
     int32_t phase_b;
-    int32_t bus;
+    int32_t bus; /* 0…32767 */
     bool break_input;
-    bool check_current;      /* the sensors are calibrated */
-    bool check_undervoltage; /* the drive runs */
 } protection_in_t;
 
+/* Too high a bus is watched always, the currents and too low a bus while the drive runs. */
+protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
+
 /* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
-fault_id_t protection_check(const protection_cfg_t *cfg, const protection_in_t *in);
+fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in);
 
 /* The record of a fault that protection_check found: measured value and limit. */
-fault_t protection_record(const protection_cfg_t *cfg, const protection_in_t *in, fault_id_t id);
+fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
+                          fault_id_t id);
 
 /* Offsets of both sensors from mid-scale, after calibration: the record, or id FAULT_NONE. */
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);

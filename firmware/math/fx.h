@@ -13,6 +13,9 @@
 #ifndef FX_H
 #define FX_H
 
+#include "fx_port.h"
+#include "fx_shift.h"
+
 #include <stdint.h>
 
 /* One turn is 2^32, so angles wrap by themselves. Turns, not radians. */
@@ -23,12 +26,6 @@ typedef int32_t step_t;
 
 #define FX_Q15_MAX (32767)
 #define FX_Q15_MIN (-32768)
-
-/* x / 2^n rounded down (towards −∞). Range: any x, n 0…31. No saturation. */
-static inline int32_t fx_asr(int32_t x, uint32_t n)
-{
-    return x >> n; /* cppcheck-suppress misra-c2012-10.1 ; D1 */
-}
 
 /* The smaller/larger of two values. */
 static inline int32_t fx_min(int32_t a, int32_t b)
@@ -51,12 +48,6 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
 static inline int32_t fx_abs(int32_t x)
 {
     return (x < 0) ? -x : x;
-}
-
-/* x saturated to the 16-bit range −32768…32767. */
-static inline int16_t fx_sat16(int32_t x)
-{
-    return (int16_t)fx_clamp(x, FX_Q15_MIN, FX_Q15_MAX);
 }
 
 /* a + b saturated to −2^31…2^31 − 1. */
@@ -92,19 +83,13 @@ static inline int32_t fx_sub_sat(int32_t a, int32_t b)
 /* Q15 × Q15 → Q15, rounded to nearest (half up). Only −1 × −1 exceeds Q15; it saturates. */
 static inline int16_t fx_mul_q15(int16_t a, int16_t b)
 {
-    return fx_sat16(fx_asr(((int32_t)a * b) + 0x4000, 15U));
+    return (int16_t)fx_sat16(fx_asr(((int32_t)a * b) + 0x4000, 15U));
 }
 
-/*
- * floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t.
- * With a = a_hi·2^16 + a_lo the result is a_hi·b + floor(a_lo·b / 2^16): |a_lo·b| < 2^31.
- */
+/* floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. */
 static inline int32_t fx_mul_32x16(int32_t a, int32_t b)
 {
-    const int32_t a_hi = fx_asr(a, 16U);
-    const uint32_t a_lo = (uint32_t)a & 0xFFFFU;
-
-    return (a_hi * b) + fx_asr((int32_t)a_lo * b, 16U);
+    return fx_mla_32x16(0, a, b);
 }
 
 #endif

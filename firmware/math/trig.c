@@ -8,10 +8,6 @@
 /* cppcheck-suppress misra-c2012-10.1 ; D1 */
 _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 
-#define INDEX_SHIFT (32U - TRIG_SIN_BITS)
-#define FRACTION_SHIFT (INDEX_SHIFT - 15U)
-#define FRACTION_MASK (0x7FFFU)
-
 #define EIGHTH_TURN (0x20000000U)
 #define QUARTER_TURN (0x40000000U)
 #define HALF_TURN (0x80000000U)
@@ -20,27 +16,9 @@ _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 #define ATAN_FRACTION_SCALE (0x100U)
 #define ATAN_FRACTION_MASK (0xFFU)
 #define ATAN_UNIT_SHIFT (29U - 16U) /* table unit: 2^-16 of an eighth turn, 2^29 */
-#define ATAN_SCALE (0x20U)          /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
-
-/* Table value at index + fraction / 2^15, rounded to nearest; neighbours differ by less than 2^8. */
-static inline int32_t interpolate(uint32_t index, int32_t fraction_q15)
-{
-    const int32_t left = trig_sin_table[index];
-    const int32_t right = trig_sin_table[index + 1U];
-
-    return left + fx_asr(((right - left) * fraction_q15) + 0x4000, 15U);
-}
-
-sincos_t trig_sincos(angle_t angle)
-{
-    const uint32_t index = angle >> INDEX_SHIFT;
-    const uint32_t fraction_q15 = (angle >> FRACTION_SHIFT) & FRACTION_MASK;
-
-    return (sincos_t){
-        .sin = interpolate(index, (int32_t)fraction_q15),
-        .cos = interpolate(index + TRIG_SIN_QUARTER, (int32_t)fraction_q15),
-    };
-}
+#define ROOT_ERROR (4)
+#define ROOT_MAX (65535)
+#define ATAN_SCALE (0x20U) /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
 
 /* atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0. */
 static angle_t atan_octant(uint32_t small, uint32_t large)
@@ -78,20 +56,35 @@ angle_t trig_atan2(int16_t y, int16_t x)
     return angle;
 }
 
+/*
+ * √m by a reciprocal root r ≈ 2^31/√m from the table and one Newton step on s = m·r:
+ *     s ← s + (m − s²)·r/2^32
+ * m = 2^30…2^32 − 1. The table is right within 2^-8, which leaves 1.5·2^-16 of s; the loop makes it exact.
+ */
+static uint32_t root_of_normalised(uint32_t m)
+{
+    const uint32_t reciprocal = trig_rsqrt_table[(m >> 24U) - TRIG_RSQRT_FIRST];
+    const uint32_t start = ((m >> 16U) * reciprocal) >> 15U;
+    const uint32_t rest = m - (start * start);
+    const uint32_t half = reciprocal >> 1U;
+    const int32_t step = fx_asr(fx_asr((int32_t)rest, 11U) * (int32_t)half, 20U);
+    const int32_t above = fx_min((int32_t)start + step + ROOT_ERROR, ROOT_MAX);
+    uint32_t root = (uint32_t)above;
+
+    while ((root * root) > m) {
+        root--;
+    }
+    return root;
+}
+
 uint16_t trig_sqrt(uint32_t x)
 {
-    uint32_t remainder = x;
     uint32_t root = 0U;
 
-    /* Digit by digit, one result bit a pass. */
-    for (uint32_t bit = 0x40000000U; bit != 0U; bit >>= 2U) {
-        const uint32_t trial = root + bit;
+    if (x != 0U) {
+        const uint32_t half_shift = fx_leading_zeros(x) / 2U;
 
-        root >>= 1U;
-        if (remainder >= trial) {
-            remainder -= trial;
-            root += bit;
-        }
+        root = root_of_normalised(x << (2U * half_shift)) >> half_shift;
     }
     return (uint16_t)root;
 }

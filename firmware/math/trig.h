@@ -6,6 +6,7 @@
 #define TRIG_H
 
 #include "fx.h"
+#include "trig_table.h"
 
 #include <stdint.h>
 
@@ -17,9 +18,20 @@ typedef struct {
 /*
  * Sine and cosine of an angle.
  * angle: whole range. Result: Q15 with amplitude 32767, within 1 LSB of 32767·sin and 32767·cos
- * (interpolation over 1/1024 turn 0.15 LSB, table rounding 0.5 LSB, result rounding 0.5 LSB).
+ * (interpolation over 1/1024 turn 0.15 LSB, table and slope 0.1 LSB, result rounding 0.5 LSB).
  */
-sincos_t trig_sincos(angle_t angle);
+static inline sincos_t trig_sincos(angle_t angle)
+{
+    const uint32_t index = angle >> TRIG_INDEX_SHIFT;
+    const uint32_t fraction = (angle >> TRIG_FRACTION_SHIFT) & TRIG_FRACTION_MASK;
+    const int32_t sine = trig_sin_table[index];
+    const int32_t cosine = trig_sin_table[index + TRIG_SIN_QUARTER];
+    sincos_t result;
+
+    result.sin = trig_interpolate(sine, (int32_t)fraction);
+    result.cos = trig_interpolate(cosine, (int32_t)fraction);
+    return result;
+}
 
 /*
  * Direction of the vector (x, y): the angle from the x axis towards the y axis.

@@ -215,7 +215,6 @@ static void mix_signals(uint32_t *hash, const drive_signals_t *s)
     mix_i32(hash, s->current_ref_q);
     mix_i32(hash, s->voltage_limit);
     mix_dq(hash, s->voltage);
-    mix_dq(hash, s->ratio);
     mix_ab(hash, s->ratio_ab);
 }
 
@@ -228,6 +227,9 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_i32(&hash, drive->fault.value);
     mix_i32(&hash, drive->fault.limit);
     mix_u32(&hash, drive->tick);
+    mix_i32(&hash, drive->limits.current_max);
+    mix_i32(&hash, drive->limits.bus_max);
+    mix_i32(&hash, drive->limits.bus_min);
     mix_i32(&hash, drive->offset_a);
     mix_i32(&hash, drive->offset_b);
     mix_u32(&hash, drive->offset_samples);
@@ -238,7 +240,7 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_loops(&hash, drive);
     mix_i32(&hash, drive->speed_reference);
     mix_i32(&hash, drive->modulator.inverse_bus_q12);
-    mix_dq(&hash, drive->ratio_pending);
+    mix_dq(&hash, drive->ratio);
     mix_dq(&hash, drive->ratio_acting);
     mix_i32(&hash, drive->bus_before);
     mix_signals(&hash, &drive->signals);

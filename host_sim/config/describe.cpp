@@ -155,7 +155,6 @@ void add_position_loop(Rows &to)
     to.add("position_loop.gain_shift", c.gain_shift, "of the gain");
     to.add("position_loop.distance_shift", c.distance_shift,
            "distance unit {:.4g} electrical turns", unit);
-    to.add("position_loop.ticks", c.ticks, "slow period {:g} s", to.slow_period());
 }
 
 void add_modulator(Rows &to)

@@ -323,7 +323,6 @@ position_loop_cfg_t make_position_loop(const MotorSettings &motor, const TuningS
                                  tuning.position_bandwidth_hz, "the position gain");
     c.gain = g.value;
     c.gain_shift = g.shift;
-    c.ticks = tuning.slow_ticks;
     return c;
 }
 

@@ -17,11 +17,11 @@ using nf::twin::Vector;
 // Phase-to-phase, in LSB of Q15 of the bus, for a ratio r ≤ 1/√3 of the bus:
 //   reciprocal settled to 1.5/4096 of it, √3 of r between phases: 1.5/4096·32768          12.0
 //   ratio rounded down in d and q, 1 LSB each: √2, √3 of it between phases                  2.45
-//   inverse Park: sincos 1.161·√2·r, amplitude r, rounding ½ in α and β: ½·√2, times √3     3.9
+//   inverse Park: sincos 0.773·√2·r, amplitude r, rounding ½ in α and β: ½·√2, times √3     3.4
 //   β·√3/2 and α/2 rounded down                                                             2.2
 //   counts rounded to nearest, twice ½                                   32768/timer_counts: 3.9
 // A vector at the limit may reach beyond the rails by as much and is cut: not more than the sum again.
-static constexpr double RATIO_LSB = 12.0 + 2.45 + 3.9 + 2.2;
+static constexpr double RATIO_LSB = 12.0 + 2.45 + 3.4 + 2.2;
 static constexpr double LEAST_SHARE = 0.3;
 
 void setUp()
@@ -66,7 +66,7 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
             const dq_t v = {static_cast<int32_t>(radius * std::cos(direction)),
                             static_cast<int32_t>(radius * std::sin(direction))};
             const auto angle = static_cast<angle_t>(seeded.in(INT32_MIN, INT32_MAX));
-            const dq_t ratio = modulator_ratio(&mod, &cfg, v);
+            const dq_t ratio = modulator_ratio(&mod, v);
             const compare_t c =
                 modulator_compare(&cfg, transforms_park_inverse(ratio, trig_sincos(angle)));
             const Vector volt =
@@ -86,7 +86,8 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
 static void test_too_long_vectors_are_cut_like_the_twin()
 {
     // No bus in it: a ratio beyond the hexagon, |α|, |β| ≤ 1, each duty cut at 0 and 1.
-    // β·√3/2 rounded down 1.1, α/2 0.5, half the sum 1.05: 2.65 of Q15; counts ½.
+    // β·√3/2 rounded down 1.1, α/2 0.5, half the sum 1.05: 2.65 of Q15; counts ½. Where
+    // it is cut, duty one is 1 of Q15 short and nothing else.
     const nf::reference::Setup s(nf::reference::motor_a(), nf::reference::board(),
                                  nf::reference::tuning());
     const double bound = 2.65 + 0.5 * Q15 / s.cfg.modulator.timer_counts;

@@ -142,11 +142,12 @@ struct Setup {
     drive_cfg_t cfg;
 };
 
-// Gains per unit; scale is output base over input base.
-inline twin::Pi::Params pi_params(const pi_cfg_t &c, double scale)
+// The bases are what one per unit of output and input means.
+inline twin::Pi::Params pi_params(const pi_cfg_t &c, double output_base, double input_base)
 {
+    const double scale = output_base / input_base;
     return {std::ldexp(c.kp, -static_cast<int>(c.kp_shift)) * scale,
-            std::ldexp(c.ki, -static_cast<int>(c.ki_shift) - 11) * scale};
+            std::ldexp(c.ki, -static_cast<int>(c.ki_shift) - 11) * scale, output_base};
 }
 
 inline twin::NnObserver::Params observer_params(const Setup &s)
@@ -178,8 +179,9 @@ inline twin::CurrentLoop::Params current_loop_params(const Setup &s)
     const current_loop_cfg_t &c = s.cfg.current_loop;
     const double resistance = s.bases.voltage_v / s.bases.current_a;
     const double reactance = resistance / s.bases.speed_el_rad_s / Q13;
-    return {pi_params(c.pi_d, resistance), pi_params(c.pi_q, resistance),
-            c.reactance_d_q13 * reactance, c.reactance_q_q13 * reactance,
+    return {pi_params(c.pi_d, s.bases.voltage_v, s.bases.current_a),
+            pi_params(c.pi_q, s.bases.voltage_v, s.bases.current_a), c.reactance_d_q13 * reactance,
+            c.reactance_q_q13 * reactance,
             c.emf_q13 / Q13 * s.bases.voltage_v / s.bases.speed_el_rad_s};
 }
 
@@ -190,7 +192,7 @@ inline twin::SpeedLoop::Params speed_loop_params(const Setup &s)
     const double error_base = s.speed_of_step(std::ldexp(Q15, static_cast<int>(c.error_shift)));
     const double per_step =
         std::ldexp(c.inertia, -16 - static_cast<int>(c.inertia_shift)) / Q15 * s.bases.current_a;
-    return {pi_params(c.pi, s.bases.current_a / error_base), s.speed_of_step(c.ramp),
+    return {pi_params(c.pi, s.bases.current_a, error_base), s.speed_of_step(c.ramp),
             s.speed_of_step(c.speed_max), s.current(c.current_max),
             per_step / s.speed_of_step(1.0)};
 }
@@ -205,7 +207,7 @@ inline twin::PositionLoop::Params position_loop_params(const Setup &s)
     const position_loop_cfg_t &c = s.cfg.position_loop;
     const double unit = std::ldexp(1.0, static_cast<int>(c.distance_shift));
     const double gain = std::ldexp(c.gain, -static_cast<int>(c.gain_shift)); // steps per 2^-16 turn
-    return {s.bases.control_period_s * c.ticks,
+    return {s.bases.control_period_s * s.cfg.slow_ticks,
             s.speed_of_step(c.ramp),
             s.speed_of_step(c.speed_max),
             radians_of_q32(1073741824.0 / c.braking_inverse * unit),

@@ -39,7 +39,7 @@ public:
         cut_ = std::abs(v.y()) > room;
         if (cut_) {
             const double allowed = std::copysign(room, v.y());
-            pi_q_.unwind(v.y() - allowed, limit_v);
+            pi_q_.unwind(v.y() - allowed);
             v.y() = allowed;
         }
         return v;

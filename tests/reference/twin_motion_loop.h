@@ -73,10 +73,10 @@ public:
     {
     }
 
-    void reset(double position_rad)
+    void reset(double position_rad, double speed_rad_s)
     {
         position_ = position_rad;
-        speed_ = 0;
+        speed_ = speed_rad_s;
     }
 
     // v(d) = v_max·(√(d/B + c²) − c), at most v_max: the speed from which the profile still stops.
@@ -90,14 +90,15 @@ public:
     // One slow period: the speed reference, rad/s.
     double step(double target_rad, double measured_rad)
     {
+        const double lag = std::clamp(position_ - measured_rad, -p_.lag_max_rad, p_.lag_max_rad);
+        const double correction =
+            std::clamp(p_.gain_1_s * lag, -p_.speed_max_rad_s, p_.speed_max_rad_s);
         const double distance = target_rad - position_;
         const double wanted = std::copysign(braking_speed(std::abs(distance)), distance);
 
         speed_ += std::clamp(wanted - speed_, -p_.ramp_rad_s, p_.ramp_rad_s);
         position_ += speed_ * p_.slow_period_s;
-        const double lag = std::clamp(position_ - measured_rad, -p_.lag_max_rad, p_.lag_max_rad);
-        return std::clamp(speed_ + p_.gain_1_s * lag, -2.0 * p_.speed_max_rad_s,
-                          2.0 * p_.speed_max_rad_s);
+        return speed_ + correction;
     }
 
     double position() const

@@ -1,4 +1,4 @@
-// PI controller, paper B (28)–(30), backward difference, with limited output and integral.
+// PI controller, paper B (28)–(30), backward difference, with limited output; the integral saturates at ±1 per unit.
 #pragma once
 
 #include <algorithm>
@@ -12,6 +12,7 @@ public:
     struct Params {
         double kp;   // output unit per error unit
         double ki_t; // integral gain times the period, same unit
+        double one;  // of the output, in its unit
     };
 
     explicit Pi(const Params &params) : params_(params)
@@ -26,7 +27,7 @@ public:
     // One sample; the result is within ±limit.
     double step(double error, double feed_forward, double limit)
     {
-        const double moved = std::clamp(integral_ + params_.ki_t * error, -limit, limit);
+        const double moved = saturated(integral_ + params_.ki_t * error);
         const double wanted = params_.kp * error + moved + feed_forward;
         const bool too_high = wanted > limit;
         const bool too_low = wanted < -limit;
@@ -39,9 +40,9 @@ public:
     }
 
     // Of the last output only output − excess could be used.
-    void unwind(double excess, double limit)
+    void unwind(double excess)
     {
-        integral_ = std::clamp(integral_ - excess, -limit, limit);
+        integral_ = saturated(integral_ - excess);
     }
 
     double integral() const
@@ -56,6 +57,11 @@ public:
     }
 
 private:
+    double saturated(double integral) const
+    {
+        return std::clamp(integral, -params_.one, params_.one);
+    }
+
     Params params_;
     double integral_ = 0;
     bool frozen_ = false;

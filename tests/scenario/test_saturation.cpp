@@ -23,7 +23,6 @@ drive_cfg_t make_cfg()
     cfg.modulator.timer_counts = COUNTS;
     cfg.modulator.ratio_max_q15 = 18000;
     cfg.modulator.inverse_max_q12 = 8192;
-    cfg.current_loop.emf_q13 = 16384; // twice the speed
     return cfg;
 }
 
@@ -95,13 +94,55 @@ void test_network()
                [](Frame &f, int32_t x) { f.drive.observer.error.q = x; });
     check_ends(Signal::network_speed, SPEED_LIMIT,
                [](Frame &f, int32_t x) { f.drive.observer.speed = x; });
-    check_ends(Signal::network_speed_out, SPEED_LIMIT,
-               [](Frame &f, int32_t x) { f.drive.observer.speed_out = x; });
+    check_ends(Signal::network_weight_step, 536870911,
+               [](Frame &f, int32_t x) { f.drive.observer.weight_step = x; });
 }
 
-void test_emf_saturates_at_one()
+// Saturation to n bits ends one lower on the negative side.
+void test_most_negative_values()
 {
-    check_ends(Signal::emf, 16384, [](Frame &f, int32_t x) { f.drive.signals.speed = x; });
+    Frame frame = calm();
+    frame.drive.signals.phase_a = -16384;
+    frame.drive.signals.phase_b = -16384;
+    frame.drive.observer.x_q27 = -134217728;
+    frame.drive.observer.y_q27 = -134217728;
+    frame.drive.observer.error = {-8192, -8192};
+    frame.drive.observer.weight_step = -536870912;
+    frame.drive.current_loop.pi_d.integral_q26 = -67108864;
+    frame.drive.current_loop.pi_q.integral_q26 = -67108864;
+    frame.drive.speed_loop.pi.integral_q26 = -67108864;
+    for (const Signal signal :
+         {Signal::phase_a, Signal::phase_b, Signal::network_x, Signal::network_y,
+          Signal::network_error_d, Signal::network_error_q, Signal::network_weight_step,
+          Signal::integral_d, Signal::integral_q, Signal::integral_speed}) {
+        TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
+    }
+}
+
+// 400000 steps in a tick, no end of ω̂.
+void test_inner_speed_has_no_end()
+{
+    Frame frame = calm();
+    frame.drive.observer.speed_out = 4 * SPEED_LIMIT;
+    Saturations saturations;
+    saturations.add(frame.drive, frame.out);
+    TEST_ASSERT_EQUAL_UINT64(0, saturations.internal_count());
+}
+
+void test_integrals_saturate_at_one()
+{
+    check_ends(Signal::integral_d, 67108863,
+               [](Frame &f, int32_t x) { f.drive.current_loop.pi_d.integral_q26 = x; });
+    check_ends(Signal::integral_q, 67108863,
+               [](Frame &f, int32_t x) { f.drive.current_loop.pi_q.integral_q26 = x; });
+    check_ends(Signal::integral_speed, 67108863,
+               [](Frame &f, int32_t x) { f.drive.speed_loop.pi.integral_q26 = x; });
+}
+
+void test_largest_ratio_of_either_axis()
+{
+    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio.d = x; });
+    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio.q = x; });
 }
 
 void test_limits_are_not_internal()
@@ -164,7 +205,10 @@ int main()
     RUN_TEST(test_calm_drive_has_none);
     RUN_TEST(test_measured_currents);
     RUN_TEST(test_network);
-    RUN_TEST(test_emf_saturates_at_one);
+    RUN_TEST(test_most_negative_values);
+    RUN_TEST(test_inner_speed_has_no_end);
+    RUN_TEST(test_integrals_saturate_at_one);
+    RUN_TEST(test_largest_ratio_of_either_axis);
     RUN_TEST(test_limits_are_not_internal);
     RUN_TEST(test_voltage_circle);
     RUN_TEST(test_internal_count_adds_up);

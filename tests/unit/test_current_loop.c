@@ -87,26 +87,39 @@ static void test_decoupling_follows_the_motor_equations(void)
     figure_check("decoupling, LSB", worst, DECOUPLING_LSB, 0.4);
 }
 
-static void test_reactance_saturates_at_one_on_both_sides(void)
+/* 16384·32500/2^13 = 65000, the largest that the configuration allows. */
+static void test_decoupling_is_exact_up_to_the_largest_reach(void)
 {
-    const dq_t i = {16384, 16384};
-    dq_t v;
-
     remove_regulators();
     cfg.reactance_d_q13 = 0;
-    cfg.reactance_q_q13 = 32767;
     cfg.emf_q13 = 0;
-    /* 32767·16384/32768 = 16383.5 rounded down, and its negative. */
-    v = current_loop_step(&loop, &cfg, i, i, 32767, 32767);
-    TEST_ASSERT_EQUAL_INT32(-16383, v.d);
-    v = current_loop_step(&loop, &cfg, i, i, -32767, 32767);
-    TEST_ASSERT_EQUAL_INT32(16384, v.d);
-    cfg.emf_q13 = 32767;
+    cfg.reactance_q_q13 = 32500;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        /* A current of 1 against an integral at the other end: 32767 − 65000. */
+        pi_reset(&loop.pi_d, sign * 32767);
+        pi_reset(&loop.pi_q, 0);
+        TEST_ASSERT_EQUAL_INT32(
+            -sign * 32233,
+            current_loop_step(&loop, &cfg, (dq_t){0, 32768}, (dq_t){0, 32768}, sign * 16384, 32767)
+                .d);
+    }
     cfg.reactance_q_q13 = 0;
-    v = current_loop_step(&loop, &cfg, i, i, 32767, 32767);
-    TEST_ASSERT_EQUAL_INT32(32767, v.q);
-    v = current_loop_step(&loop, &cfg, i, i, -32767, 32767);
-    TEST_ASSERT_EQUAL_INT32(-32767, v.q);
+    cfg.emf_q13 = 32500;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        pi_reset(&loop.pi_d, 0);
+        pi_reset(&loop.pi_q, -sign * 32767);
+        TEST_ASSERT_EQUAL_INT32(
+            sign * 32233,
+            current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 32767).q);
+        /* A current of ±1 doubles the EMF or ends it. */
+        cfg.reactance_d_q13 = 32500;
+        pi_reset(&loop.pi_q, sign * 1234);
+        TEST_ASSERT_EQUAL_INT32(sign * 1234,
+                                current_loop_step(&loop, &cfg, (dq_t){-32768, 0}, (dq_t){-32768, 0},
+                                                  sign * 16384, 32767)
+                                    .q);
+        cfg.reactance_d_q13 = 0;
+    }
 }
 
 static void test_voltage_never_leaves_the_circle(void)
@@ -131,16 +144,17 @@ static void test_voltage_never_leaves_the_circle(void)
 
 static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
 {
-    static const int32_t ends[] = {-46340, 0, 46340};
+    static const int32_t ends[] = {-32768, 0, 32768};
     const pi_cfg_t largest = {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U};
 
-    cfg = (current_loop_cfg_t){largest, largest, 32767, 32767, 32767};
+    /* Speed times gain: 65000, the largest that the configuration allows. */
+    cfg = (current_loop_cfg_t){largest, largest, 32500, 32500, 32500};
     for (int32_t k = 0; k < 81; k++) {
         const dq_t measured = {ends[k % 3], ends[(k / 3) % 3]};
-        const dq_t reference = {ends[(k / 9) % 3] * 16384 / 46340, ends[k / 27] * 16384 / 46340};
+        const dq_t reference = {ends[(k / 9) % 3] / 2, ends[k / 27] / 2};
 
         for (int32_t sign = -1; sign <= 1; sign += 2) {
-            const dq_t v = current_loop_step(&loop, &cfg, reference, measured, sign * 32767, 32767);
+            const dq_t v = current_loop_step(&loop, &cfg, reference, measured, sign * 16384, 32767);
 
             TEST_ASSERT_TRUE(((v.d * v.d) + (v.q * v.q)) <= (32767 * 32767));
         }
@@ -209,10 +223,12 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
     }
 }
 
-static void test_q_integral_stays_within_the_limit_while_the_circle_cuts_an_emf_beyond_it(void)
+static void test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by(void)
 {
-    /* d holds 6000 of 10000; the EMF alone asks for 27000, so the cut cannot be given back. */
+    /* d holds 6000 of 10000; the EMF alone asks for about 27000 of the 8000 left. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t emf = (int32_t)floor(sign * 32000.0 * cfg.emf_q13 / 8192.0);
+
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 2000; k++) {
@@ -220,8 +236,26 @@ static void test_q_integral_stays_within_the_limit_while_the_circle_cuts_an_emf_
                 current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 32000, 10000);
 
             TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
-            TEST_ASSERT_TRUE(abs(loop.pi_q.integral_q26) <= (10000 * 2048));
         }
+        TEST_ASSERT_EQUAL_INT32(((sign * 8000) - emf) * 2048, loop.pi_q.integral_q26);
+    }
+}
+
+static void test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle(void)
+{
+    /* 16384·30000/2^13 = 60000 less 1 is still beyond the circle. */
+    cfg.emf_q13 = 30000;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        current_loop_reset(&loop);
+        pi_reset(&loop.pi_d, 6000);
+        for (int32_t k = 0; k < 2000; k++) {
+            const dq_t v =
+                current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 10000);
+
+            TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
+        }
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? (-32768 * 2048) : ((32768 * 2048) - 1),
+                                loop.pi_q.integral_q26);
     }
 }
 
@@ -272,14 +306,15 @@ int main(void)
     RUN_TEST(test_no_error_at_rest_demands_no_voltage);
     RUN_TEST(test_each_axis_answers_its_own_error_only);
     RUN_TEST(test_decoupling_follows_the_motor_equations);
-    RUN_TEST(test_reactance_saturates_at_one_on_both_sides);
+    RUN_TEST(test_decoupling_is_exact_up_to_the_largest_reach);
     RUN_TEST(test_voltage_never_leaves_the_circle);
     RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
     RUN_TEST(test_d_axis_takes_the_whole_circle_first);
     RUN_TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d);
     RUN_TEST(test_demand_exactly_on_the_circle_is_not_cut);
     RUN_TEST(test_cut_of_the_circle_goes_back_to_the_q_integral);
-    RUN_TEST(test_q_integral_stays_within_the_limit_while_the_circle_cuts_an_emf_beyond_it);
+    RUN_TEST(test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by);
+    RUN_TEST(test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle);
     RUN_TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns);
     RUN_TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis);
     return UNITY_END();

@@ -145,22 +145,54 @@ static void test_first_compare_values_of_a_run_are_the_null_vector(void)
     }
 }
 
-static void test_a_second_run_starts_afresh(void)
+/* A run that leaves both ratios, both integrals and all motion behind. */
+static void run_and_stop(void)
 {
-    go_to(DRIVE_STATE_RUN);
+    in.command.request = DRIVE_REQUEST_RUN;
     in.command.target = 10000000;
     in.adc_ia = MID_COUNTS + 300U;
-    ticks(500U);
+    ticks(20U); /* later the d axis would have the whole voltage circle */
     TEST_ASSERT_TRUE(drive.speed_loop.reference != 0);
+    TEST_ASSERT_TRUE((drive.ratio.d != 0) && (drive.ratio.q != 0));
+    TEST_ASSERT_TRUE((drive.ratio_acting.d != 0) && (drive.ratio_acting.q != 0));
     quiet_frame();
     tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+}
+
+/* Of the ratios that end a run neither may reach the observer of the next one. */
+static void test_a_second_run_starts_afresh(void)
+{
+    go_to(DRIVE_STATE_READY);
+    run_and_stop();
     in.command.request = DRIVE_REQUEST_RUN;
     tick();
     TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref_q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.ratio_acting.d);
     TEST_ASSERT_EQUAL_INT32(0, drive.ratio_acting.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.ratio.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.ratio.q);
     TEST_ASSERT_EQUAL_INT64(0, drive_position_q32(&drive));
     TEST_ASSERT_EQUAL_INT32(0, drive_speed(&drive));
+}
+
+static void test_the_first_tick_of_a_second_run_leaves_the_drive_as_that_of_the_first_did(void)
+{
+    static drive_t first;
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    tick();
+    first = drive;
+    run_and_stop();
+    in.command.request = DRIVE_REQUEST_RUN;
+    tick();
+    TEST_ASSERT_TRUE(drive.tick != first.tick);
+    first.tick = drive.tick;
+    TEST_ASSERT_EQUAL_MEMORY(&first, &drive, sizeof drive);
 }
 
 /* ---- calibration ---- */
@@ -261,8 +293,8 @@ typedef struct {
 } fault_case_t;
 
 static const fault_case_t FAULTS[] = {
-    {make_break, FAULT_BREAK, DRIVE_STATE_INIT, 0, 14746},
-    {make_overcurrent, FAULT_OVERCURRENT, DRIVE_STATE_READY, 15616, 14746},
+    {make_break, FAULT_BREAK, DRIVE_STATE_INIT, 0, 0},
+    {make_overcurrent, FAULT_OVERCURRENT, DRIVE_STATE_RUN, 15616, 14746},
     {make_overvoltage, FAULT_OVERVOLTAGE, DRIVE_STATE_INIT, 29136, 29127},
     {make_undervoltage, FAULT_UNDERVOLTAGE, DRIVE_STATE_RUN, 14560, 14564},
 };
@@ -279,8 +311,9 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watc
             assert_gates_open();
             TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
             TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
-            TEST_ASSERT_EQUAL_INT32(FAULTS[f].limit, drive.fault.limit);
+            /* A break is no measurement of ours. */
             if (FAULTS[f].id != FAULT_BREAK) {
+                TEST_ASSERT_EQUAL_INT32(FAULTS[f].limit, drive.fault.limit);
                 TEST_ASSERT_EQUAL_INT32(FAULTS[f].value, drive.fault.value);
             }
         }
@@ -301,16 +334,63 @@ static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(voi
     }
 }
 
-static void test_a_run_command_at_undervoltage_never_enables_the_gates(void)
+/* Both are watched from RUN on only: the tick that enters RUN must watch them already. */
+static void test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates(void)
 {
-    go_to(DRIVE_STATE_READY);
-    make_undervoltage();
-    in.command.request = DRIVE_REQUEST_RUN;
-    for (uint32_t k = 0U; k < 5U; k++) {
+    for (uint32_t f = 1U; f < 4U; f += 2U) {
+        setUp();
+        go_to(DRIVE_STATE_READY);
+        FAULTS[f].make();
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        in.command.request = DRIVE_REQUEST_RUN;
+        for (uint32_t k = 0U; k < 5U; k++) {
+            tick();
+            assert_gates_open();
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
+            TEST_ASSERT_EQUAL_INT32(FAULTS[f].value, drive.fault.value);
+            TEST_ASSERT_EQUAL_INT32(FAULTS[f].limit, drive.fault.limit);
+        }
+    }
+}
+
+/* The command comes first: with the gates open anyway only what READY watches can be wrong. */
+static void test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches(void)
+{
+    for (uint32_t f = 0U; f < 4U; f++) {
+        const bool watched = FAULTS[f].first <= DRIVE_STATE_READY;
+
+        setUp();
+        go_to(DRIVE_STATE_RUN);
+        FAULTS[f].make();
+        in.command.request = 0U;
         tick();
         assert_gates_open();
-        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
-        TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT(watched ? DRIVE_STATE_FAULT : DRIVE_STATE_READY, drive.state);
+        TEST_ASSERT_EQUAL_INT(watched ? FAULTS[f].id : FAULT_NONE, drive.fault.id);
+    }
+}
+
+static void test_nothing_new_is_latched_in_fault(void)
+{
+    for (uint32_t f = 0U; f < 4U; f++) {
+        fault_t first;
+
+        setUp();
+        go_to(DRIVE_STATE_RUN);
+        FAULTS[f].make();
+        tick();
+        first = drive.fault;
+        for (uint32_t other = 0U; other < 4U; other++) {
+            quiet_frame();
+            FAULTS[other].make();
+            tick();
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            TEST_ASSERT_EQUAL_INT(first.id, drive.fault.id);
+            TEST_ASSERT_EQUAL_INT32(first.value, drive.fault.value);
+            TEST_ASSERT_EQUAL_INT32(first.limit, drive.fault.limit);
+        }
     }
 }
 
@@ -416,7 +496,7 @@ static void test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus(voi
         TEST_ASSERT_EQUAL_INT32((ratios[0].q * bus) >> 15, drive.signals.voltage_applied.q);
         TEST_ASSERT_EQUAL_INT32((ratios[0].d * bus) >> 15, drive.signals.voltage_applied.d);
         ratios[0] = ratios[1];
-        ratios[1] = drive.signals.ratio;
+        ratios[1] = drive.ratio;
     }
     TEST_ASSERT_TRUE(ratios[0].q != 0);
 }
@@ -431,6 +511,32 @@ static void test_change_to_position_mode_takes_the_present_position_as_its_start
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, drive.mode);
     /* Within the rest that the Q16 command cannot express: the profile starts there. */
     TEST_ASSERT_TRUE(llabs(drive.position_loop.profile_q32 - 123456789012) < 1000000);
+}
+
+static void test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period(void)
+{
+    static const uint32_t periods[] = {2U, 37U};
+
+    for (uint32_t i = 0U; i < 2U; i++) {
+        cfg = example_drive_cfg();
+        cfg.slow_ticks = periods[i];
+        TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        quiet_frame();
+        go_to(DRIVE_STATE_READY);
+        in.command = (drive_command_t){
+            .target = INT32_MAX, .mode = DRIVE_MODE_POSITION, .request = DRIVE_REQUEST_RUN};
+        for (uint32_t k = 0U; k < 50U; k++) {
+            const int64_t before = drive.position_loop.profile_q32;
+
+            ticks(periods[i]);
+            TEST_ASSERT_TRUE(drive.position_loop.profile_speed > 0);
+            if (k > 0U) { /* the first period starts with the change of mode */
+                TEST_ASSERT_EQUAL_INT64(
+                    before + ((int64_t)drive.position_loop.profile_speed * periods[i]),
+                    drive.position_loop.profile_q32);
+            }
+        }
+    }
 }
 
 static void test_an_unknown_mode_counts_as_speed(void)
@@ -450,7 +556,7 @@ static void test_saturated_samples_keep_their_sign(void)
     in.adc_bus = 65535U;
     tick();
     TEST_ASSERT_EQUAL_INT32(16383, drive.signals.phase_a);
-    TEST_ASSERT_EQUAL_INT32(-16383, drive.signals.phase_b);
+    TEST_ASSERT_EQUAL_INT32(-16384, drive.signals.phase_b);
     TEST_ASSERT_EQUAL_INT32(32767, drive.signals.bus);
 }
 
@@ -530,7 +636,8 @@ static void assert_everything_in_range(void)
     }
     TEST_ASSERT_EQUAL_INT(drive.state == DRIVE_STATE_RUN, out.gate_enable);
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
-    TEST_ASSERT_TRUE((abs(s->phase_a) <= 16383) && (abs(s->phase_b) <= 16383));
+    TEST_ASSERT_TRUE((s->phase_a >= -16384) && (s->phase_a <= 16383));
+    TEST_ASSERT_TRUE((s->phase_b >= -16384) && (s->phase_b <= 16383));
     TEST_ASSERT_TRUE((s->bus >= 0) && (s->bus <= 32767));
     TEST_ASSERT_TRUE((abs(s->current.d) + abs(s->current.q)) <= 65534);
     TEST_ASSERT_TRUE(abs(s->current_ref_q) <= cfg.speed_loop.current_max);
@@ -703,6 +810,182 @@ static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
                               (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
 }
 
+/*
+ * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag: while
+ * the rotor still follows the old reference it grows by gain·ramp·period, 3 % of a ramp, in a period.
+ */
+static void run_without_bump(motor_t *m)
+{
+    const step_t reference = drive.speed_loop.reference;
+    const bool changes = drive.mode != (uint8_t)DRIVE_MODE_POSITION;
+    const step_t profile = changes ? reference : drive.position_loop.profile_speed;
+
+    run_motor(m, cfg.slow_ticks, 0.0);
+    TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed - profile) <= cfg.position_loop.ramp);
+    TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.speed_loop.reference - reference)) <=
+                     (105 * (int64_t)cfg.position_loop.ramp));
+    TEST_ASSERT_TRUE(abs(drive.signals.current_ref_q) < cfg.speed_loop.current_max);
+}
+
+static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target(void)
+{
+    static const double speeds_rpm[] = {-1950.0, -1200.0, -300.0, 600.0, 900.0, 1500.0, 1800.0};
+
+    for (uint32_t i = 0U; i < (sizeof speeds_rpm / sizeof speeds_rpm[0]); i++) {
+        motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+        int64_t target = 0;
+
+        setUp();
+        go_to(DRIVE_STATE_READY);
+        in.command.request = DRIVE_REQUEST_RUN;
+        in.command.target = (int32_t)lround(speeds_rpm[i] * STEPS_PER_RPM);
+        run_motor(&m, 6000U, 0.0);
+        in.command.mode = DRIVE_MODE_POSITION;
+        in.command.target = (int32_t)(drive_position_q32(&drive) / 65536);
+        target = (int64_t)in.command.target * 65536;
+        for (uint32_t k = 0U; k < 1500U; k++) {
+            run_without_bump(&m);
+        }
+        TEST_ASSERT_EQUAL_INT64(target, drive.position_loop.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
+        TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, (double)target / 4294967296.0 / 2.0,
+                                  (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
+    }
+}
+
+/* ---- one tick beside its parts, on a running motor ---- */
+
+static drive_t before; /* the drive as it was before the tick */
+
+/* Up to 1800 rpm, a tick at a time, with a bus that changes in every tick by up to 3 %. */
+static void run_beside(int32_t sign, void (*check)(void))
+{
+    motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+    seeded_t seed = {0xB5B5U};
+
+    setUp();
+    TEST_ASSERT_TRUE(cfg.observer.proportional != 0); /* else speed_out is speed */
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.target = (int32_t)lround(sign * 1800.0 * STEPS_PER_RPM);
+    for (uint32_t k = 0U; k < 4000U; k++) {
+        in.adc_bus = (uint16_t)seeded_in(&seed, 2780, 2864);
+        before = drive;
+        run_motor(&m, 1U, 0.0);
+        check();
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(18.0, sign * 1800.0, m.speed / 2.0 * 30.0 / PI_D);
+}
+
+static uint32_t telling; /* ticks in which the speed without its proportional part would show */
+
+/* Sampled at t_k, acting on average at t_k + 1.5·T: the rotor is that much further then. */
+static void check_angle_of_the_vector(void)
+{
+    const angle_t sampled = rotor_position_angle(&before.position);
+    const step_t step = drive.observer.speed_out;
+    const step_t other = drive.observer.speed;
+    const angle_t middle = sampled + (angle_t)step + (angle_t)(step >> 1);
+    const angle_t elsewhere = sampled + (angle_t)other + (angle_t)(other >> 1);
+    const ab_t expected = transforms_park_inverse(drive.ratio, trig_sincos(middle));
+    const ab_t unlike = transforms_park_inverse(drive.ratio, trig_sincos(elsewhere));
+
+    TEST_ASSERT_EQUAL_INT32(expected.alpha, drive.signals.ratio_ab.alpha);
+    TEST_ASSERT_EQUAL_INT32(expected.beta, drive.signals.ratio_ab.beta);
+    telling += ((unlike.alpha != expected.alpha) || (unlike.beta != expected.beta)) ? 1U : 0U;
+}
+
+static void test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        telling = 0U;
+        run_beside(sign, check_angle_of_the_vector);
+        TEST_ASSERT_TRUE(telling > 1000U);
+        TEST_ASSERT_TRUE((sign * drive.observer.speed_out) > 20000000);
+    }
+}
+
+static void check_bus(void)
+{
+    const int32_t bus = (int32_t)in.adc_bus * 8; /* 15 − 12 bits */
+    modulator_t modulator = before.modulator;
+    dq_t ratio;
+
+    modulator_track_bus(&modulator, &cfg.modulator, bus);
+    ratio = modulator_ratio(&modulator, drive.signals.voltage);
+    TEST_ASSERT_EQUAL_INT32(bus, drive.signals.bus);
+    TEST_ASSERT_EQUAL_INT32((bus * cfg.modulator.ratio_max_q15) >> 15, drive.signals.voltage_limit);
+    TEST_ASSERT_EQUAL_INT32(modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
+    TEST_ASSERT_EQUAL_INT32(ratio.d, drive.ratio.d);
+    TEST_ASSERT_EQUAL_INT32(ratio.q, drive.ratio.q);
+}
+
+static void test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick(void)
+{
+    run_beside(1, check_bus);
+}
+
+static void test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates(void)
+{
+    seeded_t seed = {0x0FFU};
+
+    for (uint32_t k = 0U; k < 600U; k++) {
+        in.adc_bus = (uint16_t)seeded_in(&seed, 1000, 3600);
+        before = drive;
+        tick();
+        modulator_track_bus(&before.modulator, &cfg.modulator, (int32_t)in.adc_bus * 8);
+        TEST_ASSERT_EQUAL_INT32(before.modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
+        TEST_ASSERT_FALSE(out.gate_enable);
+    }
+}
+
+/* Loops are fed with the integral ω̂; its proportional part would carry ripple into the demand. */
+static void check_speed_and_demand(void)
+{
+    const step_t speed = drive.observer.speed;
+    speed_loop_t loop = before.speed_loop;
+    speed_loop_t unlike = before.speed_loop;
+    int32_t demand = before.signals.current_ref_q;
+    int32_t other = demand;
+
+    if (before.slow_count == 1U) { /* its last tick */
+        demand = speed_loop_step(&loop, &cfg.speed_loop, before.speed_reference, speed);
+        other = speed_loop_step(&unlike, &cfg.speed_loop, before.speed_reference,
+                                drive.observer.speed_out);
+    }
+    TEST_ASSERT_EQUAL_INT32(speed >> cfg.speed_shift, drive.signals.speed);
+    TEST_ASSERT_EQUAL_INT32(demand, drive.signals.current_ref_q);
+    TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.speed_loop.pi.integral_q26);
+    telling += (other != demand) ? 1U : 0U;
+}
+
+static void test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        telling = 0U;
+        run_beside(sign, check_speed_and_demand);
+        TEST_ASSERT_TRUE(telling > 100U); /* of 400 slow periods */
+    }
+}
+
+static void check_voltage(void)
+{
+    const drive_signals_t *const s = &drive.signals;
+    const dq_t reference = {.d = 0, .q = s->current_ref_q};
+    current_loop_t loop = before.current_loop;
+    const dq_t voltage =
+        current_loop_step(&loop, &cfg.current_loop, reference, s->current,
+                          drive.observer.speed >> cfg.speed_shift, s->voltage_limit);
+
+    TEST_ASSERT_EQUAL_INT32(voltage.d, s->voltage.d);
+    TEST_ASSERT_EQUAL_INT32(voltage.q, s->voltage.q);
+}
+
+static void test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux(void)
+{
+    run_beside(1, check_voltage);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -714,6 +997,7 @@ int main(void)
     RUN_TEST(test_run_command_enables_the_gates_in_its_tick_and_stop_opens_them_in_its_own);
     RUN_TEST(test_first_compare_values_of_a_run_are_the_null_vector);
     RUN_TEST(test_a_second_run_starts_afresh);
+    RUN_TEST(test_the_first_tick_of_a_second_run_leaves_the_drive_as_that_of_the_first_did);
     RUN_TEST(test_offset_is_the_mean_of_the_samples_and_is_removed);
     RUN_TEST(test_offset_mean_of_full_scale_samples_does_not_overflow);
     RUN_TEST(test_offset_of_one_sample_is_that_sample);
@@ -721,7 +1005,9 @@ int main(void)
     RUN_TEST(test_offset_at_its_limit_is_accepted);
     RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it);
     RUN_TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates);
-    RUN_TEST(test_a_run_command_at_undervoltage_never_enables_the_gates);
+    RUN_TEST(test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates);
+    RUN_TEST(test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches);
+    RUN_TEST(test_nothing_new_is_latched_in_fault);
     RUN_TEST(test_a_fault_stays_latched_until_cleared_without_the_run_command);
     RUN_TEST(test_the_first_fault_is_kept_while_others_follow);
     RUN_TEST(test_a_fault_that_persists_comes_back_after_clearing);
@@ -729,6 +1015,7 @@ int main(void)
     RUN_TEST(test_current_demand_changes_once_in_a_slow_period_only);
     RUN_TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus);
     RUN_TEST(test_change_to_position_mode_takes_the_present_position_as_its_start);
+    RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period);
     RUN_TEST(test_an_unknown_mode_counts_as_speed);
     RUN_TEST(test_saturated_samples_keep_their_sign);
     RUN_TEST(test_equal_frames_give_equal_states_and_outputs_byte_by_byte);
@@ -737,5 +1024,11 @@ int main(void)
     RUN_TEST(test_wild_but_allowed_measurements_keep_a_running_drive_in_range);
     RUN_TEST(test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load);
     RUN_TEST(test_position_command_is_reached_by_a_motor_in_both_directions);
+    RUN_TEST(test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target);
+    RUN_TEST(test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts);
+    RUN_TEST(test_voltage_circle_and_reciprocal_follow_the_bus_of_the_same_tick);
+    RUN_TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates);
+    RUN_TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer);
+    RUN_TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux);
     return UNITY_END();
 }

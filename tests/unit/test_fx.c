@@ -93,16 +93,72 @@ static void test_abs_of_the_whole_range_but_the_excluded_minimum(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, fx_abs(INT32_MIN + 1));
 }
 
-static void test_sat16_saturates_on_both_sides_exactly_at_the_ends(void)
+typedef struct {
+    int32_t (*saturate)(int32_t x);
+    int32_t lowest;
+    int32_t highest;
+} saturation_t;
+
+static const saturation_t SATURATIONS[] = {
+    {fx_sat14, -8192, 8191},
+    {fx_sat15, -16384, 16383},
+    {fx_sat16, -32768, 32767},
+    {fx_sat27, -67108864, 67108863},
+    {fx_sat28, -134217728, 134217727},
+    {fx_sat30, -536870912, 536870911},
+    {fx_usat15, 0, 32767},
+};
+
+static void test_saturation_passes_the_inside_up_to_both_ends(void)
 {
-    TEST_ASSERT_EQUAL_INT16(32766, fx_sat16(32766));
-    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(32767));
-    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(32768));
-    TEST_ASSERT_EQUAL_INT16(32767, fx_sat16(INT32_MAX));
-    TEST_ASSERT_EQUAL_INT16(-32767, fx_sat16(-32767));
-    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(-32768));
-    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(-32769));
-    TEST_ASSERT_EQUAL_INT16(-32768, fx_sat16(INT32_MIN));
+    for (size_t i = 0; i < COUNT(SATURATIONS); i++) {
+        const saturation_t *const s = &SATURATIONS[i];
+
+        TEST_ASSERT_EQUAL_INT32(0, s->saturate(0));
+        TEST_ASSERT_EQUAL_INT32(1, s->saturate(1));
+        TEST_ASSERT_EQUAL_INT32((s->lowest < 0) ? -1 : 0, s->saturate(-1));
+        TEST_ASSERT_EQUAL_INT32(s->highest - 1, s->saturate(s->highest - 1));
+        TEST_ASSERT_EQUAL_INT32(s->highest, s->saturate(s->highest));
+        TEST_ASSERT_EQUAL_INT32(s->lowest + 1, s->saturate(s->lowest + 1));
+        TEST_ASSERT_EQUAL_INT32(s->lowest, s->saturate(s->lowest));
+    }
+}
+
+static void test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes(void)
+{
+    for (size_t i = 0; i < COUNT(SATURATIONS); i++) {
+        const saturation_t *const s = &SATURATIONS[i];
+
+        for (uint32_t bit = 0U; bit < 31U; bit++) {
+            /* 1, 2, 4, … beyond each end, as far as they are numbers of 32 bits. */
+            const int32_t above = saturate32((int64_t)s->highest + ((int64_t)1 << bit));
+            const int32_t below = saturate32((int64_t)s->lowest - ((int64_t)1 << bit));
+
+            TEST_ASSERT_EQUAL_INT32(s->highest, s->saturate(above));
+            TEST_ASSERT_EQUAL_INT32(s->lowest, s->saturate(below));
+        }
+        TEST_ASSERT_EQUAL_INT32(s->highest, s->saturate(INT32_MAX));
+        TEST_ASSERT_EQUAL_INT32(s->highest, s->saturate(INT32_MAX - 1));
+        TEST_ASSERT_EQUAL_INT32(s->lowest, s->saturate(INT32_MIN));
+        TEST_ASSERT_EQUAL_INT32(s->lowest, s->saturate(INT32_MIN + 1));
+    }
+}
+
+static void test_saturation_is_the_clamp_to_its_ends_for_seeded_values_of_any_size(void)
+{
+    seeded_t seed = {0x5A7B17E5U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int32_t x = (int32_t)floor_div_pow2(seeded_i32(&seed), (uint32_t)i % 32U);
+
+        for (size_t k = 0; k < COUNT(SATURATIONS); k++) {
+            const saturation_t *const s = &SATURATIONS[k];
+            const int32_t not_above = (x > s->highest) ? s->highest : x;
+
+            TEST_ASSERT_EQUAL_INT32((not_above < s->lowest) ? s->lowest : not_above,
+                                    s->saturate(x));
+        }
+    }
 }
 
 /* Pairs around every edge of 32-bit addition and subtraction. */
@@ -195,6 +251,68 @@ static void test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs(void)
     }
 }
 
+/* The sums that leave room for the product, from one end of 32 bits to the other, and between. */
+static void assert_sum_of_product(int32_t a, int32_t b, seeded_t *seed)
+{
+    const int64_t product = floor_div_pow2((int64_t)a * b, 16U);
+    const int32_t lowest = saturate32(INT32_MIN - product);
+    const int32_t highest = saturate32(INT32_MAX - product);
+    const int32_t sums[] = {lowest, highest, 0, seeded_in(seed, lowest, highest)};
+
+    for (size_t i = 0; i < COUNT(sums); i++) {
+        TEST_ASSERT_EQUAL_INT64(sums[i] + product, fx_mla_32x16(sums[i], a, b));
+    }
+}
+
+static void test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits(void)
+{
+    static const int32_t factors[] = {-32768, -32767, -2, -1, 0, 1, 2, 32766, 32767};
+    seeded_t seed = {0x27D4EB2FU};
+
+    for (size_t i = 0; i < COUNT(EDGES); i++) {
+        for (size_t j = 0; j < COUNT(factors); j++) {
+            assert_sum_of_product(EDGES[i], factors[j], &seed);
+        }
+    }
+}
+
+static void test_sum_of_product_is_exact_for_seeded_operands(void)
+{
+    seeded_t seed = {0x165667B1U};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        const int32_t a = seeded_i32(&seed);
+
+        assert_sum_of_product(a, seeded_i16(&seed), &seed);
+    }
+}
+
+static void test_leading_zeros_are_those_above_the_highest_one(void)
+{
+    for (uint32_t bit = 0U; bit < 32U; bit++) {
+        const uint32_t one = 1UL << bit;
+
+        TEST_ASSERT_EQUAL_UINT32(31U - bit, fx_leading_zeros(one));
+        TEST_ASSERT_EQUAL_UINT32(31U - bit, fx_leading_zeros(one | (one - 1U)));
+        if (bit > 0U) {
+            TEST_ASSERT_EQUAL_UINT32(31U - bit, fx_leading_zeros(one + 1U));
+            TEST_ASSERT_EQUAL_UINT32(32U - bit, fx_leading_zeros(one - 1U));
+        }
+    }
+}
+
+static void test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one(void)
+{
+    seeded_t seed = {0x85EBCA77U};
+
+    for (uint32_t i = 0U; i < (uint32_t)SEEDED_CASES; i++) {
+        const uint32_t zeros = i % 32U;
+        const uint32_t x = (seeded_u32(&seed) | 0x80000000U) >> zeros;
+
+        TEST_ASSERT_EQUAL_UINT32(zeros, fx_leading_zeros(x));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -203,7 +321,9 @@ int main(void)
     RUN_TEST(test_min_and_max_choose_in_both_orders_and_at_equality);
     RUN_TEST(test_clamp_passes_the_inside_and_stops_at_both_ends);
     RUN_TEST(test_abs_of_the_whole_range_but_the_excluded_minimum);
-    RUN_TEST(test_sat16_saturates_on_both_sides_exactly_at_the_ends);
+    RUN_TEST(test_saturation_passes_the_inside_up_to_both_ends);
+    RUN_TEST(test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes);
+    RUN_TEST(test_saturation_is_the_clamp_to_its_ends_for_seeded_values_of_any_size);
     RUN_TEST(test_add_and_sub_saturate_like_the_exact_sum_on_all_edges);
     RUN_TEST(test_add_and_sub_saturate_like_the_exact_sum_on_seeded_pairs);
     RUN_TEST(test_q15_product_rounds_to_nearest_with_ties_up);
@@ -211,5 +331,9 @@ int main(void)
     RUN_TEST(test_q15_product_equals_the_rounded_exact_product);
     RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_all_edges);
     RUN_TEST(test_mul_32x16_is_the_floored_64_bit_product_on_seeded_pairs);
+    RUN_TEST(test_sum_of_product_is_exact_on_all_edges_as_long_as_it_fits);
+    RUN_TEST(test_sum_of_product_is_exact_for_seeded_operands);
+    RUN_TEST(test_leading_zeros_are_those_above_the_highest_one);
+    RUN_TEST(test_leading_zeros_do_not_depend_on_the_bits_below_the_highest_one);
     return UNITY_END();
 }

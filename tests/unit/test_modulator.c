@@ -151,29 +151,50 @@ static void test_ratio_is_the_voltage_over_the_bus_rounded_down(void)
     dq_t ratio;
 
     mod.inverse_bus_q12 = 6144; /* bus = 2/3 */
-    ratio = modulator_ratio(&mod, &cfg, (dq_t){10000, -10000});
+    ratio = modulator_ratio(&mod, (dq_t){10000, -10000});
     TEST_ASSERT_EQUAL_INT32(15000, ratio.d);
     TEST_ASSERT_EQUAL_INT32(-15000, ratio.q);
-    ratio = modulator_ratio(&mod, &cfg, (dq_t){1, -1});
+    ratio = modulator_ratio(&mod, (dq_t){1, -1});
     TEST_ASSERT_EQUAL_INT32(1, ratio.d);
     TEST_ASSERT_EQUAL_INT32(-2, ratio.q);
 }
 
-static void test_ratio_saturates_on_both_sides(void)
+static void test_ratio_saturates_to_16_bits_on_both_sides(void)
 {
-    dq_t ratio;
+    /* A bus of ½ doubles: the last voltages inside, the first ones beyond. */
+    static const int32_t voltages[] = {16383, 16384, 32767, -16383, -16384, -16385, -32767};
+    static const int32_t ratios[] = {32766, 32767, 32767, -32766, -32768, -32768, -32768};
 
+    for (uint32_t i = 0U; i < (sizeof ratios / sizeof ratios[0]); i++) {
+        mod.inverse_bus_q12 = 8192;
+        TEST_ASSERT_EQUAL_INT32(ratios[i], modulator_ratio(&mod, (dq_t){voltages[i], 0}).d);
+        TEST_ASSERT_EQUAL_INT32(ratios[i], modulator_ratio(&mod, (dq_t){0, voltages[i]}).q);
+    }
     mod.inverse_bus_q12 = 32767;
-    ratio = modulator_ratio(&mod, &cfg, (dq_t){32767, -32767});
-    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15, ratio.d);
-    TEST_ASSERT_EQUAL_INT32(-cfg.ratio_max_q15, ratio.q);
+    TEST_ASSERT_EQUAL_INT32(32767, modulator_ratio(&mod, (dq_t){32767, -32767}).d);
+    TEST_ASSERT_EQUAL_INT32(-32768, modulator_ratio(&mod, (dq_t){32767, -32767}).q);
     mod.inverse_bus_q12 = 4096;
-    ratio = modulator_ratio(&mod, &cfg, (dq_t){cfg.ratio_max_q15 + 1, -cfg.ratio_max_q15 - 1});
-    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15, ratio.d);
-    TEST_ASSERT_EQUAL_INT32(-cfg.ratio_max_q15, ratio.q);
-    ratio = modulator_ratio(&mod, &cfg, (dq_t){cfg.ratio_max_q15 - 1, 1 - cfg.ratio_max_q15});
-    TEST_ASSERT_EQUAL_INT32(cfg.ratio_max_q15 - 1, ratio.d);
-    TEST_ASSERT_EQUAL_INT32(1 - cfg.ratio_max_q15, ratio.q);
+    TEST_ASSERT_EQUAL_INT32(32767, modulator_ratio(&mod, (dq_t){32767, -32767}).d);
+    TEST_ASSERT_EQUAL_INT32(-32767, modulator_ratio(&mod, (dq_t){32767, -32767}).q);
+}
+
+static void test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_largest_ratio(void)
+{
+    /* Rounded down: the limit by 1 of U_b, 2.25 of a bus of 200 V, and the ratio by 1. */
+    const int32_t rounding = 4;
+    const int32_t above = (int32_t)ceil(cfg.ratio_max_q15 * SETTLED);
+
+    for (int32_t bus = 14564; bus <= 29127; bus += 13) {
+        dq_t ratio;
+
+        modulator_reset(&mod);
+        for (int32_t k = 0; k < 8; k++) {
+            modulator_track_bus(&mod, &cfg, bus);
+        }
+        ratio = modulator_ratio(&mod, (dq_t){modulator_limit(&cfg, bus), 0});
+        TEST_ASSERT_TRUE(ratio.d <= (cfg.ratio_max_q15 + above));
+        TEST_ASSERT_TRUE(ratio.d >= (cfg.ratio_max_q15 - above - rounding));
+    }
 }
 
 static void test_null_vector_gives_half_duty_on_all_phases(void)
@@ -273,7 +294,8 @@ static void test_duties_stay_between_zero_and_one_for_any_vector(void)
     seeded_t seed = {0xD07E5U};
 
     for (int32_t k = 0; k < 200000; k++) {
-        const ab_t ratio = {seeded_in(&seed, -32767, 32767), seeded_in(&seed, -32767, 32767)};
+        /* A ratio that saturates in both axes, turned: √2. */
+        const ab_t ratio = {seeded_in(&seed, -46341, 46341), seeded_in(&seed, -46341, 46341)};
         compare_t c;
 
         cfg.timer_counts = ((k % 2) == 0) ? 32767 : seeded_in(&seed, 1, 32767);
@@ -298,6 +320,23 @@ static void test_too_long_a_vector_is_cut_at_duty_zero_and_one(void)
     }
 }
 
+/* Duty saturates at 32767/32768: below half a count of the timer it is lost in the rounding. */
+static void test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above(void)
+{
+    static const int32_t timers[] = {1, 100, 8500, 16384, 16385, 32767};
+    static const uint16_t highest[] = {1, 100, 8500, 16384, 16384, 32766};
+
+    for (uint32_t i = 0U; i < (sizeof timers / sizeof timers[0]); i++) {
+        compare_t c;
+
+        cfg.timer_counts = timers[i];
+        c = modulator_compare(&cfg, (ab_t){32767, 0});
+        TEST_ASSERT_EQUAL_UINT16(highest[i], c.phase[0]);
+        TEST_ASSERT_EQUAL_UINT16(0U, c.phase[1]);
+        TEST_ASSERT_EQUAL_UINT16(0U, c.phase[2]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -309,7 +348,8 @@ int main(void)
     RUN_TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses);
     RUN_TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down);
     RUN_TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down);
-    RUN_TEST(test_ratio_saturates_on_both_sides);
+    RUN_TEST(test_ratio_saturates_to_16_bits_on_both_sides);
+    RUN_TEST(test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_largest_ratio);
     RUN_TEST(test_null_vector_gives_half_duty_on_all_phases);
     RUN_TEST(test_counts_round_to_nearest_with_ties_up);
     RUN_TEST(test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike);
@@ -318,5 +358,6 @@ int main(void)
     RUN_TEST(test_duties_are_symmetric_about_one_half);
     RUN_TEST(test_duties_stay_between_zero_and_one_for_any_vector);
     RUN_TEST(test_too_long_a_vector_is_cut_at_duty_zero_and_one);
+    RUN_TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above);
     return UNITY_END();
 }

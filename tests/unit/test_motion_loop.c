@@ -14,13 +14,15 @@ static speed_loop_cfg_t speed_cfg;
 static speed_loop_t speed_loop;
 static position_loop_cfg_t cfg;
 static position_loop_t loop;
+static uint32_t ticks; /* control ticks in a slow period */
 
 void setUp(void)
 {
     speed_cfg = example_speed_loop_cfg();
     cfg = example_position_loop_cfg();
     speed_loop_reset(&speed_loop, 0);
-    position_loop_reset(&loop, 0);
+    position_loop_reset(&loop, 0, 0);
+    ticks = 10U;
 }
 
 void tearDown(void)
@@ -142,11 +144,11 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
  * full speed, and the fade-out: time constant softness = 2cB/speed_max of 15 units in natural logarithms. */
 static int32_t longest_time(int64_t distance_q32)
 {
-    const int64_t cruise = magnitude(distance_q32) / ((int64_t)cfg.speed_max * cfg.ticks);
+    const int64_t cruise = magnitude(distance_q32) / ((int64_t)cfg.speed_max * (int64_t)ticks);
     const int64_t ramp = 2 * (cfg.speed_max / cfg.ramp);
     const int64_t braking_q32 = (((int64_t)1 << 30) / cfg.braking_inverse) << cfg.distance_shift;
     const int64_t softness =
-        2 * cfg.softness_q15 * (braking_q32 / 32768) / ((int64_t)cfg.speed_max * cfg.ticks);
+        2 * cfg.softness_q15 * (braking_q32 / 32768) / ((int64_t)cfg.speed_max * (int64_t)ticks);
 
     return (int32_t)(cruise + ramp + ((softness + 2) * 12) + 200);
 }
@@ -156,7 +158,7 @@ static void step_profile(int64_t target_q32)
 {
     const step_t before = loop.profile_speed;
 
-    (void)position_loop_step(&loop, &cfg, target_q32, loop.profile_q32);
+    (void)position_loop_step(&loop, &cfg, target_q32, loop.profile_q32, ticks);
     TEST_ASSERT_TRUE(abs(loop.profile_speed) <= cfg.speed_max);
     TEST_ASSERT_TRUE(abs(loop.profile_speed - before) <= cfg.ramp);
 }
@@ -176,13 +178,56 @@ static void run_to(int64_t target_q32)
     TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
 }
 
-static void test_position_reset_starts_at_rest_where_the_rotor_is(void)
+static void test_position_reset_starts_where_the_rotor_is_and_as_fast(void)
 {
     loop.profile_speed = 5;
-    position_loop_reset(&loop, -123456789012);
+    position_loop_reset(&loop, -123456789012, 0);
     TEST_ASSERT_EQUAL_INT64(-123456789012, loop.profile_q32);
     TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
-    TEST_ASSERT_EQUAL_INT32(0, position_loop_step(&loop, &cfg, -123456789012, -123456789012));
+    TEST_ASSERT_EQUAL_INT32(0,
+                            position_loop_step(&loop, &cfg, -123456789012, -123456789012, ticks));
+    position_loop_reset(&loop, 123456789012, -7654321);
+    TEST_ASSERT_EQUAL_INT64(123456789012, loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(-7654321, loop.profile_speed);
+}
+
+/* The configuration's acceleration is meant for 10 ticks: the same one for a period of `count`. */
+static void use_slow_period(uint32_t count)
+{
+    ticks = count;
+    cfg.ramp = (int32_t)(((int64_t)cfg.ramp * count) / 10);
+}
+
+static void test_profile_moves_by_its_speed_times_the_ticks_of_the_period(void)
+{
+    static const uint32_t periods[] = {2U, 37U};
+
+    for (uint32_t i = 0U; i < 2U; i++) {
+        setUp();
+        use_slow_period(periods[i]);
+        for (int32_t k = 0; k < 1000; k++) {
+            const int64_t before = loop.profile_q32;
+
+            step_profile(FAR_AWAY_Q32);
+            TEST_ASSERT_TRUE(loop.profile_speed > 0);
+            TEST_ASSERT_EQUAL_INT64(before + ((int64_t)loop.profile_speed * periods[i]),
+                                    loop.profile_q32);
+        }
+    }
+}
+
+static void test_profile_arrives_exactly_without_overshoot_in_short_and_long_slow_periods(void)
+{
+    static const uint32_t periods[] = {2U, 37U};
+    seeded_t seed = {0x71C2537U};
+
+    for (uint32_t i = 0U; i < 2U; i++) {
+        setUp();
+        use_slow_period(periods[i]);
+        for (int32_t run = 0; run < 50; run++) {
+            run_to(loop.profile_q32 + (seeded_in(&seed, -10000, 10000) * (TURN_Q32 / 1000)));
+        }
+    }
 }
 
 static void test_profile_reaches_seeded_targets_exactly_without_overshoot(void)
@@ -221,7 +266,7 @@ static void test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_
         cfg.braking_inverse = inverses[i];
         cfg.distance_shift = shifts[i];
         cfg.softness_q15 = 12288;
-        position_loop_reset(&loop, 0);
+        position_loop_reset(&loop, 0, 0);
         for (int32_t k = 0; k < 1500; k++) {
             step_profile(20 * TURN_Q32);
             TEST_ASSERT_TRUE(loop.profile_q32 <= (20 * TURN_Q32));
@@ -236,10 +281,10 @@ static void test_profile_goes_both_ways_alike(void)
 {
     position_loop_t other;
 
-    position_loop_reset(&other, 0);
+    position_loop_reset(&other, 0, 0);
     for (int32_t k = 0; k < 2000; k++) {
         step_profile(5 * TURN_Q32);
-        (void)position_loop_step(&other, &cfg, -5 * TURN_Q32, other.profile_q32);
+        (void)position_loop_step(&other, &cfg, -5 * TURN_Q32, other.profile_q32, ticks);
         TEST_ASSERT_EQUAL_INT64(-loop.profile_q32, other.profile_q32);
         TEST_ASSERT_EQUAL_INT32(-loop.profile_speed, other.profile_speed);
     }
@@ -249,7 +294,7 @@ static void test_profile_of_one_unit_or_less_jumps(void)
 {
     const int64_t unit = (int64_t)1 << cfg.distance_shift;
 
-    (void)position_loop_step(&loop, &cfg, unit - 1, 0);
+    (void)position_loop_step(&loop, &cfg, unit - 1, 0, ticks);
     TEST_ASSERT_EQUAL_INT64(unit - 1, loop.profile_q32);
     TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
 }
@@ -259,7 +304,7 @@ static int64_t stopping_distance(void)
 {
     const int64_t v = loop.profile_speed;
 
-    return ((v * v) / cfg.ramp * cfg.ticks) + (magnitude(v) * cfg.ticks);
+    return ((v * v) / cfg.ramp * (int64_t)ticks) + (magnitude(v) * (int64_t)ticks);
 }
 
 static void test_profile_stops_without_overshoot_at_targets_changed_on_the_way(void)
@@ -308,14 +353,88 @@ static void test_profile_keeps_its_acceleration_limit_when_the_target_becomes_wh
     step_profile(loop.profile_q32);
 }
 
+/* As after a change of mode: 1800 rpm, twice the profile's own limit, and the target is where it is. */
+static void test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const step_t speed = sign * 25769804;
+        /* v²/2a to rest, with v·T/2 for the sum over whole periods instead of the integral. */
+        const int64_t v = magnitude(speed);
+        const int64_t stop = (((v * v) / cfg.ramp) + v) * ticks / 2;
+        int64_t farthest = 0;
+
+        position_loop_reset(&loop, 5 * TURN_Q32, speed);
+        for (int32_t k = 0; k < 2000; k++) {
+            const step_t before = loop.profile_speed;
+            const int64_t away = magnitude(loop.profile_q32 - (5 * TURN_Q32));
+
+            farthest = (away > farthest) ? away : farthest;
+            (void)position_loop_step(&loop, &cfg, 5 * TURN_Q32, loop.profile_q32, ticks);
+            TEST_ASSERT_TRUE(abs(loop.profile_speed - before) <= cfg.ramp);
+        }
+        TEST_ASSERT_TRUE((farthest <= stop) && (farthest >= (stop - (v * ticks))));
+        TEST_ASSERT_EQUAL_INT64(5 * TURN_Q32, loop.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+    }
+}
+
+/* position + way as the rotor position counts: modulo 2^64. */
+static int64_t wrapped(int64_t position_q32, int64_t way)
+{
+    return (int64_t)((uint64_t)position_q32 + (uint64_t)way);
+}
+
+static void test_profile_takes_the_shorter_way_across_the_wrap_both_ways(void)
+{
+    for (int64_t sign = -1; sign <= 1; sign += 2) {
+        const int64_t start = wrapped(INT64_MIN, -sign * (TURN_Q32 + 12345));
+        const int64_t target = wrapped(INT64_MIN, sign * TURN_Q32);
+        const int32_t time = longest_time(3 * TURN_Q32);
+
+        TEST_ASSERT_TRUE((start < 0) != (target < 0));
+        position_loop_reset(&loop, start, 0);
+        for (int32_t k = 0; k < time; k++) {
+            step_profile(target);
+            TEST_ASSERT_TRUE((sign * loop.profile_speed) >= 0);
+        }
+        TEST_ASSERT_EQUAL_INT64(target, loop.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+    }
+}
+
+static void test_lag_is_the_shorter_way_across_the_wrap(void)
+{
+    /* 1/8 turn: as without a wrap, see the next test. */
+    const int64_t behind = wrapped(INT64_MIN, -TURN_Q32 / 8);
+
+    position_loop_reset(&loop, INT64_MIN, 0);
+    TEST_ASSERT_EQUAL_INT32(1686656, position_loop_step(&loop, &cfg, INT64_MIN, behind, ticks));
+    position_loop_reset(&loop, behind, 0);
+    TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, behind, INT64_MIN, ticks));
+}
+
+static void test_targets_half_the_range_away_are_allowed(void)
+{
+    static const int64_t starts[] = {0, INT64_MIN, INT64_MAX, -1};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        const int64_t opposite = wrapped(starts[i], INT64_MIN);
+
+        /* Both ways are equally long: either is right. */
+        position_loop_reset(&loop, starts[i], 0);
+        (void)position_loop_step(&loop, &cfg, opposite, opposite, ticks);
+        TEST_ASSERT_EQUAL_INT32(cfg.ramp, abs(loop.profile_speed));
+    }
+}
+
 static void test_profile_works_at_the_ends_of_the_position_range(void)
 {
-    position_loop_reset(&loop, -FAR_AWAY_Q32);
+    position_loop_reset(&loop, -FAR_AWAY_Q32, 0);
     run_to(-FAR_AWAY_Q32 + TURN_Q32);
     /* As far away as a command can be: the profile only has to go the right way. */
     step_profile(INT32_MAX * (int64_t)65536);
     TEST_ASSERT_TRUE(loop.profile_speed > 0);
-    position_loop_reset(&loop, FAR_AWAY_Q32);
+    position_loop_reset(&loop, FAR_AWAY_Q32, 0);
     run_to(FAR_AWAY_Q32 - TURN_Q32);
     step_profile(INT32_MIN * (int64_t)65536);
     TEST_ASSERT_TRUE(loop.profile_speed < 0);
@@ -324,30 +443,36 @@ static void test_profile_works_at_the_ends_of_the_position_range(void)
 static void test_speed_reference_leads_by_the_lag_times_the_gain(void)
 {
     /* Lag 1/8 turn = 8192 in Q16: 8192·26354 / 2^7 = 1686656. */
-    TEST_ASSERT_EQUAL_INT32(1686656, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 8));
-    TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 8));
+    TEST_ASSERT_EQUAL_INT32(1686656, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 8, ticks));
+    TEST_ASSERT_EQUAL_INT32(-1686656, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 8, ticks));
 }
 
 static void test_lag_saturates_at_half_a_turn_on_both_sides(void)
 {
     const step_t forwards = (step_t)((32767LL * 26354LL) >> 7U);
 
-    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 2));
-    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -FAR_AWAY_Q32));
-    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 2));
-    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, FAR_AWAY_Q32));
+    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -TURN_Q32 / 2, ticks));
+    TEST_ASSERT_EQUAL_INT32(forwards, position_loop_step(&loop, &cfg, 0, -FAR_AWAY_Q32, ticks));
+    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, TURN_Q32 / 2, ticks));
+    TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, FAR_AWAY_Q32, ticks));
 }
 
-static void test_speed_reference_saturates_at_twice_the_profile_speed(void)
+static void test_lag_adds_at_most_the_profile_speed_limit_to_the_profile(void)
 {
     cfg.gain = 32767;
     cfg.gain_shift = 0U;
-    TEST_ASSERT_EQUAL_INT32(2 * cfg.speed_max, position_loop_step(&loop, &cfg, 0, -TURN_Q32));
-    TEST_ASSERT_EQUAL_INT32(-2 * cfg.speed_max, position_loop_step(&loop, &cfg, 0, TURN_Q32));
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        position_loop_reset(&loop, 0, sign * 1000);
+        TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_max,
+                                position_loop_step(&loop, &cfg, 0, -sign * TURN_Q32, ticks) -
+                                    loop.profile_speed);
+    }
     cfg.speed_max = 0x20000000;
     cfg.ramp = 0x20000000;
-    TEST_ASSERT_EQUAL_INT32(0x40000000,
-                            position_loop_step(&loop, &cfg, FAR_AWAY_Q32, -FAR_AWAY_Q32));
+    position_loop_reset(&loop, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(0x20000000,
+                            position_loop_step(&loop, &cfg, FAR_AWAY_Q32, -FAR_AWAY_Q32, ticks) -
+                                loop.profile_speed);
 }
 
 /*
@@ -358,7 +483,7 @@ static void
 test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most(void)
 {
     seeded_t seed = {0x50F7U};
-    const int64_t allowed = 2 * (int64_t)cfg.ramp * cfg.ticks;
+    const int64_t allowed = 2 * (int64_t)cfg.ramp * (int64_t)ticks;
 
     cfg.softness_q15 = 0;
     for (int32_t run = 0; run < 200; run++) {
@@ -388,7 +513,9 @@ int main(void)
     RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
     RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);
-    RUN_TEST(test_position_reset_starts_at_rest_where_the_rotor_is);
+    RUN_TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast);
+    RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_period);
+    RUN_TEST(test_profile_arrives_exactly_without_overshoot_in_short_and_long_slow_periods);
     RUN_TEST(test_profile_reaches_seeded_targets_exactly_without_overshoot);
     RUN_TEST(test_profile_reaches_full_speed_on_a_long_way);
     RUN_TEST(test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units);
@@ -397,10 +524,14 @@ int main(void)
     RUN_TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way);
     RUN_TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere);
     RUN_TEST(test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is);
+    RUN_TEST(test_profile_started_too_fast_slows_by_one_ramp_a_period_and_comes_back);
+    RUN_TEST(test_profile_takes_the_shorter_way_across_the_wrap_both_ways);
+    RUN_TEST(test_lag_is_the_shorter_way_across_the_wrap);
+    RUN_TEST(test_targets_half_the_range_away_are_allowed);
     RUN_TEST(test_profile_works_at_the_ends_of_the_position_range);
     RUN_TEST(test_speed_reference_leads_by_the_lag_times_the_gain);
     RUN_TEST(test_lag_saturates_at_half_a_turn_on_both_sides);
-    RUN_TEST(test_speed_reference_saturates_at_twice_the_profile_speed);
+    RUN_TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile);
     RUN_TEST(
         test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most);
     return UNITY_END();

@@ -22,9 +22,12 @@
 #define CURRENT_BASE_A (40.0)
 #define VOLTAGE_BASE_V (450.0)
 
+/* Saturation to 28, 14 and 30 bits: from −limit − 1 to limit. */
 #define STATE_LIMIT (0x7FFFFFF)
 #define ERROR_LIMIT (8191)
-#define STEP_LIMIT (0x20000000)
+#define WEIGHT_STEP_LIMIT (0x1FFFFFFF)
+#define LARGEST_SPEED_LIMIT (0x20000000)
+#define LARGEST_DESCENT (32768) /* (8192·32768 + 8192·32768) >> 14 */
 
 /*
  * Ripple of ω̂ beside a motor of constant speed, rad/s electrical. Locked, the mean of ω̂ is the true speed,
@@ -377,52 +380,98 @@ static void test_without_the_proportional_path_the_inner_speed_is_the_integral_b
     TEST_ASSERT_EQUAL_MEMORY(&obs, &other, sizeof obs);
 }
 
-static void assert_ranges(void)
+static void assert_within(int32_t limit, int32_t value)
 {
-    TEST_ASSERT_TRUE(abs(obs.x_q27) <= STATE_LIMIT);
-    TEST_ASSERT_TRUE(abs(obs.y_q27) <= STATE_LIMIT);
-    TEST_ASSERT_TRUE(abs(obs.error.d) <= ERROR_LIMIT);
-    TEST_ASSERT_TRUE(abs(obs.error.q) <= ERROR_LIMIT);
-    TEST_ASSERT_TRUE(abs(obs.weight_step) <= STEP_LIMIT);
-    TEST_ASSERT_TRUE(abs(obs.speed) <= cfg.speed_limit);
-    TEST_ASSERT_TRUE(abs(obs.speed_out) <= cfg.speed_limit);
+    TEST_ASSERT_TRUE((value <= limit) && (value >= (-limit - 1)));
 }
 
-static void test_speeds_stop_at_their_limit_on_both_sides(void)
+static void assert_ranges(void)
 {
+    /* Rounded down, towards −∞: one more on that side. */
+    const int64_t share =
+        (((int64_t)LARGEST_DESCENT * cfg.proportional) >> cfg.proportional_shift) + 1;
+
+    assert_within(STATE_LIMIT, obs.x_q27);
+    assert_within(STATE_LIMIT, obs.y_q27);
+    assert_within(ERROR_LIMIT, obs.error.d);
+    assert_within(ERROR_LIMIT, obs.error.q);
+    assert_within(WEIGHT_STEP_LIMIT, obs.weight_step);
+    TEST_ASSERT_TRUE(abs(obs.speed) <= cfg.speed_limit);
+    TEST_ASSERT_TRUE(llabs((int64_t)obs.speed_out - obs.speed) <= share);
+}
+
+static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it(void)
+{
+    const int32_t x = cfg.flux_q27 / 4096;
+
     for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const double descent = floor(-sign * 8000.0 * x / 16384.0);
+
         nn_observer_reset(&obs, &cfg);
         for (int32_t k = 0; k < 2000; k++) {
             train_once(-sign * 8000);
         }
         TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_limit, obs.speed);
-        TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_limit, obs.speed_out);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descent * cfg.proportional / 8.0)),
+                                obs.speed_out - obs.speed);
+        TEST_ASSERT_TRUE(abs(obs.speed_out) > cfg.speed_limit);
     }
 }
 
-static void test_errors_stop_at_a_quarter_on_both_sides(void)
+static void test_errors_saturate_to_14_bits_on_both_sides(void)
 {
-    nn_observer_step(&obs, &cfg, (dq_t){65535, -65535}, (dq_t){0, 0});
-    TEST_ASSERT_EQUAL_INT32(ERROR_LIMIT, obs.error.d);
-    TEST_ASSERT_EQUAL_INT32(-ERROR_LIMIT, obs.error.q);
-    nn_observer_step(&obs, &cfg, (dq_t){-65535, 65535}, (dq_t){0, 0});
-    TEST_ASSERT_EQUAL_INT32(-ERROR_LIMIT, obs.error.d);
-    TEST_ASSERT_EQUAL_INT32(ERROR_LIMIT, obs.error.q);
+    static const int32_t currents[] = {8190, 8191, 8192, 65535, -8190, -8191, -8192, -8193, -65535};
+    static const int32_t errors[] = {8190, 8191, 8191, 8191, -8190, -8191, -8192, -8192, -8192};
+
+    /* A network that stays at zero current. */
+    cfg.decay_d = 0;
+    cfg.flux_drive_q27 = 0;
+    cfg.rate = 0;
+    cfg.proportional = 0;
+    for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
+        nn_observer_step(&obs, &cfg, (dq_t){currents[i], 0}, (dq_t){0, 0});
+        TEST_ASSERT_EQUAL_INT32(errors[i], obs.error.d);
+        TEST_ASSERT_EQUAL_INT32(0, obs.error.q);
+        nn_observer_step(&obs, &cfg, (dq_t){0, currents[i]}, (dq_t){0, 0});
+        TEST_ASSERT_EQUAL_INT32(0, obs.error.d);
+        TEST_ASSERT_EQUAL_INT32(errors[i], obs.error.q);
+    }
 }
 
-static void test_states_stop_at_their_limit_on_both_sides(void)
+static void test_states_saturate_to_28_bits_on_both_sides(void)
 {
     cfg.decay_d = 0;
     cfg.decay_q = 0;
     cfg.rate = 0;
     cfg.proportional = 0;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int32_t upper = STATE_LIMIT;
+        const int32_t lower = -STATE_LIMIT - 1;
+
         nn_observer_reset(&obs, &cfg);
         for (int32_t k = 0; k < 100; k++) {
             nn_observer_step(&obs, &cfg, (dq_t){0, 0}, (dq_t){sign * 32767, -sign * 32767});
         }
-        TEST_ASSERT_EQUAL_INT32(sign * STATE_LIMIT, obs.x_q27);
-        TEST_ASSERT_EQUAL_INT32(-sign * STATE_LIMIT, obs.y_q27);
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? upper : lower, obs.x_q27);
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? lower : upper, obs.y_q27);
+    }
+}
+
+static void test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides(void)
+{
+    /* 6830·32767 a tick, of which the momentum keeps nearly all: beyond 2^29 in the third. */
+    cfg.rate = 32767;
+    cfg.rate_shift = 0U;
+    cfg.momentum_q15 = 32767;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        nn_observer_reset(&obs, &cfg);
+        train_once(sign * 8191);
+        train_once(sign * 8191);
+        TEST_ASSERT_TRUE(abs(obs.weight_step) < WEIGHT_STEP_LIMIT);
+        TEST_ASSERT_TRUE(abs(obs.weight_step) > (WEIGHT_STEP_LIMIT / 2));
+        train_once(sign * 8191);
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? WEIGHT_STEP_LIMIT : (-WEIGHT_STEP_LIMIT - 1),
+                                obs.weight_step);
     }
 }
 
@@ -439,11 +488,11 @@ static nn_observer_cfg_t largest_cfg(seeded_t *seed)
         .iq_gain_q14 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 1,
         .current_shift = (uint32_t)seeded_in(seed, 0, 10),
         .rate = 32767,
-        .rate_shift = (uint32_t)seeded_in(seed, 1, 30),
+        .rate_shift = (uint32_t)seeded_in(seed, 0, 30),
         .proportional = 32767,
-        .proportional_shift = (uint32_t)seeded_in(seed, 1, 30),
+        .proportional_shift = (uint32_t)seeded_in(seed, 0, 30),
         .momentum_q15 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 0,
-        .speed_limit = ((seeded_u32(seed) & 1U) != 0U) ? STEP_LIMIT : 1,
+        .speed_limit = ((seeded_u32(seed) & 1U) != 0U) ? LARGEST_SPEED_LIMIT : 1,
     };
 }
 
@@ -495,9 +544,10 @@ int main(void)
     RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
     RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);
     RUN_TEST(test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit);
-    RUN_TEST(test_speeds_stop_at_their_limit_on_both_sides);
-    RUN_TEST(test_errors_stop_at_a_quarter_on_both_sides);
-    RUN_TEST(test_states_stop_at_their_limit_on_both_sides);
+    RUN_TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it);
+    RUN_TEST(test_errors_saturate_to_14_bits_on_both_sides);
+    RUN_TEST(test_states_saturate_to_28_bits_on_both_sides);
+    RUN_TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides);
     RUN_TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights);
     return UNITY_END();
 }

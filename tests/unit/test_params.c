@@ -9,28 +9,35 @@
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
-/* All fields are 32 bits wide; a shift is unsigned. */
+/*
+ * All fields are 32 bits wide; a shift is unsigned. lowest and highest are accepted in the example
+ * configuration. One beyond them `below` and `above` are named: another field where the two must agree.
+ */
 typedef struct {
     const char *name;
     size_t offset;
     int32_t lowest;
     int32_t highest;
+    const char *below;
+    const char *above;
 } field_t;
 
-#define FIELD(path, lo, hi) {#path, offsetof(drive_cfg_t, path), lo, hi}
+#define WITHIN(path, below, lo, hi, above) \
+    {#path, offsetof(drive_cfg_t, path), lo, hi, below, above}
+#define FIELD(path, lo, hi) WITHIN(path, #path, lo, hi, #path)
+#define PI_PART(path, part, lo, hi) {#path, offsetof(drive_cfg_t, path.part), lo, hi, #path, #path}
 #define PI(path) \
-    {#path, offsetof(drive_cfg_t, path.kp), 0, 32767}, \
-        {#path, offsetof(drive_cfg_t, path.ki), 0, 32767}, \
-        {#path, offsetof(drive_cfg_t, path.kp_shift), 1, 30}, \
-        {#path, offsetof(drive_cfg_t, path.ki_shift), 1, 30}
+    PI_PART(path, kp, 0, 32767), PI_PART(path, ki, 0, 32767), PI_PART(path, kp_shift, 1, 30), \
+        PI_PART(path, ki_shift, 1, 30)
+#define DECOUPLING(path) WITHIN(path, #path, 0, 30469, "observer.speed_limit")
 
 static const field_t FIELDS[] = {
     FIELD(sampling.current_shift, 0, 7),
     FIELD(sampling.bus_shift, 0, 7),
     FIELD(sampling.offset_log2, 0, 12),
-    FIELD(protection.current_max, 1, 16382),
-    FIELD(protection.bus_max, 14564, 32766), /* from bus_min on */
-    FIELD(protection.bus_min, 0, 29127),     /* up to bus_max */
+    WITHIN(protection.current_max, "speed_loop.current_max", 8192, 16382, "protection.current_max"),
+    WITHIN(protection.bus_max, "protection.bus_min", 14564, 32766, "protection.bus_max"),
+    FIELD(protection.bus_min, 0, 29127), /* up to bus_max */
     FIELD(protection.offset_max, 0, 32767),
     FIELD(observer.decay_d, 0, 32767),
     FIELD(observer.decay_q, 0, 32767),
@@ -41,21 +48,25 @@ static const field_t FIELDS[] = {
     FIELD(observer.iq_gain_q14, 1, 32767),
     FIELD(observer.current_shift, 0, 10),
     FIELD(observer.rate, 0, 32767),
-    FIELD(observer.rate_shift, 1, 30),
+    FIELD(observer.rate_shift, 0, 30),
     FIELD(observer.proportional, 0, 32767),
-    FIELD(observer.proportional_shift, 1, 30),
+    FIELD(observer.proportional_shift, 0, 30),
     FIELD(observer.momentum_q15, 0, 32767),
-    FIELD(observer.speed_limit, 1, (32768 * 2048) - 1), /* 32767 in Q15 of Ω_b at speed_shift 11 */
-    FIELD(speed_shift, 11, 16), /* from where observer.speed_limit fits; below see its own test */
+    /* From speed_loop.speed_max to 32767 in Q15 of Ω_b at speed_shift 11. */
+    WITHIN(observer.speed_limit, "speed_loop.speed_max", 28633115, (32768 * 2048) - 1,
+           "observer.speed_limit"),
+    WITHIN(speed_shift, "observer.speed_limit", 11, 16,
+           "speed_shift"), /* from where the limit fits */
     PI(current_loop.pi_d),
     PI(current_loop.pi_q),
-    FIELD(current_loop.reactance_d_q13, 0, 32767),
-    FIELD(current_loop.reactance_q_q13, 0, 32767),
-    FIELD(current_loop.emf_q13, 0, 32767),
+    /* At observer.speed_limit, 17476 in Q15 of Ω_b: 17476·30469/2^13 = 64999.5, 30470 gives 65001.7. */
+    DECOUPLING(current_loop.reactance_d_q13),
+    DECOUPLING(current_loop.reactance_q_q13),
+    DECOUPLING(current_loop.emf_q13),
     PI(speed_loop.pi),
     FIELD(speed_loop.ramp, 1, 0x20000000),
-    FIELD(speed_loop.speed_max, 1, 0x20000000),
-    FIELD(speed_loop.current_max, 1, 16384),
+    FIELD(speed_loop.speed_max, 1, 35791394), /* up to observer.speed_limit */
+    FIELD(speed_loop.current_max, 1, 14746),  /* up to protection.current_max */
     FIELD(speed_loop.inertia, 0, 32767),
     FIELD(speed_loop.inertia_shift, 0, 30),
     FIELD(speed_loop.error_shift, 1, 17),
@@ -66,7 +77,6 @@ static const field_t FIELDS[] = {
     FIELD(position_loop.gain, 0, 32767),
     FIELD(position_loop.gain_shift, 0, 30),
     FIELD(position_loop.distance_shift, 8, 48),
-    FIELD(position_loop.ticks, 2, 100),
     FIELD(modulator.timer_counts, 1, 32767),
     FIELD(modulator.ratio_max_q15, 1, 18918),
     FIELD(modulator.inverse_max_q12, 4096, 32767),
@@ -89,14 +99,14 @@ static const char *check_with(const field_t *field, int32_t value)
     return params_check(&cfg);
 }
 
-static void assert_refused(const field_t *field, int32_t value)
+static void assert_refused(const field_t *field, int32_t value, const char *named)
 {
     const char *const bad = check_with(field, value);
     char text[128];
 
     (void)snprintf(text, sizeof text, "%s = %ld is refused", field->name, (long)value);
     TEST_ASSERT_NOT_NULL_MESSAGE(bad, text);
-    TEST_ASSERT_EQUAL_STRING_MESSAGE(field->name, bad, text);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE(named, bad, text);
 }
 
 static void assert_accepted(const field_t *field, int32_t value)
@@ -122,31 +132,88 @@ static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
     }
 }
 
-static void test_every_field_is_named_just_outside_its_range(void)
+static void test_every_field_is_refused_just_outside_its_range(void)
 {
     for (size_t i = 0; i < COUNT(FIELDS); i++) {
         const field_t *const field = &FIELDS[i];
 
-        assert_refused(field, field->highest + 1);
-        if ((field->lowest > 0) && (strcmp(field->name, "speed_shift") != 0) &&
-            (strcmp(field->name, "protection.bus_max") != 0)) {
-            assert_refused(field, field->lowest - 1);
-        }
+        assert_refused(field, field->highest + 1, field->above);
+        assert_refused(field, field->lowest - 1, field->below);
     }
 }
 
 static void test_every_field_is_named_at_the_ends_of_its_type(void)
 {
     for (size_t i = 0; i < COUNT(FIELDS); i++) {
-        const field_t *const field = &FIELDS[i];
-
-        assert_refused(field, INT32_MAX);
-        /* As a shift these two are 2^31 and 2^32 − 1. */
-        if (strcmp(field->name, "protection.bus_max") != 0) {
-            assert_refused(field, INT32_MIN);
-            assert_refused(field, -1);
-        }
+        /* As a shift the last two are 2^31 and 2^32 − 1. */
+        assert_refused(&FIELDS[i], INT32_MAX, FIELDS[i].name);
+        assert_refused(&FIELDS[i], INT32_MIN, FIELDS[i].name);
+        assert_refused(&FIELDS[i], -1, FIELDS[i].name);
     }
+}
+
+/* speed·gain/2^13 of each gain of the decoupling, the others zero. */
+static const char *check_reach_of(int32_t speed, int32_t gain, size_t which)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+    int32_t *const gains[] = {&cfg.current_loop.reactance_d_q13, &cfg.current_loop.reactance_q_q13,
+                              &cfg.current_loop.emf_q13};
+
+    for (size_t i = 0; i < COUNT(gains); i++) {
+        *gains[i] = (i == which) ? gain : 0;
+    }
+    cfg.observer.speed_limit = speed * 2048;
+    cfg.speed_loop.speed_max = 1;
+    return params_check(&cfg);
+}
+
+static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(void)
+{
+    for (size_t i = 0; i < 3; i++) {
+        /* 65000 exactly, then 65001.97. */
+        TEST_ASSERT_NULL(check_reach_of(16384, 32500, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16385, 32499, i));
+        /* Each gain may be as large as its format at a top speed for it: 64998.02, then 65002.02. */
+        TEST_ASSERT_NULL(check_reach_of(16250, 32767, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16251, 32767, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(32767, 32767, i));
+        TEST_ASSERT_NULL(check_reach_of(32767, 16250, i));
+        TEST_ASSERT_NOT_NULL(check_reach_of(1, 32768, i));
+    }
+}
+
+static void test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.speed_loop.speed_max = cfg.observer.speed_limit;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.observer.speed_limit--;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.speed_max", params_check(&cfg));
+    cfg.speed_loop.speed_max--;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    /* The largest of both. */
+    cfg.speed_shift = 16U;
+    cfg.observer.speed_limit = 0x20000000;
+    cfg.speed_loop.speed_max = 0x20000000;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.speed_loop.speed_max = 0x20000001;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.speed_max", params_check(&cfg));
+}
+
+static void test_current_demand_is_at_most_what_the_protection_allows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.speed_loop.current_max = cfg.protection.current_max;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.protection.current_max--;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.current_max", params_check(&cfg));
+    cfg.protection.current_max = 16382;
+    cfg.speed_loop.current_max = 16382;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.speed_loop.current_max = 16383;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.current_max", params_check(&cfg));
 }
 
 static void test_bus_limits_out_of_order_are_named(void)
@@ -216,8 +283,11 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_valid_configuration_is_accepted);
     RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
-    RUN_TEST(test_every_field_is_named_just_outside_its_range);
+    RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
+    RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
+    RUN_TEST(test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows);
+    RUN_TEST(test_current_demand_is_at_most_what_the_protection_allows);
     RUN_TEST(test_bus_limits_out_of_order_are_named);
     RUN_TEST(test_speed_limit_beyond_the_speed_base_is_named);
     RUN_TEST(test_the_first_of_several_bad_fields_is_named);

@@ -3,12 +3,14 @@
 #include "seeded.h"
 #include "unity.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdlib.h>
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
-#define ONE_LSB (2048) /* one LSB of the output in the integral's format */
+#define ONE_LSB (2048)                       /* one LSB of the output in the integral's format */
+#define INTEGRAL_MAX ((32768 * ONE_LSB) - 1) /* +1, one unit short */
+#define INTEGRAL_MIN (-32768 * ONE_LSB)      /* −1 */
 #define SEEDED_CASES (100000)
 
 static pi_t pi;
@@ -149,75 +151,93 @@ static void test_integral_still_moves_out_of_a_limit_that_feed_forward_holds(voi
     TEST_ASSERT_EQUAL_INT32(-490 * ONE_LSB, pi.integral_q26);
 }
 
-static void test_integral_stays_within_the_limit(void)
+static void test_integral_saturates_at_one_on_both_sides(void)
 {
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        pi_reset(&pi, 0);
-        for (int32_t i = 0; i < 200; i++) {
-            /* The feed-forward keeps the output off the limit, so only the integral's own bound acts. */
-            (void)pi_step(&pi, &ONLY_KI, sign * 32767, -sign * 900, 1000);
-        }
-        TEST_ASSERT_TRUE(sign * (pi.integral_q26 / ONE_LSB) <= 1000);
-        TEST_ASSERT_TRUE(sign * (pi.integral_q26 / ONE_LSB) >= 999);
+    /* 32767·2^-10 a step: full scale takes 1024 steps. The feed-forward keeps the output off its limit. */
+    for (int32_t i = 0; i < 1100; i++) {
+        (void)pi_step(&pi, &ONLY_KI, 32767, -32000, 32767);
+    }
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(767, pi_step(&pi, &ONLY_KI, 32767, -32000, 32767));
+    pi_reset(&pi, 0);
+    for (int32_t i = 0; i < 1100; i++) {
+        (void)pi_step(&pi, &ONLY_KI, -32767, 32000, 32767);
+    }
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(-768, pi_step(&pi, &ONLY_KI, -32767, 32000, 32767));
+}
+
+static void test_integral_reaches_exactly_one_before_it_saturates(void)
+{
+    /* An error of one is 2 units of the integral; 32767 lies 2048 below 1. */
+    static const int32_t errors[] = {1023, 1024, 1025, -1023, -1024, -1025};
+    static const int32_t ends[] = {INTEGRAL_MAX - 1, INTEGRAL_MAX, INTEGRAL_MAX,
+                                   INTEGRAL_MIN + 2, INTEGRAL_MIN, INTEGRAL_MIN};
+
+    for (size_t i = 0; i < COUNT(errors); i++) {
+        const int32_t sign = (errors[i] > 0) ? 1 : -1;
+
+        pi_reset(&pi, sign * 32767);
+        (void)pi_step(&pi, &ONLY_KI, errors[i], -sign * 1000, 32767);
+        TEST_ASSERT_EQUAL_INT32(ends[i], pi.integral_q26);
     }
 }
 
-static void test_integral_comes_within_a_limit_that_has_shrunk(void)
+static void test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, sign * 20000);
-        (void)pi_step(&pi, &PLAIN, 0, 0, 1000);
-        TEST_ASSERT_EQUAL_INT32(sign * 1000 * ONE_LSB, pi.integral_q26);
-    }
-}
-
-static void test_integral_comes_within_a_shrunk_limit_while_the_error_pushes_into_it(void)
-{
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        pi_reset(&pi, sign * 20000);
-        (void)pi_step(&pi, &PLAIN, sign * 10000, 0, 1000);
-        TEST_ASSERT_EQUAL_INT32(sign * 1000 * ONE_LSB, pi.integral_q26);
+        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &PLAIN, 0, 0, 1000));
+        TEST_ASSERT_EQUAL_INT32(sign * 20000 * ONE_LSB, pi.integral_q26);
+        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &PLAIN, sign * 10000, 0, 1000));
+        TEST_ASSERT_EQUAL_INT32(sign * 20000 * ONE_LSB, pi.integral_q26);
+        /* 1024·2^-10 = 1 a step out of the limit, from the first step on. */
+        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &PLAIN, -sign * 1024, 0, 1000));
+        TEST_ASSERT_EQUAL_INT32(sign * 19999 * ONE_LSB, pi.integral_q26);
+        TEST_ASSERT_EQUAL_INT32(sign * 1000, pi_step(&pi, &PLAIN, -sign * 1024, 0, 1000));
+        TEST_ASSERT_EQUAL_INT32(sign * 19998 * ONE_LSB, pi.integral_q26);
+        TEST_ASSERT_EQUAL_INT32(sign * 19998, pi_step(&pi, &PLAIN, 0, 0, 32767));
     }
 }
 
 static void test_unwind_gives_the_excess_back(void)
 {
     pi_reset(&pi, 1000);
-    pi_unwind(&pi, 300, 32767);
+    pi_unwind(&pi, 300);
     TEST_ASSERT_EQUAL_INT32(700, pi_step(&pi, &PLAIN, 0, 0, 32767));
-    pi_unwind(&pi, -300, 32767);
+    pi_unwind(&pi, -300);
     TEST_ASSERT_EQUAL_INT32(1000, pi_step(&pi, &PLAIN, 0, 0, 32767));
 }
 
-static void test_unwind_stops_at_the_limit_on_both_sides(void)
+static void test_unwind_saturates_at_one_on_both_sides(void)
 {
-    pi_reset(&pi, 0);
-    pi_unwind(&pi, 32767, 1000);
-    TEST_ASSERT_EQUAL_INT32(-1000 * ONE_LSB, pi.integral_q26);
-    pi_unwind(&pi, -32767, 1000);
-    TEST_ASSERT_EQUAL_INT32(1000 * ONE_LSB, pi.integral_q26);
-    pi_reset(&pi, -32767);
-    pi_unwind(&pi, 32767, 32767);
+    pi_unwind(&pi, 32767);
     TEST_ASSERT_EQUAL_INT32(-32767 * ONE_LSB, pi.integral_q26);
-    pi_reset(&pi, 32767);
-    pi_unwind(&pi, -32767, 32767);
+    pi_unwind(&pi, 1);
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
+    pi_unwind(&pi, 1);
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
+    pi_unwind(&pi, 32767);
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MIN, pi.integral_q26);
+    pi_reset(&pi, 0);
+    pi_unwind(&pi, -32767);
     TEST_ASSERT_EQUAL_INT32(32767 * ONE_LSB, pi.integral_q26);
-    pi_unwind(&pi, 5, 0);
-    TEST_ASSERT_EQUAL_INT32(0, pi.integral_q26);
+    pi_unwind(&pi, -1);
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
+    pi_unwind(&pi, -32767);
+    TEST_ASSERT_EQUAL_INT32(INTEGRAL_MAX, pi.integral_q26);
 }
 
-static void test_unwinding_again_and_again_beside_a_held_limit_stays_within_it(void)
+static void test_unwinding_again_and_again_beside_a_held_limit_ends_at_one(void)
 {
     /* Feed-forward alone holds the limit, so the integral cannot end the excess. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         pi_reset(&pi, 0);
         for (int32_t k = 0; k < 1000; k++) {
-            const int32_t output = pi_step(&pi, &PLAIN, 0, sign * 60000, 20000);
-
-            TEST_ASSERT_EQUAL_INT32(sign * 20000, output);
-            pi_unwind(&pi, sign * 15000, 20000);
-            TEST_ASSERT_TRUE(abs(pi.integral_q26) <= (20000 * ONE_LSB));
+            TEST_ASSERT_EQUAL_INT32(sign * 20000, pi_step(&pi, &PLAIN, 0, sign * 60000, 20000));
+            pi_unwind(&pi, sign * 15000);
         }
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? INTEGRAL_MIN : INTEGRAL_MAX, pi.integral_q26);
     }
 }
 
@@ -229,35 +249,40 @@ static int64_t floor_div_pow2(int64_t x, uint32_t n)
     return ((x % divisor) < 0) ? (quotient - 1) : quotient;
 }
 
-static int64_t clamp64(int64_t x, int64_t limit)
+static int64_t clamp64(int64_t x, int64_t lo, int64_t hi)
 {
     int64_t result = x;
 
-    if (x > limit) {
-        result = limit;
-    } else if (x < -limit) {
-        result = -limit;
+    if (x > hi) {
+        result = hi;
+    } else if (x < lo) {
+        result = lo;
     }
     return result;
 }
 
-/* The documented law in 64 bits, where nothing can overflow. */
-static int64_t output_by_the_law(int64_t integral_q26, const pi_cfg_t *cfg, int64_t error,
-                                 int64_t feed_forward, int64_t limit)
-{
-    const int64_t integral =
-        clamp64(integral_q26 + floor_div_pow2(error * cfg->ki, cfg->ki_shift), limit * ONE_LSB);
-    const int64_t proportional = floor_div_pow2(error * cfg->kp, cfg->kp_shift);
+typedef struct {
+    int32_t error;
+    int32_t feed_forward;
+    int32_t limit;
+    int32_t start; /* integral before the step */
+} step_in_t;
 
-    return clamp64(proportional + floor_div_pow2(integral, 11U) + feed_forward, limit);
-}
-
-/* The same before the limit, with the integral as it was. */
-static int64_t sum_by_the_law(int64_t integral_q26, const pi_cfg_t *cfg, int64_t error,
-                              int64_t feed_forward)
+/* One step, beside the documented law in 64 bits, where nothing can overflow. */
+static void assert_step_follows_the_law(const pi_cfg_t *cfg, const step_in_t *in)
 {
-    return floor_div_pow2(error * cfg->kp, cfg->kp_shift) + floor_div_pow2(integral_q26, 11U) +
-           feed_forward;
+    const int64_t added = floor_div_pow2((int64_t)in->error * cfg->ki, cfg->ki_shift);
+    const int64_t moved = clamp64(in->start + added, INTEGRAL_MIN, INTEGRAL_MAX);
+    const int64_t sum = floor_div_pow2((int64_t)in->error * cfg->kp, cfg->kp_shift) +
+                        floor_div_pow2(moved, 11U) + in->feed_forward;
+    const bool frozen =
+        ((sum > in->limit) && (moved > in->start)) || ((sum < -in->limit) && (moved < in->start));
+    int32_t output = 0;
+
+    pi.integral_q26 = in->start;
+    output = pi_step(&pi, cfg, in->error, in->feed_forward, in->limit);
+    TEST_ASSERT_EQUAL_INT64(clamp64(sum, -in->limit, in->limit), output);
+    TEST_ASSERT_EQUAL_INT64(frozen ? in->start : moved, pi.integral_q26);
 }
 
 static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
@@ -265,7 +290,7 @@ static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
     static const int32_t errors[] = {-65535, -1, 0, 1, 65535};
     static const int32_t feed_forwards[] = {-131072, 0, 131072};
     static const int32_t limits[] = {0, 1, 32767};
-    static const int32_t integrals[] = {-32767 * ONE_LSB, 0, 32767 * ONE_LSB};
+    static const int32_t integrals[] = {INTEGRAL_MIN, 0, INTEGRAL_MAX};
     static const pi_cfg_t cfgs[] = {
         {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U},
         {.kp = 32767, .ki = 32767, .kp_shift = 30U, .ki_shift = 30U},
@@ -273,17 +298,15 @@ static void test_no_sum_overflows_at_the_ends_of_all_ranges(void)
     };
 
     for (size_t i = 0; i < COUNT(errors) * COUNT(feed_forwards) * COUNT(limits); i++) {
-        const int32_t error = errors[i % COUNT(errors)];
-        const int32_t feed_forward = feed_forwards[(i / COUNT(errors)) % COUNT(feed_forwards)];
-        const int32_t limit = limits[i / (COUNT(errors) * COUNT(feed_forwards))];
+        step_in_t in = {
+            .error = errors[i % COUNT(errors)],
+            .feed_forward = feed_forwards[(i / COUNT(errors)) % COUNT(feed_forwards)],
+            .limit = limits[i / (COUNT(errors) * COUNT(feed_forwards))],
+        };
 
         for (size_t j = 0; j < COUNT(integrals) * COUNT(cfgs); j++) {
-            const pi_cfg_t *const cfg = &cfgs[j % COUNT(cfgs)];
-            const int32_t start = integrals[j / COUNT(cfgs)];
-
-            pi.integral_q26 = start;
-            TEST_ASSERT_EQUAL_INT64(output_by_the_law(start, cfg, error, feed_forward, limit),
-                                    pi_step(&pi, cfg, error, feed_forward, limit));
+            in.start = integrals[j / COUNT(cfgs)];
+            assert_step_follows_the_law(&cfgs[j % COUNT(cfgs)], &in);
         }
     }
 }
@@ -299,24 +322,14 @@ static void test_seeded_steps_follow_the_law_from_any_state(void)
             .kp_shift = (uint32_t)seeded_in(&seed, 1, 30),
             .ki_shift = (uint32_t)seeded_in(&seed, 1, 30),
         };
-        const int32_t error = seeded_in(&seed, -65535, 65535);
-        const int32_t feed_forward = seeded_in(&seed, -131072, 131072);
-        const int32_t limit = seeded_in(&seed, 0, 32767);
-        const int32_t start = seeded_in(&seed, -limit * ONE_LSB, limit * ONE_LSB);
-        const int64_t expected = output_by_the_law(start, &cfg, error, feed_forward, limit);
-        int32_t output = 0;
+        const step_in_t in = {
+            .error = seeded_in(&seed, -65535, 65535),
+            .feed_forward = seeded_in(&seed, -131072, 131072),
+            .limit = seeded_in(&seed, 0, 32767),
+            .start = seeded_in(&seed, INTEGRAL_MIN, INTEGRAL_MAX),
+        };
 
-        pi.integral_q26 = start;
-        output = pi_step(&pi, &cfg, error, feed_forward, limit);
-        TEST_ASSERT_EQUAL_INT64(expected, output);
-        TEST_ASSERT_TRUE((pi.integral_q26 >= (-limit * ONE_LSB)) &&
-                         (pi.integral_q26 <= (limit * ONE_LSB)));
-        /* With the old integral already beyond the limit, the integral may come back from it only. */
-        if (sum_by_the_law(start, &cfg, error, feed_forward) > limit) {
-            TEST_ASSERT_TRUE(pi.integral_q26 <= start);
-        } else if (sum_by_the_law(start, &cfg, error, feed_forward) < -limit) {
-            TEST_ASSERT_TRUE(pi.integral_q26 >= start);
-        }
+        assert_step_follows_the_law(&cfg, &in);
     }
 }
 
@@ -336,12 +349,12 @@ int main(void)
     RUN_TEST(test_integral_moves_up_to_an_output_exactly_at_the_limit);
     RUN_TEST(test_output_leaves_the_limit_as_soon_as_the_error_turns);
     RUN_TEST(test_integral_still_moves_out_of_a_limit_that_feed_forward_holds);
-    RUN_TEST(test_integral_stays_within_the_limit);
-    RUN_TEST(test_integral_comes_within_a_limit_that_has_shrunk);
-    RUN_TEST(test_integral_comes_within_a_shrunk_limit_while_the_error_pushes_into_it);
+    RUN_TEST(test_integral_saturates_at_one_on_both_sides);
+    RUN_TEST(test_integral_reaches_exactly_one_before_it_saturates);
+    RUN_TEST(test_integral_beyond_a_shrunk_limit_is_frozen_until_the_error_turns);
     RUN_TEST(test_unwind_gives_the_excess_back);
-    RUN_TEST(test_unwind_stops_at_the_limit_on_both_sides);
-    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_stays_within_it);
+    RUN_TEST(test_unwind_saturates_at_one_on_both_sides);
+    RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_ends_at_one);
     RUN_TEST(test_no_sum_overflows_at_the_ends_of_all_ranges);
     RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
     return UNITY_END();

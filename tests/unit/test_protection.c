@@ -3,6 +3,7 @@
 #include "protection.h"
 #include "unity.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #define COUNT(a) (sizeof(a) / sizeof((a)[0]))
@@ -10,10 +11,20 @@
 static protection_cfg_t cfg;
 static protection_in_t in;
 
+static fault_id_t check(bool running)
+{
+    const protection_limits_t limits = protection_limits(&cfg, running);
+
+    return protection_check(&limits, &in);
+}
+
+#define RUNNING (true)
+#define AT_REST (false)
+
 void setUp(void)
 {
     cfg = example_protection_cfg();
-    in = (protection_in_t){.bus = 22572, .check_current = true, .check_undervoltage = true};
+    in = (protection_in_t){.bus = 22572};
 }
 
 void tearDown(void)
@@ -22,7 +33,7 @@ void tearDown(void)
 
 static void test_nothing_wrong_is_no_fault(void)
 {
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
 }
 
 static void test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction(void)
@@ -43,45 +54,83 @@ static void test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direct
     for (size_t i = 0; i < COUNT(at_limit); i++) {
         in.phase_a = at_limit[i][0];
         in.phase_b = at_limit[i][1];
-        TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
     }
     for (size_t i = 0; i < COUNT(above); i++) {
         in.phase_a = above[i][0];
         in.phase_b = above[i][1];
-        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, protection_check(&cfg, &in));
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
     }
 }
 
 static void test_a_saturated_current_sample_always_exceeds_the_largest_limit(void)
 {
+    static const int32_t ends[] = {-16384, 16383};
+
     cfg.current_max = 16382; /* the largest that the configuration allows */
-    in.phase_a = -16383;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, protection_check(&cfg, &in));
+    for (size_t i = 0; i < COUNT(ends); i++) {
+        in.phase_a = ends[i];
+        in.phase_b = 0;
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
+        in.phase_b = ends[i];
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
+        in.phase_a = 0;
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
+    }
 }
 
-static void test_overcurrent_is_ignored_while_the_sensors_are_not_calibrated(void)
+static void test_currents_and_a_low_bus_are_not_watched_at_rest(void)
 {
-    in.phase_a = 16383;
-    in.check_current = false;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+    static const int32_t currents[] = {-16384, 0, 16383};
+
+    for (size_t i = 0; i < (COUNT(currents) * COUNT(currents)); i++) {
+        in.phase_a = currents[i % COUNT(currents)];
+        in.phase_b = currents[i / COUNT(currents)];
+        in.bus = cfg.bus_max;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(AT_REST));
+        in.bus = 0;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(AT_REST));
+    }
+}
+
+static void test_too_high_a_bus_and_the_break_are_watched_at_rest_too(void)
+{
+    in.bus = cfg.bus_max + 1;
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
+    in.bus = 32767;
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
+    in.break_input = true;
+    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(AT_REST));
+    in.bus = 0;
+    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(AT_REST));
+}
+
+static void test_smallest_current_limit_allows_one_and_no_more(void)
+{
+    cfg.current_max = 1;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        in.phase_a = sign;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
+        in.phase_a = 2 * sign;
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
+    }
 }
 
 static void test_overvoltage_begins_one_above_the_limit(void)
 {
     in.bus = cfg.bus_max;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
     in.bus = cfg.bus_max + 1;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(RUNNING));
 }
 
-static void test_undervoltage_begins_one_below_the_limit_and_only_when_watched(void)
+static void test_undervoltage_begins_one_below_the_limit_and_only_while_running(void)
 {
     in.bus = cfg.bus_min;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(RUNNING));
     in.bus = cfg.bus_min - 1;
-    TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, protection_check(&cfg, &in));
-    in.check_undervoltage = false;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, check(RUNNING));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, check(AT_REST));
 }
 
 static void test_faults_are_found_in_the_order_of_their_numbers(void)
@@ -89,23 +138,24 @@ static void test_faults_are_found_in_the_order_of_their_numbers(void)
     in.break_input = true;
     in.phase_a = 16383;
     in.bus = cfg.bus_max + 1;
-    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(RUNNING));
     in.break_input = false;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
     in.phase_a = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(RUNNING));
     in.phase_a = 16383;
     in.bus = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
     in.phase_a = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, protection_check(&cfg, &in));
+    TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, check(RUNNING));
     TEST_ASSERT_TRUE((FAULT_BREAK < FAULT_OVERCURRENT) && (FAULT_OVERCURRENT < FAULT_OVERVOLTAGE) &&
                      (FAULT_OVERVOLTAGE < FAULT_UNDERVOLTAGE));
 }
 
 static void assert_record(fault_id_t id, int32_t value, int32_t limit)
 {
-    const fault_t fault = protection_record(&cfg, &in, id);
+    const protection_limits_t limits = protection_limits(&cfg, RUNNING);
+    const fault_t fault = protection_record(&limits, &in, id);
 
     TEST_ASSERT_EQUAL_INT(id, fault.id);
     TEST_ASSERT_EQUAL_INT32(value, fault.value);
@@ -117,7 +167,7 @@ static void test_record_holds_the_measured_value_and_its_limit(void)
     in.phase_a = -9000;
     in.phase_b = -8000;
     in.bus = 12345;
-    assert_record(FAULT_BREAK, 17000, cfg.current_max);
+    assert_record(FAULT_BREAK, 17000, 0);
     assert_record(FAULT_OVERCURRENT, 17000, cfg.current_max);
     assert_record(FAULT_OVERVOLTAGE, 12345, cfg.bus_max);
     assert_record(FAULT_UNDERVOLTAGE, 12345, cfg.bus_min);
@@ -152,9 +202,11 @@ int main(void)
     RUN_TEST(test_nothing_wrong_is_no_fault);
     RUN_TEST(test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction);
     RUN_TEST(test_a_saturated_current_sample_always_exceeds_the_largest_limit);
-    RUN_TEST(test_overcurrent_is_ignored_while_the_sensors_are_not_calibrated);
+    RUN_TEST(test_currents_and_a_low_bus_are_not_watched_at_rest);
+    RUN_TEST(test_too_high_a_bus_and_the_break_are_watched_at_rest_too);
+    RUN_TEST(test_smallest_current_limit_allows_one_and_no_more);
     RUN_TEST(test_overvoltage_begins_one_above_the_limit);
-    RUN_TEST(test_undervoltage_begins_one_below_the_limit_and_only_when_watched);
+    RUN_TEST(test_undervoltage_begins_one_below_the_limit_and_only_while_running);
     RUN_TEST(test_faults_are_found_in_the_order_of_their_numbers);
     RUN_TEST(test_record_holds_the_measured_value_and_its_limit);
     RUN_TEST(test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign);

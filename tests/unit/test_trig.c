@@ -17,11 +17,12 @@
 /*
  * Largest error of sine and cosine in LSB, from its sources:
  *   interpolation between 1024 points a turn: (2π/1024)²/8 · 32767   0.1542
- *   table rounding, carried over by the interpolation                0.5
+ *   entry rounded to a multiple of 2^12 of 2^-16: ½ · 2^-4            0.0313
+ *   slope rounded, ½ of 2^-3 of 2^-13 · 2^13 of the fraction          0.0625
  *   result rounding                                                  0.5
- *   fraction cut to 15 bits, largest slope 2π·32767/1024 a point     201.1 / 2^15 = 0.0061
+ *   fraction cut to 13 bits, largest slope 2π·32767/1024 a point     201.1 / 2^13 = 0.0246
  */
-#define SIN_BOUND_LSB (1.161)
+#define SIN_BOUND_LSB (0.7726)
 
 /*
  * Largest error of the arctangent in angle units, from its sources:
@@ -89,14 +90,14 @@ static void test_sine_and_cosine_of_seeded_angles_stay_within_the_bound(void)
     figure_check("sine and cosine, seeded angles, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
 }
 
-/* The result depends on the upper 25 bits only; the lower 7 move the true angle within the cell. */
+/* The result depends on the upper 23 bits only; the lower 9 move the true angle within the cell. */
 static void test_sine_of_every_distinct_input_stays_within_the_bound(void)
 {
     double worst = 0.0;
 
-    for (uint32_t cell = 0U; cell < (1U << 25U); cell += CELL_STRIDE) {
-        worst = larger(worst, sine_error(cell << 7U));
-        worst = larger(worst, sine_error((cell << 7U) + 127U));
+    for (uint32_t cell = 0U; cell < (1U << 23U); cell += CELL_STRIDE) {
+        worst = larger(worst, sine_error(cell << 9U));
+        worst = larger(worst, sine_error((cell << 9U) + 511U));
     }
     figure_check("sine, all table cells, LSB", worst, SIN_BOUND_LSB, LEAST_SHARE);
 }
@@ -112,7 +113,7 @@ static void test_cosine_is_the_sine_a_quarter_turn_on(void)
     }
 }
 
-static void test_sine_is_exact_on_the_axes_and_symmetric(void)
+static void test_sine_is_exact_on_the_axes(void)
 {
     TEST_ASSERT_EQUAL_INT16(0, trig_sincos(0U).sin);
     TEST_ASSERT_EQUAL_INT16(32767, trig_sincos(0U).cos);
@@ -122,19 +123,30 @@ static void test_sine_is_exact_on_the_axes_and_symmetric(void)
     TEST_ASSERT_EQUAL_INT16(-32767, trig_sincos(HALF_TURN).cos);
     TEST_ASSERT_EQUAL_INT16(-32767, trig_sincos(HALF_TURN + QUARTER_TURN).sin);
     TEST_ASSERT_EQUAL_INT16(0, trig_sincos(HALF_TURN + QUARTER_TURN).cos);
-    for (uint32_t k = 0U; k < 1024U; k++) {
-        const angle_t angle =
-            k << 22U; /* table points: no interpolation, so exactly odd and even */
+}
 
-        TEST_ASSERT_EQUAL_INT16(-trig_sincos(angle).sin, trig_sincos(0U - angle).sin);
-        TEST_ASSERT_EQUAL_INT16(trig_sincos(angle).cos, trig_sincos(0U - angle).cos);
+/*
+ * At the points of the table nothing is interpolated: the error is the rounding of the result, ½, and of
+ * the entry, 1/32. So the sine is odd and the cosine even to within twice that: as integers, 1.
+ */
+static void test_sine_of_the_table_points_is_rounded_and_symmetric(void)
+{
+    double worst = 0.0;
+
+    for (uint32_t k = 0U; k < 1024U; k++) {
+        const angle_t angle = k << 22U;
+
+        worst = larger(worst, larger(sine_error(angle), cosine_error(angle)));
+        TEST_ASSERT_INT32_WITHIN(1, -trig_sincos(angle).sin, trig_sincos(0U - angle).sin);
+        TEST_ASSERT_INT32_WITHIN(1, trig_sincos(angle).cos, trig_sincos(0U - angle).cos);
     }
+    figure_check("sine and cosine, table points, LSB", worst, 0.5 + (1.0 / 32.0), 0.9);
 }
 
 static void test_sine_never_leaves_its_amplitude(void)
 {
-    for (uint32_t cell = 0U; cell < (1U << 25U); cell += 61U) {
-        const sincos_t s = trig_sincos(cell << 7U);
+    for (uint32_t cell = 0U; cell < (1U << 23U); cell += CELL_STRIDE) {
+        const sincos_t s = trig_sincos(cell << 9U);
 
         TEST_ASSERT_TRUE((s.sin >= -32767) && (s.sin <= 32767));
         TEST_ASSERT_TRUE((s.cos >= -32767) && (s.cos <= 32767));
@@ -255,15 +267,35 @@ static void test_square_root_of_the_ends_of_the_range(void)
     TEST_ASSERT_EQUAL_UINT16(65535U, trig_sqrt(UINT32_MAX));
 }
 
+static void assert_floor_of_root(uint32_t x)
+{
+    const uint64_t root = trig_sqrt(x);
+
+    TEST_ASSERT_TRUE(((root * root) <= x) && (((root + 1U) * (root + 1U)) > x));
+}
+
 static void test_square_root_is_the_floor_for_seeded_arguments(void)
 {
     seeded_t seed = {0x7F4A7C15U};
 
     for (int32_t i = 0; i < SEEDED_CASES; i++) {
-        const uint32_t x = seeded_u32(&seed) >> (uint32_t)(i % 32);
-        const uint64_t root = trig_sqrt(x);
+        assert_floor_of_root(seeded_u32(&seed) >> (uint32_t)(i % 32));
+    }
+}
 
-        TEST_ASSERT_TRUE(((root * root) <= x) && (((root + 1U) * (root + 1U)) > x));
+/* Arguments are shifted left by pairs of bits until one of the upper two is set; the upper 8 choose the entry. */
+static void test_square_root_is_the_floor_at_the_edges_of_every_table_interval(void)
+{
+    for (uint32_t interval = 64U; interval < 256U; interval++) {
+        for (uint32_t pairs = 0U; pairs < 16U; pairs++) {
+            const uint32_t first = (interval << 24U) >> (2U * pairs);
+            const uint32_t last = ((interval << 24U) | 0xFFFFFFU) >> (2U * pairs);
+
+            assert_floor_of_root(first);
+            assert_floor_of_root(first + 1U);
+            assert_floor_of_root(last - 1U);
+            assert_floor_of_root(last);
+        }
     }
 }
 
@@ -274,7 +306,8 @@ int main(void)
     RUN_TEST(test_sine_and_cosine_of_seeded_angles_stay_within_the_bound);
     RUN_TEST(test_sine_of_every_distinct_input_stays_within_the_bound);
     RUN_TEST(test_cosine_is_the_sine_a_quarter_turn_on);
-    RUN_TEST(test_sine_is_exact_on_the_axes_and_symmetric);
+    RUN_TEST(test_sine_is_exact_on_the_axes);
+    RUN_TEST(test_sine_of_the_table_points_is_rounded_and_symmetric);
     RUN_TEST(test_sine_never_leaves_its_amplitude);
     RUN_TEST(test_arctangent_of_all_65536_directions_stays_within_the_bound);
     RUN_TEST(test_arctangent_of_every_small_vector_stays_within_the_bound);
@@ -286,5 +319,6 @@ int main(void)
     RUN_TEST(test_square_root_is_exact_around_every_perfect_square);
     RUN_TEST(test_square_root_of_the_ends_of_the_range);
     RUN_TEST(test_square_root_is_the_floor_for_seeded_arguments);
+    RUN_TEST(test_square_root_is_the_floor_at_the_edges_of_every_table_interval);
     return UNITY_END();
 }

@@ -12,7 +12,10 @@ import sources
 
 # Floors from the ground up: each folder may include itself and those it lists.
 BELOW = {
-    "firmware/math": [],
+    "firmware/math": ["firmware/math/port/generic"],
+    "firmware/math/port/generic": ["firmware/math"],
+    "firmware/math/port/armv7m": ["firmware/math"],
+    "firmware/math/port/armv7em": ["firmware/math"],
     "firmware/control": ["firmware/math"],
     "firmware/drive": ["firmware/math", "firmware/control"],
     "firmware/app": ["firmware/math", "firmware/control", "firmware/drive", "hal"],

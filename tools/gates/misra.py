@@ -10,6 +10,8 @@ import misra_register
 import sources
 
 SHARED = "cortex_m"  # part of every image
+PORTS = Path("firmware/math/port")
+BUILTINS = Path(__file__).with_name("compiler_builtins.h")
 PC = "host"          # the host's HAL is not part of any product
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -24,11 +26,11 @@ def binding_of(path):
     return below[0] if len(below) > 1 and below[0] != SHARED else None
 
 
-def check(binding):
-    """Findings in the image with this binding: rules on identifiers hold across one program's files."""
+def check(binding, port):
+    """Findings in one image: rules on identifiers hold across the files of a program."""
     files = [p for p in sources.files(args.root, "firmware/*.[ch]", "hal/*.[ch]")
              if binding_of(p) in (None, binding)]
-    folders = sorted({p.parent for p in files if p.suffix == ".h"})
+    folders = sorted({p.parent for p in files if p.suffix == ".h" and p.parent.parent != PORTS} | {port})
     run = subprocess.run(
         [tools / "cppcheck", "--quiet", "--std=c11", "--language=c", "--platform=arm32-wchar_t4",
          "--check-level=exhaustive", "--enable=warning,style,performance,portability,information",
@@ -36,6 +38,7 @@ def check(binding):
          "--suppress=missingIncludeSystem", "--suppress=checkersReport",
          # Rule 10.1 says it too, and has a register for the places where it is meant.
          "--suppress=shiftNegativeLHS",
+         f"--include={BUILTINS}",
          *(f"--suppress=misra-c2012-{rule}" for rule in misra_register.disapplied(args.root)),
          *(f"-I{folder}" for folder in folders), *(str(p) for p in files if p.suffix == ".c")],
         cwd=args.root, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -49,6 +52,8 @@ def check(binding):
 
 
 bindings = {binding_of(p) for p in sources.files(args.root, "hal/*.c")} - {PC}
-findings = dict.fromkeys(line for binding in sorted(bindings - {None}) or [None] for line in check(binding))
+ports = {p.parent for p in sources.files(args.root, f"{PORTS}/*/*.h")} or {PORTS}
+findings = dict.fromkeys(line for binding in sorted(bindings - {None}) or [None]
+                         for port in sorted(ports) for line in check(binding, port))
 sources.finish("misra", list(findings), "Change the code, or tag and register a deviation: "
                f"{misra_register.REGISTER} says how.")

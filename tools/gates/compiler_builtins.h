@@ -1,0 +1,5 @@
+/* Functions that the compiler declares itself, for a checker that does not know them. */
+int __builtin_clz(unsigned int x);
+int __builtin_arm_ssat(int x, unsigned int bits);
+int __builtin_arm_usat(int x, unsigned int bits);
+int __builtin_arm_smlawb(int a, int b, int sum);
