@@ -36,7 +36,7 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
             half_scale / cfg->current_full_scale_a * (1.0 + cfg->gain_error[phase]);
         sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
     }
-    sensors->bus_gain = sensors->count_max / cfg->bus_full_scale_v;
+    sensors->bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
     sensors->noise_lsb_rms = cfg->noise_lsb_rms;
     plant_random_init(&sensors->random, cfg->seed);
     return true;

@@ -4,7 +4,9 @@
  *   count = clip(round(x / lsb * (1 + gain_error) + zero + offset + noise), 0, 2^bits - 1)
  *
  * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
- * Bus channel:      lsb = bus_full_scale_v / (2^bits - 1),   zero = 0, no gain error, no offset.
+ * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
+ * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
+ * bases take it for, which turn counts into per unit by a shift.
  * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
  * Conversion is instantaneous: both currents and the bus are taken at the same instant.
  */
@@ -23,7 +25,7 @@ extern "C" {
 typedef struct {
     unsigned adc_bits;           /* 6 ... 16 */
     double current_full_scale_a; /* A, > 0: range is -full scale ... +full scale - 1 LSB */
-    double bus_full_scale_v;     /* V, > 0: count 2^bits - 1 */
+    double bus_full_scale_v;     /* V, > 0: range is 0 ... full scale - 1 LSB */
     double noise_lsb_rms;        /* LSB, >= 0, all three channels; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
     double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */

@@ -314,7 +314,7 @@ static void test_sample_reads_the_present_currents_and_bus(void)
     plant_sample(&plant, &adc);
     TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[0] * 102.4 + 0.5), adc.ia);
     TEST_ASSERT_EQUAL_UINT16(2048.0 + floor(view.i_abc_a[1] * 102.4 + 0.5), adc.ib);
-    TEST_ASSERT_EQUAL_UINT16(floor(BUS_V * 4095.0 / 400.0 + 0.5), adc.bus);
+    TEST_ASSERT_EQUAL_UINT16(floor(BUS_V * 4096.0 / 400.0 + 0.5), adc.bus);
 }
 
 static void test_view_is_consistent(void)

@@ -13,7 +13,7 @@
 static const plant_sensor_cfg_t CLEAN = {
     .adc_bits = 12,
     .current_full_scale_a = 20.0,
-    .bus_full_scale_v = 409.5, /* 0.1 V per count */
+    .bus_full_scale_v = 409.6, /* 0.1 V per count */
     .seed = 1,
 };
 
