@@ -38,7 +38,8 @@ std::optional<double> Metrics::Worst::get() const
 
 Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm)
     : mode_(mode), period_s_(period_s), rated_rpm_(rated_speed_rpm),
-      settled_ticks_(std::llround(SETTLED_AFTER_S / period_s))
+      settled_ticks_(std::llround(SETTLED_AFTER_S / period_s)),
+      speed_filter_gain_(1.0 - std::exp(-period_s / LOST_SPEED_S))
 {
 }
 
@@ -70,10 +71,9 @@ void Metrics::add(const Instant &now)
     const double speed_error = now.speed_rpm - now.speed_estimated_rpm;
     speed_error_max_ = std::max(speed_error_max_, std::abs(speed_error));
     speed_error_squares_ += speed_error * speed_error;
-    const double angle_error = std::abs(now.angle_error_deg);
-    angle_error_max_ = std::max(angle_error_max_, angle_error);
+    angle_error_max_ = std::max(angle_error_max_, std::abs(now.angle_error_deg));
     iq_error_max_ = std::max(iq_error_max_, std::abs(now.iq_error_a));
-    locked_ = locked_ && now.running && angle_error < LOST_DEG;
+    watch_lock(now);
 
     const double beyond = now.actual - command_;
     ticks_++;
@@ -93,6 +93,15 @@ void Metrics::add(const Instant &now)
     if (quiet_ticks_ > settled_ticks_) {
         add_settled(now);
     }
+}
+
+void Metrics::watch_lock(const Instant &now)
+{
+    const double speed_error = (now.speed_rpm - now.speed_estimated_rpm) / rated_rpm_;
+    speed_error_mean_square_ +=
+        (speed_error * speed_error - speed_error_mean_square_) * speed_filter_gain_;
+    locked_ = locked_ && now.running && std::abs(now.angle_error_deg) < LOST_DEG &&
+              speed_error_mean_square_ < LOST_SPEED * LOST_SPEED;
 }
 
 void Metrics::add_settled(const Instant &now)

@@ -25,6 +25,8 @@ constexpr double SETTLED_AFTER_S = 0.15;
 constexpr double SETTLING_BAND = 0.02;  // of the height of a command step
 constexpr double RECOVERY_BAND = 0.005; // of rated speed: above the ripple that sensor noise makes
 constexpr double LOST_DEG = 90.0;       // electrical; beyond it torque has the wrong sign
+constexpr double LOST_SPEED = 0.05;     // of rated speed; the estimate no longer is the speed
+constexpr double LOST_SPEED_S = 0.1;    // what the speed error is averaged over for that
 
 // Empty where a figure does not apply, or where what it waits for never came (a step that does not
 // settle, no settled window): a limit on an empty figure does not hold.
@@ -55,7 +57,10 @@ struct MetricValues {
     std::optional<double> position_error_final_rad;
     // Magnitude of the mean of the true i_d over a settled window. The largest.
     std::optional<double> id_settled_a;
-    // In every tick the drive runs, without a fault, and the angle error is below 90° electrical.
+    // In every tick the drive runs, without a fault, the angle error is below 90° electrical, and the
+    // mean square of the speed error, through a low-pass of 0.1 s, is below the square of 5 % of rated
+    // speed. A transient may be larger for a while (10 % for 29 ms); an estimate that stays off, or that
+    // swings about the speed with the angle just within its bound, is none to build a drive on.
     bool locked = false;
 };
 
@@ -117,12 +122,14 @@ private:
     void close_step_window();
     void close_wait(Wait &wait, Worst &into) const;
     void close_settled_window();
+    void watch_lock(const Instant &now);
     void add_settled(const Instant &now);
 
     DriveMode mode_;
     double period_s_;
     double rated_rpm_;
     int64_t settled_ticks_;
+    double speed_filter_gain_; // a tick's share in the mean square of the speed error
 
     int64_t ticks_ = 0;
     double command_ = 0;
@@ -130,6 +137,7 @@ private:
     bool locked_ = true;
     double speed_error_max_ = 0;
     double speed_error_squares_ = 0;
+    double speed_error_mean_square_ = 0;
     double angle_error_max_ = 0;
     double iq_error_max_ = 0;
 

@@ -72,6 +72,27 @@ void test_lock_is_lost_at_90_degrees()
     TEST_ASSERT_FALSE(metrics.finish().locked);
 }
 
+bool locked_with_speed_error(double share, double seconds)
+{
+    Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM);
+    run(metrics, static_cast<int>(std::lround(seconds / PERIOD_S)), [share](int k) {
+        Instant now = perfect(0);
+        now.speed_estimated_rpm = share * RATED_RPM * (k % 2 == 0 ? 1.0 : -1.0);
+        return now;
+    });
+    return metrics.finish().locked;
+}
+
+// An error of share e reaches a mean square of (5 %)² after −0.1 s·ln(1 − (5 %/e)²), whatever its sign.
+void test_lock_is_lost_with_a_speed_error_that_lasts()
+{
+    const double loses_s = -nf::LOST_SPEED_S * std::log(1.0 - 0.25); // 10 %: 28.8 ms
+    TEST_ASSERT_TRUE(locked_with_speed_error(0.10, loses_s - PERIOD_S));
+    TEST_ASSERT_FALSE(locked_with_speed_error(0.10, loses_s + PERIOD_S));
+    TEST_ASSERT_TRUE(locked_with_speed_error(0.049, 10.0));
+    TEST_ASSERT_FALSE(locked_with_speed_error(1.67, PERIOD_S));
+}
+
 void test_lock_is_lost_when_the_drive_stops()
 {
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM);
@@ -233,6 +254,7 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(test_estimation_errors);
     RUN_TEST(test_lock_is_lost_at_90_degrees);
+    RUN_TEST(test_lock_is_lost_with_a_speed_error_that_lasts);
     RUN_TEST(test_lock_is_lost_when_the_drive_stops);
     RUN_TEST(test_nothing_applies_without_steps_and_time);
     RUN_TEST(test_no_ticks_are_not_locked);
