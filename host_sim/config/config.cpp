@@ -130,6 +130,23 @@ void check_orders(Config &config)
     }
 }
 
+// The drive runs from t = 0 on at the latest, or from where the metrics start.
+void check_prelude(Config &config)
+{
+    const auto written = config.origins.find("scenario.prelude_s");
+    ScenarioSettings &s = config.scenario;
+    const double calibration_s = calibration_time(config.board);
+    if (s.prelude_s <= 0) {
+        s.prelude_s = calibration_s;
+    }
+    if (s.prelude_s + s.evaluate_from_s < calibration_s) {
+        fail(written->second, written->first, fmt::format("{}", s.prelude_s),
+             "ends before the drive has calibrated its sensors",
+             fmt::format("0, which is as long as that takes, or at least {:.6g} s",
+                         calibration_s - s.evaluate_from_s));
+    }
+}
+
 std::string &source_name(SourceFiles &files, FileKind kind)
 {
     if (kind == FileKind::motor) {
@@ -161,6 +178,7 @@ Config assemble(const Sources &sources)
     for (const Layer &layer : sources.scenario) {
         check_complete(FileKind::scenario, layer, config);
         apply_scenario(layer, config);
+        check_prelude(config);
     }
     check_orders(config);
     return config;

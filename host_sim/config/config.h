@@ -43,7 +43,8 @@ struct ScenarioSettings {
     std::string paper_figure;
     DriveMode mode = DriveMode::speed;
     double duration_s = 0;
-    double prelude_s = 0;       // calibration and run-up before t = 0, not in the metrics
+    double prelude_s = 0;       // calibration and run-up before t = 0, not in the metrics; in a
+                                // file, 0 is as long as the calibration takes
     double evaluate_from_s = 0; // the metrics start here
     unsigned seed = 1;          // of the sensor noise
     double initial_angle_el_deg = 0;

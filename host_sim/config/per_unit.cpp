@@ -361,6 +361,11 @@ double Bases::turns_from_mech_rad(double rad) const
     return rad * pole_pairs / TWO_PI;
 }
 
+double calibration_time(const BoardSettings &board)
+{
+    return (std::exp2(board.offset_samples_log2) + 1) / board.pwm_frequency_hz;
+}
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 {
     Bases b{};

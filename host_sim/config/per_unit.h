@@ -36,6 +36,9 @@ struct Bases {
     double turns_from_mech_rad(double rad) const; // mechanical angle to electrical turns
 };
 
+// From the first tick until the drive can run: INIT, then 2^offset_samples_log2 ticks of calibration.
+double calibration_time(const BoardSettings &board);
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
 // Throws SettingError naming the offending key; the result passes params_check.

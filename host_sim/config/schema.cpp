@@ -119,7 +119,7 @@ const std::vector<Field> FIELDS = {
     {"scenario", "paper_figure", "", 0, NAME_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
     {"scenario", "mode", "", 0, 0, NEEDED, scenario<&S::mode>, "what the command is"},
     {"scenario", "duration_s", "s", 0.001, 3600, NEEDED, scenario<&S::duration_s>, "from t = 0 to the end"},
-    {"scenario", "prelude_s", "s", 0, 60, OPTIONAL, scenario<&S::prelude_s>, "simulated before t = 0, not in the metrics"},
+    {"scenario", "prelude_s", "s", 0, 60, OPTIONAL, scenario<&S::prelude_s>, "simulated before t = 0, not in the metrics; 0: as long as the calibration"},
     {"scenario", "evaluate_from_s", "s", 0, 3600, OPTIONAL, scenario<&S::evaluate_from_s>, "the metrics start here"},
     {"scenario", "seed", "", 0, SEED_MAX, OPTIONAL, scenario<&S::seed>, "of the random numbers"},
     {"scenario", "initial_angle_el_deg", "°", -360, 360, OPTIONAL, scenario<&S::initial_angle_el_deg>, "electrical rotor angle at the start of the prelude"},

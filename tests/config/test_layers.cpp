@@ -127,6 +127,16 @@ void a_position_scenario_commands_positions()
     TEST_ASSERT_EQUAL_DOUBLE(9.42, load().scenario.command[0].value);
 }
 
+// 2^8 samples and the tick before them, at 10 kHz.
+void without_a_prelude_the_drive_calibrates_before_t_0()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0257, load().scenario.prelude_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0129,
+                             load({}, {"board.offset_samples_log2=7"}).scenario.prelude_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, load({}, {"scenario.prelude_s=0.5"}).scenario.prelude_s);
+}
+
 void a_selection_has_one_name_in_any_order()
 {
     TEST_ASSERT_EQUAL_STRING("ideal", nf::selection_name({}).c_str());
@@ -185,6 +195,7 @@ int main()
     RUN_TEST(every_value_remembers_its_origin);
     RUN_TEST(a_scenario_has_its_command_load_and_limits);
     RUN_TEST(a_position_scenario_commands_positions);
+    RUN_TEST(without_a_prelude_the_drive_calibrates_before_t_0);
     RUN_TEST(a_selection_has_one_name_in_any_order);
     RUN_TEST(a_path_is_relative_to_the_file_that_names_it);
     RUN_TEST(the_files_of_the_data_folder_are_listed_by_name);

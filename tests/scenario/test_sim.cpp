@@ -97,6 +97,13 @@ void test_angle_error_wraps()
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0, nf::angle_error_deg(tick));
 }
 
+// The first evaluated tick of a scenario that does not say how long its prelude is.
+void test_the_drive_runs_from_t_0_on()
+{
+    const Config config = load({"scenario.prelude_s=0"});
+    TEST_ASSERT_TRUE(nf::run_scenario(config).metrics.locked);
+}
+
 // Opening the measuring range's protection: the fault is named with its tick, and lock is lost.
 void test_faults_are_listed()
 {
@@ -138,6 +145,7 @@ int main()
     RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
     RUN_TEST(test_profile_acts_at_the_nearest_tick);
     RUN_TEST(test_angle_error_wraps);
+    RUN_TEST(test_the_drive_runs_from_t_0_on);
     RUN_TEST(test_faults_are_listed);
     RUN_TEST(test_limits_name_what_does_not_hold);
     return UNITY_END();
