@@ -5,6 +5,7 @@
 #include "scenario_file.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -218,6 +219,17 @@ Reference part_of(const Layer &scenario, FileKind kind, const fs::path &folder)
     return {found->second.text, found->second.origin, folder};
 }
 
+// The limit with four digits, rounded to where it is still allowed.
+std::string limit_text(const SettingError &error)
+{
+    const auto &[at_most, value] = error.limit;
+    const double digit = std::pow(10.0, std::floor(std::log10(value)) - 3);
+    const double rounded = (at_most ? std::floor(value / digit) : std::ceil(value / digit)) * digit;
+    const std::string unit = find_field(error.key)->unit;
+    return fmt::format("at {} {:.10g}{}{}", at_most ? "most" : "least", rounded,
+                       unit.empty() ? "" : " ", unit);
+}
+
 } // namespace
 
 Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with,
@@ -254,7 +266,7 @@ drive_cfg_t build(const Config &config)
         const Origin origin =
             found == config.origins.end() ? Origin{config.sources.motor, 0} : found->second;
         fail(origin, error.key, fmt::format("{}", error.value), "does not fit the firmware",
-             error.allowed);
+             fmt::format("{}: {}", limit_text(error), error.reason));
     }
 }
 

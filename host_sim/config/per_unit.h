@@ -14,12 +14,19 @@ extern "C" {
 namespace nf
 {
 
+// Up to where a setting can be turned into the firmware's numbers, the others being as they are.
+struct SettingLimit {
+    bool at_most; // else at least
+    double value; // in the setting's unit
+};
+
 // A setting that cannot be turned into the firmware's numbers. `key` is the one to change.
 struct SettingError : std::runtime_error {
-    SettingError(std::string key_, double value_, std::string allowed_);
+    SettingError(const char *key_, double value_, SettingLimit limit_, const char *reason_);
     std::string key;
     double value;
-    std::string allowed; // range and reason, e.g. "at most 1914 rad/s electrical: …"
+    SettingLimit limit;
+    std::string reason;
 };
 
 // SI value of one per-unit step of each firmware quantity.

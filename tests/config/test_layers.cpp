@@ -132,8 +132,7 @@ void without_a_prelude_the_drive_calibrates_before_t_0()
 {
     const Folder folder;
     TEST_ASSERT_EQUAL_DOUBLE(0.0257, load().scenario.prelude_s);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0129,
-                             load({}, {"board.offset_samples_log2=7"}).scenario.prelude_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0129, load({}, {"board.offset_samples_log2=7"}).scenario.prelude_s);
     TEST_ASSERT_EQUAL_DOUBLE(0.5, load({}, {"scenario.prelude_s=0.5"}).scenario.prelude_s);
 }
 

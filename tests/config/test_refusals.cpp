@@ -185,10 +185,55 @@ void settings_that_contradict_each_other_name_both()
     expect_all(cases);
 }
 
-// The part of a message before what the conversion itself says.
+// The part of a message before its reason.
+std::string without_reason(const std::string &message)
+{
+    return message.substr(0, message.rfind(": "));
+}
+
+// The part of a message before a text.
 std::string before(const std::string &message, const std::string &mark)
 {
     return message.substr(0, message.find(mark));
+}
+
+// The number in "at most 5 V".
+std::string limit_of(const std::string &allowed)
+{
+    const std::size_t begin = allowed.find(' ', std::string("at ").size()) + 1;
+    return allowed.substr(begin, allowed.find(' ', begin) - begin);
+}
+
+struct Misfit {
+    const char *set;
+    const char *allowed; // of the same key
+};
+
+// Each with its own limit, in the unit of the key; at the limit nothing is wrong with that key.
+void what_the_firmware_cannot_hold_is_named_with_its_limit()
+{
+    const Misfit misfits[] = {
+        {"board.timer_clock_hz=1000000000", "at most 655300000 Hz"},
+        {"board.bus_min_v=40", "at least 70.32 V"},
+        {"board.overcurrent_a=20", "at most 19.99 A"},
+        {"current_loop.bandwidth_hz=10000", "at most 4433 Hz"},
+        {"speed_loop.bandwidth_hz=1000", "at most 56.52 Hz"},
+        {"position_loop.speed_rpm=0.1", "at least 14.2 rpm"},
+        {"position_loop.softness_s=1", "at most 0.04908 s"},
+        {"position_loop.acceleration_rad_s2=10000000", "at most 3926000 rad/s²"},
+        {"motor.inductance_d_h=1", "at most 0.02319 H"},
+    };
+    for (const Misfit &misfit : misfits) {
+        const Folder folder;
+        const std::string set = misfit.set;
+        const std::string key = set.substr(0, set.find('='));
+        const std::string message = "--set: " + key + " = " + set.substr(key.size() + 1) +
+                                    ": does not fit the firmware; allowed: " + misfit.allowed;
+        TEST_ASSERT_EQUAL_STRING(message.c_str(), without_reason(refusal({}, {set})).c_str());
+        const std::string limit = limit_of(misfit.allowed);
+        const std::string at_limit = key + "=" + limit;
+        TEST_ASSERT_NOT_EQUAL_INT(0, refusal({}, {at_limit}).rfind("--set: " + key, 0));
+    }
 }
 
 void what_the_firmware_cannot_hold_is_named_with_its_line()
@@ -196,20 +241,62 @@ void what_the_firmware_cannot_hold_is_named_with_its_line()
     const Folder folder;
     folder.edit("boards/b.toml", "170000000", "1000000000");
     TEST_ASSERT_EQUAL_STRING("boards/b.toml:4: board.timer_clock_hz = 1000000000: does not fit the "
-                             "firmware; allowed: ",
-                             before(refusal(), "a value").c_str());
+                             "firmware; allowed: at most 655300000 Hz",
+                             without_reason(refusal()).c_str());
 }
 
-void a_speed_above_the_forward_euler_limit_is_named_with_the_limit()
+// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-14 a radian are
+// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.0962.
+void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
 {
     const Folder folder;
-    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 9200");
-    // |1 − T/τ − jωT| = 1 at ω = √(2/(T·τ) − 1/τ²): 1905.32 rad/s electrical with two pole pairs.
-    TEST_ASSERT_EQUAL_STRING("motors/m.toml:10: motor.max_speed_rpm = 9200: does not fit the "
-                             "firmware; allowed: at most 9097.22 rpm",
-                             before(refusal(), " (1905.32 rad/s").c_str());
-    TEST_ASSERT_EQUAL_STRING("--set: motor.max_speed_rpm = 9300: does not fit the firmware",
-                             before(refusal({}, {"motor.max_speed_rpm=9300"}), ";").c_str());
+    folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.0812");
+    folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.1");
+    TEST_ASSERT_EQUAL_STRING(
+        "tunings/t.toml:2: observer.kappa_p = 0.1: does not fit the firmware; allowed: at most 0.0962",
+        without_reason(refusal({}, {"observer.kappa=0.01"})).c_str());
+}
+
+// A servo of 100 W on a board for ±15 A, with the gains of the robust tuning.
+void a_motor_of_little_flux_takes_the_usual_gains()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(
+        "accepted",
+        refusal({}, {"motor.pole_pairs=4", "motor.resistance_ohm=1", "motor.inductance_d_h=1e-3",
+                     "motor.inductance_q_h=1e-3", "motor.flux_linkage_wb=0.01",
+                     "motor.inertia_kg_m2=1e-5", "motor.max_current_a=8",
+                     "board.pwm_frequency_hz=20000", "board.current_full_scale_a=15",
+                     "board.overcurrent_a=13", "observer.kappa=0.01", "observer.kappa_p=0.1"})
+            .c_str());
+}
+
+void a_speed_too_near_the_forward_euler_limit_is_named_with_what_is_allowed()
+{
+    const Folder folder;
+    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 9000");
+    // |1 − T/τ − jωT| = 1 at ω = √(2/(T·τ) − 1/τ²): 1905.32 rad/s, 9097 rpm with two pole pairs;
+    // 0.65 of it are 5913 rpm.
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml:10: motor.max_speed_rpm = 9000: does not fit the "
+                             "firmware; allowed: at most 5913 rpm",
+                             before(refusal(), ": above it").c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: motor.max_speed_rpm = 5920: does not fit the firmware",
+        before(refusal({}, {"motor.max_speed_rpm=5920", "motor.flux_linkage_wb=0.1"}), ";")
+            .c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "accepted", refusal({}, {"motor.max_speed_rpm=5913", "motor.flux_linkage_wb=0.1"}).c_str());
+}
+
+// 0.95·310 V/√3 = 170.03 V at 2·0.387 Wb: 219.68 rad/s.
+void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: motor.max_speed_rpm = 5000: does not fit the firmware; "
+        "allowed: at most 2097 rpm",
+        before(refusal({}, {"motor.max_speed_rpm=5000"}), ": above it").c_str());
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {"motor.max_speed_rpm=2097"}).c_str());
 }
 
 void text_that_is_not_toml_is_named_with_its_line()
@@ -362,7 +449,11 @@ int main()
     RUN_TEST(numbers_that_are_none_are_named);
     RUN_TEST(settings_that_contradict_each_other_name_both);
     RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_line);
-    RUN_TEST(a_speed_above_the_forward_euler_limit_is_named_with_the_limit);
+    RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_limit);
+    RUN_TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be);
+    RUN_TEST(a_motor_of_little_flux_takes_the_usual_gains);
+    RUN_TEST(a_speed_too_near_the_forward_euler_limit_is_named_with_what_is_allowed);
+    RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
     RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
