@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -56,6 +57,38 @@ struct OutputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// What CLI11 asks of a file to write; empty where it is one.
+std::string not_a_file(const std::string &name)
+{
+    return name.empty() ? "needs the name of a file" : "";
+}
+
+std::string not_a_trace_file(const std::string &name)
+{
+    return name == "-" ? "standard output is for the results" : not_a_file(name);
+}
+
+// Whether two names are of one file, which need not be there yet.
+bool same_file(const std::filesystem::path &a, const std::filesystem::path &b)
+{
+    namespace fs = std::filesystem;
+    std::error_code error;
+    return fs::equivalent(a, b, error) ||
+           fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+}
+
+// Nothing is written over what was read, nor twice to the same file.
+void check_outputs(const RunArguments &arguments, const nf::Config &config)
+{
+    nf::check_output(config, "--trace", arguments.trace);
+    nf::check_output(config, "--json", arguments.json);
+    if (!arguments.trace.empty() && !arguments.json.empty() &&
+        same_file(arguments.trace, arguments.json)) {
+        throw OutputError(
+            fmt::format("{}: --trace and --json cannot go to the same file", arguments.trace));
+    }
+}
+
 void write_text(const std::string &path, const std::string &text)
 {
     std::FILE *const file = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
@@ -87,6 +120,7 @@ std::function<void(double)> progress_line()
 int run(const RunArguments &arguments)
 {
     const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
+    check_outputs(arguments, config);
     std::unique_ptr<nf::Trace> trace;
     nf::RunOptions options;
     options.progress = progress_line();
@@ -157,9 +191,11 @@ void describe_run(CLI::App &command, RunArguments &arguments)
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
     command.add_option("--trace", arguments.trace, "write all signals of every tick as CSV")
+        ->check(not_a_trace_file, "")
         ->type_name("FILE");
     command.add_flag("--trace-prelude", arguments.trace_prelude, "trace the time before t = 0 too");
     command.add_option("--json", arguments.json, "write the metrics as JSON; - is standard output")
+        ->check(not_a_file, "")
         ->type_name("FILE");
 }
 

@@ -43,12 +43,15 @@ nf::Config load(const Choice &choice)
     return nf::load_parts(choice.motor, choice.board, choice.tuning, choice.with, choice.set);
 }
 
-void write_out(const Choice &choice, const std::string &text)
+void write_out(const Choice &choice, const nf::Config &config,
+               std::string (*make)(const nf::Config &))
 {
+    const std::string text = make(config);
     if (choice.out.empty()) {
         std::cout << text;
         return;
     }
+    nf::check_output(config, "--out", choice.out);
     std::ofstream file(choice.out, std::ios::binary);
     file << text;
     file.close();
@@ -100,12 +103,12 @@ int run(int argc, char **argv)
     CLI::App *header = app.add_subcommand("header", "Write the C header of a configuration");
     add_choice(*header, choice);
     header->add_option("--out", choice.out, "File to write; without it, standard output");
-    header->callback([&] { write_out(choice, nf::make_header(load(choice))); });
+    header->callback([&] { write_out(choice, load(choice), nf::make_header); });
     CLI::App *binding =
         app.add_subcommand("hal-header", "Write the C header of a hardware binding");
     add_choice(*binding, choice);
     binding->add_option("--out", choice.out, "File to write; without it, standard output");
-    binding->callback([&] { write_out(choice, nf::make_hal_header(load(choice))); });
+    binding->callback([&] { write_out(choice, load(choice), nf::make_hal_header); });
     CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
     add_choice(*table, choice);
     table->callback([&] { show(choice); });
@@ -130,7 +133,7 @@ int main(int argc, char **argv)
     try {
         return run(argc, argv);
     } catch (const nf::ConfigError &error) {
-        std::cerr << error.what() << '\n';
+        std::cerr << "nfconfig: " << error.what() << '\n';
         return WRONG_INPUT;
     } catch (const std::exception &error) {
         std::cerr << "nfconfig: " << error.what() << '\n';

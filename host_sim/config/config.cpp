@@ -29,7 +29,9 @@ struct Reference {
 
 Layer read_file(FileKind kind, const fs::path &path)
 {
-    return read_layer(kind, display_name(path), read_bytes(path));
+    Layer layer = read_layer(kind, display_name(path), read_bytes(path));
+    layer.path = path;
+    return layer;
 }
 
 // The layers of an imperfection set, what it includes first.
@@ -156,6 +158,14 @@ std::string &source_name(SourceFiles &files, FileKind kind)
     return kind == FileKind::board ? files.board : files.tuning;
 }
 
+void take(const Layer &layer, Config &config)
+{
+    apply_layer(layer, config);
+    if (!layer.path.empty()) {
+        config.sources.read.push_back(layer.path);
+    }
+}
+
 // Applies all layers and checks the whole.
 Config assemble(const Sources &sources)
 {
@@ -165,12 +175,12 @@ Config assemble(const Sources &sources)
         const fs::path path =
             resolve(kind, reference.text, reference.base, kind_name(kind), reference.origin);
         homes[kind] = read_file(kind, path);
-        apply_layer(homes[kind], config);
+        take(homes[kind], config);
         source_name(config.sources, kind) = provenance_name(path);
     }
     for (const auto *layers : {&sources.scenario, &sources.imperfections, &sources.overrides}) {
         for (const Layer &layer : *layers) {
-            apply_layer(layer, config);
+            take(layer, config);
         }
     }
     for (const auto &[kind, home] : homes) {
@@ -255,6 +265,17 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
     sources.parts[FileKind::board] = {board, COMMAND_LINE, ""};
     sources.parts[FileKind::tuning] = {tuning, COMMAND_LINE, ""};
     return finish(sources, with, set);
+}
+
+void check_output(const Config &config, const std::string &option, const fs::path &path)
+{
+    for (const fs::path &read : config.sources.read) {
+        std::error_code error;
+        if (fs::equivalent(path, read, error)) {
+            fail({option, 0}, path.string(), "", "the configuration is read from this file",
+                 "another file");
+        }
+    }
 }
 
 drive_cfg_t build(const Config &config)

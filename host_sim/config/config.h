@@ -12,6 +12,7 @@
 #include "per_unit.h"
 #include "settings.h"
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -65,7 +66,8 @@ struct SourceFiles {
     std::string tuning;
     std::string scenario; // empty without one
     std::vector<std::string> imperfections;
-    std::vector<std::string> overrides; // the texts of --set
+    std::vector<std::string> overrides;      // the texts of --set
+    std::vector<std::filesystem::path> read; // every file, as it was opened
 };
 
 struct Config {
@@ -95,6 +97,10 @@ Config load_scenario(const std::string &id_or_path, const std::vector<std::strin
 Config load_parts(const std::string &motor, const std::string &board, const std::string &tuning,
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});
+
+// Refuses to write over a file that the configuration was read from. `option` is for the message.
+void check_output(const Config &config, const std::string &option,
+                  const std::filesystem::path &path);
 
 // The firmware's configuration. What does not fit is reported with the file and line it came from.
 drive_cfg_t build(const Config &config);

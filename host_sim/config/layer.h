@@ -4,6 +4,7 @@
 
 #include "schema.h"
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct Setting {
 
 struct Layer {
     std::string file;                     // as shown to the user
+    std::filesystem::path path;           // empty for an override
     std::vector<Setting> settings;        // checked
     std::map<std::string, Node> top;      // `motor`, `board`, `tuning` of a scenario; `include`
     std::map<std::string, Node> extra;    // of a scenario: "command", "load", "accept"

@@ -184,6 +184,33 @@ class BadInput(MotorsimTest):
             self.assertEqual(done.stdout, "")
 
 
+class Outputs(MotorsimTest):
+    def refused(self, *args):
+        done = self.assert_status(BAD_INPUT, *args)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertEqual(done.stdout, "")
+        return done.stderr
+
+    def test_what_is_read_is_not_written_over(self):
+        path = self.short()
+        before = path.read_bytes()
+        (self.folder / "link").symlink_to(path)
+        for option in ("--trace", "--json"):
+            for name in ("short.toml", "./short.toml", path, "link"):
+                self.assertIn(f"{option}: ", self.refused("run", path, option, name))
+        self.assertEqual(path.read_bytes(), before)
+
+    def test_trace_and_results_are_two_files(self):
+        for name in ("same", "./same", self.folder / "same"):
+            self.assertIn("same file", self.refused("run", "s1", "--trace", "same", "--json", name))
+        self.assertFalse((self.folder / "same").exists())
+
+    def test_a_file_needs_a_name(self):
+        for args in (["--trace", ""], ["--json", ""], ["--trace", "-"]):
+            self.assertIn(args[0], self.refused("run", "s1", *args))
+        self.assertFalse((self.folder / "-").exists())
+
+
 class Help(MotorsimTest):
     def test_help_teaches(self):
         for args in (["--help"], ["run", "--help"], ["bench", "--help"], ["list", "--help"]):
