@@ -55,10 +55,29 @@ void read_imperfection(const Reference &reference, const std::string &key, std::
     layers.push_back(std::move(layer));
 }
 
+// The layers of a scenario, what it is based on first.
+void read_scenario(const Reference &reference, const std::string &key, std::size_t depth,
+                   std::vector<Layer> &layers)
+{
+    const fs::path path =
+        resolve(FileKind::scenario, reference.text, reference.base, key, reference.origin);
+    if (depth > INCLUDE_DEPTH) {
+        fail(reference.origin, key, '"' + reference.text + '"', "is based on itself",
+             fmt::format("at most {} levels", INCLUDE_DEPTH));
+    }
+    Layer layer = read_file(FileKind::scenario, path);
+    const auto base = layer.top.find("base");
+    if (base != layer.top.end()) {
+        read_scenario({base->second.text, base->second.origin, path.parent_path()}, "base",
+                      depth + 1, layers);
+    }
+    layers.push_back(std::move(layer));
+}
+
 // Everything that a configuration is made of.
 struct Sources {
     std::map<FileKind, Reference> parts; // motor, board, tuning
-    std::vector<Layer> scenario;         // one or none
+    std::vector<Layer> scenario;         // what it is based on first; or none
     std::vector<Layer> imperfections;
     std::vector<Layer> overrides;
 };
@@ -187,8 +206,10 @@ Config assemble(const Sources &sources)
         check_complete(kind, home, config);
     }
     for (const Layer &layer : sources.scenario) {
-        check_complete(FileKind::scenario, layer, config);
         apply_scenario(layer, config);
+    }
+    if (!sources.scenario.empty()) {
+        check_complete(FileKind::scenario, sources.scenario.back(), config);
         check_prelude(config);
     }
     check_orders(config);
@@ -218,15 +239,17 @@ Config finish(Sources &sources, const std::vector<std::string> &with,
 }
 
 // Where a scenario says which motor, board or tuning it is for.
-Reference part_of(const Layer &scenario, FileKind kind, const fs::path &folder)
+Reference part_of(const std::vector<Layer> &scenario, FileKind kind)
 {
     const std::string key = kind_name(kind);
-    const auto found = scenario.top.find(key);
-    if (found == scenario.top.end()) {
-        fail({scenario.file, 1}, key, "", "is missing",
+    const auto layer = std::find_if(scenario.rbegin(), scenario.rend(),
+                                    [&](const Layer &l) { return l.top.count(key) != 0; });
+    if (layer == scenario.rend()) {
+        fail({scenario.back().file, 1}, key, "", "is missing",
              fmt::format("{} or a path ending in .toml", fmt::join(list_names(kind), ", ")));
     }
-    return {found->second.text, found->second.origin, folder};
+    const Node &found = layer->top.at(key);
+    return {found.text, found.origin, layer->path.parent_path()};
 }
 
 // The limit with four digits, rounded to where it is still allowed.
@@ -245,11 +268,11 @@ std::string limit_text(const SettingError &error)
 Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with,
                      const std::vector<std::string> &set)
 {
-    const fs::path path = resolve(FileKind::scenario, id_or_path, "", "scenario", COMMAND_LINE);
     Sources sources;
-    sources.scenario.push_back(read_file(FileKind::scenario, path));
+    read_scenario({id_or_path, COMMAND_LINE, ""}, "scenario", 0, sources.scenario);
+    const fs::path path = sources.scenario.back().path;
     for (const FileKind kind : {FileKind::motor, FileKind::board, FileKind::tuning}) {
-        sources.parts[kind] = part_of(sources.scenario.front(), kind, path.parent_path());
+        sources.parts[kind] = part_of(sources.scenario, kind);
     }
     Config config = finish(sources, with, set);
     config.scenario.id = path.stem().string();
@@ -295,9 +318,12 @@ std::vector<ScenarioInfo> list_scenarios()
 {
     std::vector<ScenarioInfo> infos;
     for (const std::string &id : list_names(FileKind::scenario)) {
-        const fs::path path = resolve(FileKind::scenario, id, "", "scenario", COMMAND_LINE);
+        std::vector<Layer> layers;
+        read_scenario({id, COMMAND_LINE, ""}, "scenario", 0, layers);
         Config config;
-        apply_layer(read_file(FileKind::scenario, path), config);
+        for (const Layer &layer : layers) {
+            apply_layer(layer, config);
+        }
         infos.push_back({id, config.scenario.title, config.scenario.paper_figure});
     }
     return infos;

@@ -22,7 +22,7 @@ bool is_part(const std::string &key)
 // Whether a kind of file has `key` above its tables.
 bool has_top(FileKind kind, const std::string &key)
 {
-    return (kind == FileKind::scenario && is_part(key)) ||
+    return (kind == FileKind::scenario && (is_part(key) || key == "base")) ||
            (kind == FileKind::imperfection && key == "include");
 }
 

@@ -139,9 +139,8 @@ void read_limit(const std::string &table, const std::string &metric, const Node 
     limits.upper[metric] = value.number();
 }
 
-std::map<std::string, AcceptLimits> read_accept(const Node &accept)
+void read_accept(const Node &accept, std::map<std::string, AcceptLimits> &all)
 {
-    std::map<std::string, AcceptLimits> all;
     for (const auto &[selection, limits] : accept.members) {
         const std::string table = "accept." + selection;
         if (limits.kind != Node::Kind::table) {
@@ -153,7 +152,6 @@ std::map<std::string, AcceptLimits> read_accept(const Node &accept)
             read_limit(table, metric, value, all[selection]);
         }
     }
-    return all;
 }
 
 void read_extra(const Layer &layer, ScenarioSettings &scenario)
@@ -161,7 +159,7 @@ void read_extra(const Layer &layer, ScenarioSettings &scenario)
     const TimedKey &command = scenario.mode == DriveMode::speed ? SPEED : POSITION;
     for (const auto &[name, node] : layer.extra) {
         if (name == "accept") {
-            scenario.accept = read_accept(node);
+            read_accept(node, scenario.accept);
         } else if (name == "load") {
             scenario.load = read_list("scenario.load", TORQUE, node);
         } else {
@@ -198,6 +196,9 @@ std::string selection_name(const std::vector<std::string> &with)
 
 void check_scenario(const Layer &layer)
 {
+    if (layer.top.count("base") != 0) {
+        return; // the mode may be the base's: apply_scenario() sees both
+    }
     Config own;
     apply_layer(layer, own);
     read_extra(layer, own.scenario);

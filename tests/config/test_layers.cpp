@@ -127,6 +127,29 @@ void a_position_scenario_commands_positions()
     TEST_ASSERT_EQUAL_DOUBLE(9.42, load().scenario.command[0].value);
 }
 
+const char *const DERIVED = "base = \"s\"\n"
+                            "tuning = \"t\"\n"
+                            "[scenario]\n"
+                            "title = \"derived\"\n"
+                            "command = [{time_s = 0, speed_rpm = 500}]\n"
+                            "[accept.ideal]\n"
+                            "speed_error_max_rpm = 7\n";
+
+void a_scenario_overrides_its_base_key_by_key()
+{
+    const Folder folder;
+    folder.write("scenarios/d.toml", DERIVED);
+    const nf::ScenarioSettings s = nf::load_scenario("d").scenario;
+    TEST_ASSERT_EQUAL_STRING("d", s.id.c_str());
+    TEST_ASSERT_EQUAL_STRING("derived", s.title.c_str());
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, s.duration_s);
+    TEST_ASSERT_EQUAL_UINT(1, s.command.size());
+    TEST_ASSERT_EQUAL_DOUBLE(7.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
+    TEST_ASSERT_TRUE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_DOUBLE(50.0, s.limits("hot")->upper.at("speed_error_max_rpm"));
+    TEST_ASSERT_EQUAL_STRING("derived", nf::list_scenarios()[0].title.c_str());
+}
+
 // 2^8 samples and the tick before them, at 10 kHz.
 void without_a_prelude_the_drive_calibrates_before_t_0()
 {
@@ -194,6 +217,7 @@ int main()
     RUN_TEST(every_value_remembers_its_origin);
     RUN_TEST(a_scenario_has_its_command_load_and_limits);
     RUN_TEST(a_position_scenario_commands_positions);
+    RUN_TEST(a_scenario_overrides_its_base_key_by_key);
     RUN_TEST(without_a_prelude_the_drive_calibrates_before_t_0);
     RUN_TEST(a_selection_has_one_name_in_any_order);
     RUN_TEST(a_path_is_relative_to_the_file_that_names_it);

@@ -408,6 +408,31 @@ void accepted_limits_name_known_metrics_and_sets()
     expect_all(cases);
 }
 
+void a_base_is_checked_like_the_scenario_itself()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "motor = \"m\"", "base = \"ss\"",
+         "scenarios/s.toml:1: base = \"ss\": not found, did you mean s?; allowed: s or a path ending "
+         "in .toml"},
+        {"scenarios/s.toml", "motor = \"m\"", "base = \"s\"",
+         "scenarios/s.toml:1: base = \"s\": is based on itself; allowed: at most 8 levels"},
+        {"scenarios/s.toml", "motor = \"m\"", "base = 1",
+         "scenarios/s.toml:1: base = 1: is a whole number; allowed: a string, the name or path of a "
+         "file"},
+    };
+    expect_all(cases);
+    const Folder folder;
+    folder.write("scenarios/d.toml", "base = \"s\"\n[scenario]\nload = 3\n");
+    try {
+        nf::load_scenario("d");
+        TEST_FAIL();
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL_STRING("scenarios/d.toml:3: scenario.load = 3: is a whole number; "
+                                 "allowed: tables [[scenario.load]]",
+                                 error.what());
+    }
+}
+
 void overrides_are_refused_like_lines_of_files()
 {
     expect_override("motor.resistance_ohm=-1",
@@ -460,6 +485,7 @@ int main()
     RUN_TEST(a_file_that_cannot_be_read_is_named);
     RUN_TEST(command_and_load_are_checked_entry_by_entry);
     RUN_TEST(accepted_limits_name_known_metrics_and_sets);
+    RUN_TEST(a_base_is_checked_like_the_scenario_itself);
     RUN_TEST(overrides_are_refused_like_lines_of_files);
     return UNITY_END();
 }
