@@ -52,7 +52,7 @@ def check(binding, port):
 
 
 bindings = {binding_of(p) for p in sources.files(args.root, "hal/*.c")} - {PC}
-ports = {p.parent for p in sources.files(args.root, f"{PORTS}/*/*.h")} or {PORTS}
+ports = {p.parent for p in sources.files(args.root, f"{PORTS}/*/*.h")} or {Path("firmware")}
 findings = dict.fromkeys(line for binding in sorted(bindings - {None}) or [None]
                          for port in sorted(ports) for line in check(binding, port))
 sources.finish("misra", list(findings), "Change the code, or tag and register a deviation: "
