@@ -245,8 +245,7 @@ Reference part_of(const std::vector<Layer> &scenario, FileKind kind)
     const auto layer = std::find_if(scenario.rbegin(), scenario.rend(),
                                     [&](const Layer &l) { return l.top.count(key) != 0; });
     if (layer == scenario.rend()) {
-        fail({scenario.back().file, 1}, key, "", "is missing",
-             fmt::format("{} or a path ending in .toml", fmt::join(list_names(kind), ", ")));
+        fail({scenario.back().file, 1}, key, "", "is missing", allowed_references(kind));
     }
     const Node &found = layer->top.at(key);
     return {found.text, found.origin, layer->path.parent_path()};

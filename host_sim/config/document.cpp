@@ -3,6 +3,9 @@
 #include "text_guard.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -22,6 +25,7 @@ namespace nf
 namespace
 {
 
+constexpr int REPLACED_MAX = 16;      // numbers too large in a text; each is a pass of the parser
 constexpr std::size_t SHOWN_MAX = 60; // bytes of a value in a message
 
 Node convert(const toml::node &source, const std::string &file);
@@ -120,6 +124,50 @@ bool is_safe(const std::string &text)
     return true;
 }
 
+bool is_part_of_number(char c)
+{
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' || c == '.' ||
+           c == '_';
+}
+
+// Writes a number that is too large for a double, and at whose end the parser stopped, as infinity.
+// False when there is none.
+bool replace_too_large(std::string &text, const toml::source_position &stopped)
+{
+    std::size_t end = 0;
+    for (unsigned line = 1; line < stopped.line; line++) {
+        end = text.find('\n', end) + 1;
+    }
+    end = std::min<std::size_t>(end + stopped.column - 1, text.size());
+    std::size_t begin = end;
+    while (begin > 0 && is_part_of_number(text[begin - 1])) {
+        begin--;
+    }
+    std::string number = text.substr(begin, end - begin);
+    number.erase(std::remove(number.begin(), number.end(), '_'), number.end());
+    char *rest = nullptr;
+    const bool too_large = std::isinf(std::strtod(number.c_str(), &rest)) && *rest == '\0' &&
+                           number.find_first_of("0123456789") != std::string::npos;
+    if (too_large) {
+        text.replace(begin, end - begin, number[0] == '-' ? "-inf" : "+inf");
+    }
+    return too_large;
+}
+
+// The parser refuses a number too large for it as bad syntax. As infinity it gets to where its key is
+// known, and is refused there with the range.
+toml::parse_result parse(std::string text)
+{
+    toml::parse_result result = toml::parse(text);
+    for (int k = 0; k < REPLACED_MAX && !result; k++) {
+        if (!replace_too_large(text, result.error().source().begin)) {
+            break;
+        }
+        result = toml::parse(text);
+    }
+    return result;
+}
+
 } // namespace
 
 bool Node::is_number() const
@@ -135,7 +183,7 @@ double Node::number() const
 Node parse_document(const std::string &name, const std::string &text)
 {
     guard_text(name, text);
-    const toml::parse_result result = toml::parse(text, name);
+    const toml::parse_result result = parse(text);
     if (!result) {
         const toml::parse_error &error = result.error();
         fail({name, error.source().begin.line}, "", "",
@@ -154,7 +202,7 @@ Node parse_override(const std::string &key, const std::string &value)
     node.kind = Node::Kind::text;
     node.text = value;
     if (value.find_first_of("\r\n") == std::string::npos && is_safe(value)) {
-        const toml::parse_result result = toml::parse("value = " + value);
+        const toml::parse_result result = parse("value = " + value);
         if (result && result.table().size() == 1) {
             node = convert(*result.table().get("value"), origin.file);
         }

@@ -58,7 +58,7 @@ fs::path made_absolute(const fs::path &path)
     const std::string near = nearest(reference, names);
     fail(origin, key, '"' + reference + '"',
          near.empty() ? "not found" : fmt::format("not found, did you mean {}?", near),
-         fmt::format("{} or a path ending in .toml", fmt::join(names, ", ")));
+         allowed_references(kind));
 }
 
 } // namespace
@@ -81,6 +81,13 @@ std::vector<std::string> list_names(FileKind kind)
     }
     std::sort(names.begin(), names.end());
     return names;
+}
+
+std::string allowed_references(FileKind kind)
+{
+    const std::vector<std::string> names = list_names(kind);
+    return fmt::format("{}{}a path ending in .toml", fmt::join(names, ", "),
+                       names.empty() ? "" : " or ");
 }
 
 fs::path resolve(FileKind kind, const std::string &reference, const fs::path &base,

@@ -17,6 +17,9 @@ std::filesystem::path data_folder();
 // The names of the files of a kind in the data folder, sorted.
 std::vector<std::string> list_names(FileKind kind);
 
+// What may stand where a file of a kind is referred to: the names there are, or a path.
+std::string allowed_references(FileKind kind);
+
 // A reference to the path of its file. With a '/' or ending in ".toml" it is a path, relative to
 // `base`; else a name in the data folder. `key` and `origin` say who asks; throws ConfigError with
 // the names there are.

@@ -42,6 +42,11 @@ std::size_t key_distance(const std::string &wrong, const std::string &known)
     if (wrong.size() >= stem && (starts_with(known, wrong) || starts_with(wrong, known))) {
         return wrong == known ? 0 : 1;
     }
+    // Without what the known one has beyond it, which may be a unit; then with all of it.
+    const std::size_t shortened = distance(wrong, known.substr(0, wrong.size()));
+    if (wrong.size() >= stem && shortened <= wrong.size() / 3) {
+        return shortened + (known.size() > wrong.size() ? 1 : 0);
+    }
     const std::size_t found = distance(wrong, known);
     return found <= std::max<std::size_t>(1, known.size() / 3) ? found : NO_MATCH;
 }

@@ -156,6 +156,12 @@ void numbers_that_are_none_are_named()
         {"motors/m.toml", "2.125", "nan",
          "motors/m.toml:4: motor.resistance_ohm = nan: is not a finite number; allowed: 0.001 to "
          "50 Ω"},
+        {"motors/m.toml", "2.125", "+2_1.5e400 # too large",
+         "motors/m.toml:4: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
+         "50 Ω"},
+        {"scenarios/s.toml", "speed_rpm = 1000", "speed_rpm = -1e999",
+         "scenarios/s.toml:8: scenario.command.speed_rpm = -inf: is not a finite number; allowed: "
+         "-200000 to 200000 rpm"},
         {"motors/m.toml", "2.125", "+inf",
          "motors/m.toml:4: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
          "50 Ω"},
@@ -356,6 +362,15 @@ void a_file_that_does_not_exist_is_named_with_those_that_do()
                              refusal({"warn"}).c_str());
 }
 
+void a_folder_without_files_leaves_the_path()
+{
+    const Folder folder;
+    std::filesystem::remove_all("motors");
+    TEST_ASSERT_EQUAL_STRING("scenarios/s.toml:1: motor = \"m\": not found; allowed: a path ending "
+                             "in .toml",
+                             refusal().c_str());
+}
+
 void a_file_that_cannot_be_read_is_named()
 {
     const Folder folder;
@@ -441,6 +456,11 @@ void overrides_are_refused_like_lines_of_files()
                                                 "finite number; allowed: 0.001 to 50 Ω");
     expect_override("observer.kapa=1",
                     "--set: observer.kapa = 1: unknown key, did you mean observer.kappa?");
+    expect_override("motor.inertai=1",
+                    "--set: motor.inertai = 1: unknown key, did you mean motor.inertia_kg_m2?");
+    expect_override("motor.resistance_ohm=1e400",
+                    "--set: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
+                    "50 Ω");
     expect_override("motor.resistance_ohm",
                     "--set: \"motor.resistance_ohm\": is no override; allowed: section.key=value");
     expect_override("motor.resistance_ohm=",
@@ -482,6 +502,7 @@ int main()
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
     RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
+    RUN_TEST(a_folder_without_files_leaves_the_path);
     RUN_TEST(a_file_that_cannot_be_read_is_named);
     RUN_TEST(command_and_load_are_checked_entry_by_entry);
     RUN_TEST(accepted_limits_name_known_metrics_and_sets);
