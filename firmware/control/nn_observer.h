@@ -24,9 +24,9 @@
  * speed and `speed_limit` keeps the estimate below it.
  *
  * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
- * Q27 of I_x = 2^s·I_b with 2^s > 1 + φ/(L_d·I_b); their upper 16 bits enter the products. Speeds are
- * step_t (2^32 = one electrical turn a tick); W2 enters its products with 32 bits, for a bias of one
- * LSB there would turn the angle at standstill.
+ * Q27 of I_x = 2^s·I_b, which covers the largest current vector beside φ/L_d; their upper 16 bits enter
+ * the products. Speeds are step_t (2^32 = one electrical turn a tick); W2 enters its products with 32
+ * bits, for a bias of one LSB there would turn the angle at standstill.
  */
 #ifndef NN_OBSERVER_H
 #define NN_OBSERVER_H
