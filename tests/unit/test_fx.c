@@ -290,7 +290,7 @@ static void test_sum_of_product_is_exact_for_seeded_operands(void)
 static void test_leading_zeros_are_those_above_the_highest_one(void)
 {
     for (uint32_t bit = 0U; bit < 32U; bit++) {
-        const uint32_t one = 1UL << bit;
+        const uint32_t one = (uint32_t)1U << bit;
 
         TEST_ASSERT_EQUAL_UINT32(31U - bit, fx_leading_zeros(one));
         TEST_ASSERT_EQUAL_UINT32(31U - bit, fx_leading_zeros(one | (one - 1U)));
