@@ -4,6 +4,11 @@
 # The start-up code is compiled in; the linker script may INCLUDE sections.ld.
 set(NF_CORTEX_M ${CMAKE_CURRENT_LIST_DIR})
 
+# On its own, so that tools which read C do not come across it.
+enable_language(ASM)
+add_library(nf_safe_state OBJECT ${NF_CORTEX_M}/safe_state.S)
+set_target_properties(nf_safe_state PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
+
 function(nf_add_image target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "SOURCES;LINK")
     set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
@@ -12,7 +17,7 @@ function(nf_add_image target)
     # Optimised together with main(), it could read variables before it has filled them.
     set_source_files_properties(${NF_CORTEX_M}/startup.c PROPERTIES COMPILE_OPTIONS -fno-lto)
     target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
-    target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
+    target_link_libraries(${target} PRIVATE ${arg_LINK} nf_safe_state nf_warnings)
     # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
     # much stack. It is an option of the link, as that is when the code is made.
     #

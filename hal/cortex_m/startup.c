@@ -27,14 +27,6 @@ void Reset_Handler(void)
     safe_state_handler();
 }
 
-void safe_state_handler(void)
-{
-    board_safe_state();
-    for (;;) {
-        /* stay */
-    }
-}
-
 /* Exceptions 1 to 15. ARMv6-M has fewer: its reserved ones stay unused. */
 const vector_t core_vectors[CORE_VECTORS] __attribute__((section(".vectors.core"), used)) = {
     Reset_Handler,      NMI_Handler,        HardFault_Handler,  MemManage_Handler,

@@ -43,7 +43,8 @@ void SysTick_Handler(void);
 /* Defined by each target; called once the memory is as C wants it. */
 int main(void);
 
-/* Defined by each target: gates open, by the shortest way. No memory but registers may be relied on. */
+/* Defined by each target: gates open, by the shortest way, and without a stack if the board has
+ * gates. No memory but registers may be relied on. */
 void board_safe_state(void);
 
 #endif

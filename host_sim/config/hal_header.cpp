@@ -115,7 +115,17 @@ void check_scales(const Config &config)
     need(hal.amplifier_zero_v < hal.adc_reference_v, config, "hal.amplifier_zero_v",
          hal.amplifier_zero_v, "is beyond the converter's range",
          fmt::format("below {:g} V", hal.adc_reference_v));
+    const double needed_a = config.board.overcurrent_a + config.board.offset_max_a;
+    const double needed_v = needed_a * volts_per_ampere(hal);
+    need(hal.amplifier_zero_v > needed_v && hal.adc_reference_v - hal.amplifier_zero_v > needed_v,
+         config, "hal.amplifier_zero_v", hal.amplifier_zero_v,
+         "leaves the converter blind to over-current in one direction",
+         fmt::format("{:.3g} V to {:.3g} V, for {:g} A both ways", needed_v,
+                     hal.adc_reference_v - needed_v, needed_a));
 }
+
+// What hysteresis and offset of the comparator together may come to, with a margin of two.
+constexpr double RISE_MIN_V = 0.025;
 
 // The comparators look at the pin before the programmable amplifier.
 double trip_level_v(const HalSettings &hal)
@@ -132,6 +142,10 @@ void check_trip(const Config &config)
     need(hal.trip_a >= config.board.overcurrent_a, config, "hal.trip_a", hal.trip_a,
          "trips before the drive's own limit can",
          fmt::format("at least board.overcurrent_a = {:g} A", config.board.overcurrent_a));
+    const double rise_per_ampere = volts_per_ampere(hal) / hal.pga_gain;
+    need(hal.trip_a * rise_per_ampere >= RISE_MIN_V, config, "hal.trip_a", hal.trip_a,
+         "is within offset and hysteresis of the comparator",
+         fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
     need(level > 0 && level < hal.adc_reference_v, config, "hal.trip_a", hal.trip_a,
          fmt::format("needs a comparator level of {:.3g} V", level),
          fmt::format("a current for which it is within 0 to {:g} V", hal.adc_reference_v));

@@ -165,16 +165,24 @@ class Core:
         frame = [self.uc.reg_read(register) for register in FRAME]
         pushed = stack - 32 & ~7
         self.uc.mem_write(pushed, struct.pack("<8I", *frame))
-        vector = self.chip.system["SCB_VTOR"] + 4 * exception
-        handler, = struct.unpack("<I", self.uc.mem_read(vector, 4))
-        self.uc.reg_write(arm.UC_ARM_REG_SP, pushed)
-        self.uc.reg_write(arm.UC_ARM_REG_LR, EXC_RETURN)
-        self.uc.reg_write(arm.UC_ARM_REG_PC, handler)
+        self._enter(exception, pushed)
         self.run(instructions)
         frame = struct.unpack("<8I", self.uc.mem_read(pushed, 32))
         for register, value in zip(FRAME, frame):
             self.uc.reg_write(register, value)
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
+
+    def _enter(self, exception, stack):
+        vector = self.chip.system["SCB_VTOR"] + 4 * exception
+        handler, = struct.unpack("<I", self.uc.mem_read(vector, 4))
+        self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
+        self.uc.reg_write(arm.UC_ARM_REG_LR, EXC_RETURN)
+        self.uc.reg_write(arm.UC_ARM_REG_PC, handler)
+
+    def fault_without_stack(self, exception, instructions):
+        """The handler's first instructions, with the stack pointer at the very end of the RAM."""
+        self._enter(exception, RAM)
+        self.run(instructions)
 
 
 class Board:

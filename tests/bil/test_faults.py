@@ -173,6 +173,11 @@ class Ticks(unittest.TestCase):
         made.core.handle(16, instructions=1000)  # the window watchdog's, which does not run
         self.assertFalse(made.chip.timer.gates_on())
 
+    def test_a_fault_with_no_stack_left_opens_the_gates(self):
+        made = running()
+        made.core.fault_without_stack(3, instructions=50)
+        self.assertFalse(made.chip.timer.gates_on())
+
 
 class Console(unittest.TestCase):
     def test_refuses_with_one_line(self):
