@@ -3,7 +3,9 @@
 test_faults.py IMAGE BOARD, as scenario.py.
 """
 
+import re
 import sys
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -13,13 +15,15 @@ from registers import WrongAccess
 
 IMAGE, BOARD = (Path(argument) for argument in sys.argv[1:3])
 
+BOARD_FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
 MIDDLE = 2048
-BUS = round(310 / 450 * 4096)
-HALF_PERIOD = 8500
+BUS_V = BOARD_FILE["board"]["bus_nominal_v"]
+BUS = round(BUS_V / BOARD_FILE["board"]["bus_full_scale_v"] * 4096)
+HALF_PERIOD = round(BOARD_FILE["board"]["timer_clock_hz"] / BOARD_FILE["board"]["pwm_frequency_hz"] / 2)
 REST = (HALF_PERIOD // 2,) * 3
 CALIBRATION_TICKS = 260  # 256 samples and the changes of state
 WATCHDOG_S = 1e-3
-FULL_SCALE_A = 20
+FULL_SCALE_A = BOARD_FILE["board"]["current_full_scale_a"]
 
 # Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
 PINS = {("A", 8): 6, ("A", 9): 6, ("A", 10): 6, ("C", 13): 4, ("A", 12): 6, ("B", 15): 4,
@@ -58,13 +62,14 @@ class Boots(unittest.TestCase):
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
         said = made.said()
-        self.assertTrue(said.startswith("neurofoc: motor A"), said)
+        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(BOARD_FILE['board']['name'])}, as published\r?\n")
         self.assertIn("READY", said)
         self.assertNotIn("watchdog", said)
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_dead_time_is_at_least_that_of_the_board(self):
-        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ, 500e-9)
+        self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ,
+                                BOARD_FILE["hal"]["dead_time_ns"] * 1e-9 * (1 - 1e-9))
 
     def test_samples_and_updates_at_the_peak(self):
         made = ready()
@@ -106,6 +111,14 @@ class OverCurrent(unittest.TestCase):
                 counts[(phase + 1) % 3] = 3 * MIDDLE - counts[phase] - MIDDLE
                 made.set_inputs(*counts[:2], BUS)
                 self.assertFalse(made.chip.timer.gates_on())
+
+    def test_into_a_phase_it_opens_them_where_it_returns(self):
+        for share, opens in ((1.0, False), (1.9, False), (2.1, True)):
+            with self.subTest(share):
+                made = running()
+                inwards = MIDDLE + round(share * made.trip_a / FULL_SCALE_A * MIDDLE)
+                made.set_inputs(inwards, MIDDLE - (inwards - MIDDLE) // 2, BUS)
+                self.assertEqual(made.chip.timer.gates_on(), not opens)
 
     def test_is_reported_and_stays_until_it_is_cleared(self):
         made = running()
@@ -182,10 +195,12 @@ class Ticks(unittest.TestCase):
 class Console(unittest.TestCase):
     def test_refuses_with_one_line(self):
         made = ready()
+        made.type("speed fast")
+        limit = int(re.search(r"at most (\d+) either way", made.said())[1])
         for line, answer in (
                 ("sped 3", "error: the commands are run, stop, clear, speed RPM, status"),
-                ("speed fast", "error: speed takes a whole number of rpm, at most 2000 either way"),
-                ("speed 2001", "error: speed takes a whole number of rpm, at most 2000 either way"),
+                ("speed fast", f"error: speed takes a whole number of rpm, at most {limit} either way"),
+                (f"speed {limit + 1}", f"error: speed takes a whole number of rpm, at most {limit} either way"),
                 ("run " + 100 * "x", "error: the commands are run, stop, clear, speed RPM, status"),
                 ("clear", "error: there is no fault to clear")):
             made.said()
@@ -198,7 +213,11 @@ class Console(unittest.TestCase):
         made.tick()
         made.said()
         made.type("status")
-        self.assertIn("READY, speed 0 of 0 rpm, phases 2.001 -0.996 -1.005 A, bus 310.034 V, 25 C", made.said())
+        shown = re.search(r"READY, speed 0 of 0 rpm, phases (\S+) (\S+) (\S+) A, bus (\S+) V, 25 C", made.said())
+        per_count = FULL_SCALE_A / MIDDLE
+        for text, expected in zip(shown.groups(), (205 * per_count, -102 * per_count, -103 * per_count)):
+            self.assertAlmostEqual(float(text), expected, delta=1.01 * per_count)
+        self.assertAlmostEqual(float(shown[4]), BUS_V, delta=BOARD_FILE["board"]["bus_full_scale_v"] / 4096)
 
     def test_a_hot_board_stops(self):
         made = running()
