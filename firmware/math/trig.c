@@ -16,9 +16,10 @@ _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 #define ATAN_FRACTION_SCALE (0x100U)
 #define ATAN_FRACTION_MASK (0xFFU)
 #define ATAN_UNIT_SHIFT (29U - 16U) /* table unit: 2^-16 of an eighth turn, 2^29 */
+#define ATAN_SCALE (0x20U)          /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
+
 #define ROOT_ERROR (4)
 #define ROOT_MAX (65535)
-#define ATAN_SCALE (0x20U) /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
 
 /* atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0. */
 static angle_t atan_octant(uint32_t small, uint32_t large)

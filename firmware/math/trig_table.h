@@ -6,9 +6,7 @@
 
 #include <stdint.h>
 
-#define TRIG_SIN_BITS (10U)     /* log2 of the entries a turn */
 #define TRIG_SIN_QUARTER (256U) /* entries a quarter turn */
-
 #define TRIG_SLOPE_BITS (12U)
 #define TRIG_INDEX_SHIFT (22U)
 #define TRIG_FRACTION_SHIFT (9U)

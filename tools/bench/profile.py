@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 # Arithmetic that is one or two instructions wherever it is used: it counts to its user, because a
 # sum over all its uses says nothing about where to look.
-HELPERS = ("/fx.h", "/fx_shift.h", "/fx_port.h")
+HELPERS = ("/fx.h", "/fx_shift.h", "/fx_port.h", "/fx_armv7.h")
 FOLDERS = ("/firmware/", "/hal/")
 LIBRARY = "(compiler's library)"
 

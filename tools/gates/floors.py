@@ -14,8 +14,9 @@ import sources
 BELOW = {
     "firmware/math": ["firmware/math/port/generic"],
     "firmware/math/port/generic": ["firmware/math"],
-    "firmware/math/port/armv7m": ["firmware/math"],
-    "firmware/math/port/armv7em": ["firmware/math"],
+    "firmware/math/port": [],
+    "firmware/math/port/armv7m": ["firmware/math/port"],
+    "firmware/math/port/armv7em": ["firmware/math/port"],
     "firmware/control": ["firmware/math"],
     "firmware/drive": ["firmware/math", "firmware/control"],
     "firmware/app": ["firmware/math", "firmware/control", "firmware/drive", "hal"],
