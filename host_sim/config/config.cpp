@@ -34,42 +34,34 @@ Layer read_file(FileKind kind, const fs::path &path)
     return layer;
 }
 
-// The layers of an imperfection set, what it includes first.
-void read_imperfection(const Reference &reference, const std::string &key, std::size_t depth,
-                       std::vector<Layer> &layers)
-{
-    const fs::path path =
-        resolve(FileKind::imperfection, reference.text, reference.base, key, reference.origin);
-    if (depth > INCLUDE_DEPTH) {
-        fail(reference.origin, key, '"' + reference.text + '"', "includes itself",
-             fmt::format("at most {} levels", INCLUDE_DEPTH));
-    }
-    Layer layer = read_file(FileKind::imperfection, path);
-    const auto include = layer.top.find("include");
-    if (include != layer.top.end()) {
-        for (const Node &item : include->second.items) {
-            read_imperfection({item.text, item.origin, path.parent_path()}, "include", depth + 1,
-                              layers);
-        }
-    }
-    layers.push_back(std::move(layer));
-}
+// How files of a kind name others that come before them.
+struct Chain {
+    FileKind kind;
+    const char *key; // a name, or a list of names
+    const char *loop;
+};
+constexpr Chain INCLUDES = {FileKind::imperfection, "include", "includes itself"};
+constexpr Chain BASES = {FileKind::scenario, "base", "is based on itself"};
 
-// The layers of a scenario, what it is based on first.
-void read_scenario(const Reference &reference, const std::string &key, std::size_t depth,
-                   std::vector<Layer> &layers)
+// The layers of a file, those of the files that it names first.
+void read_chain(const Chain &chain, const Reference &reference, const std::string &key,
+                std::size_t depth, std::vector<Layer> &layers)
 {
     const fs::path path =
-        resolve(FileKind::scenario, reference.text, reference.base, key, reference.origin);
+        resolve(chain.kind, reference.text, reference.base, key, reference.origin);
     if (depth > INCLUDE_DEPTH) {
-        fail(reference.origin, key, '"' + reference.text + '"', "is based on itself",
+        fail(reference.origin, key, '"' + reference.text + '"', chain.loop,
              fmt::format("at most {} levels", INCLUDE_DEPTH));
     }
-    Layer layer = read_file(FileKind::scenario, path);
-    const auto base = layer.top.find("base");
-    if (base != layer.top.end()) {
-        read_scenario({base->second.text, base->second.origin, path.parent_path()}, "base",
-                      depth + 1, layers);
+    Layer layer = read_file(chain.kind, path);
+    const auto found = layer.top.find(chain.key);
+    if (found != layer.top.end()) {
+        const Node &named = found->second;
+        const bool is_list = named.kind == Node::Kind::list;
+        for (const Node &item : is_list ? named.items : std::vector<Node>{named}) {
+            read_chain(chain, {item.text, item.origin, path.parent_path()}, chain.key, depth + 1,
+                       layers);
+        }
     }
     layers.push_back(std::move(layer));
 }
@@ -230,7 +222,7 @@ Config finish(Sources &sources, const std::vector<std::string> &with,
               const std::vector<std::string> &set)
 {
     for (const std::string &text : with) {
-        read_imperfection({text, WITH, ""}, "imperfection", 0, sources.imperfections);
+        read_chain(INCLUDES, {text, WITH, ""}, "imperfection", 0, sources.imperfections);
     }
     read_overrides(set, sources);
     Config config = assemble(sources);
@@ -268,7 +260,7 @@ Config load_scenario(const std::string &id_or_path, const std::vector<std::strin
                      const std::vector<std::string> &set)
 {
     Sources sources;
-    read_scenario({id_or_path, COMMAND_LINE, ""}, "scenario", 0, sources.scenario);
+    read_chain(BASES, {id_or_path, COMMAND_LINE, ""}, "scenario", 0, sources.scenario);
     const fs::path path = sources.scenario.back().path;
     for (const FileKind kind : {FileKind::motor, FileKind::board, FileKind::tuning}) {
         sources.parts[kind] = part_of(sources.scenario, kind);
@@ -318,7 +310,7 @@ std::vector<ScenarioInfo> list_scenarios()
     std::vector<ScenarioInfo> infos;
     for (const std::string &id : list_names(FileKind::scenario)) {
         std::vector<Layer> layers;
-        read_scenario({id, COMMAND_LINE, ""}, "scenario", 0, layers);
+        read_chain(BASES, {id, COMMAND_LINE, ""}, "scenario", 0, layers);
         Config config;
         for (const Layer &layer : layers) {
             apply_layer(layer, config);
