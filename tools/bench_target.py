@@ -23,32 +23,17 @@ that it ends in. Cycles are a model; its assumptions are printed with it.
 import argparse
 import contextlib
 import json
-import os
 import sys
 from pathlib import Path
 
+import own_python
+
 ROOT = Path(__file__).resolve().parents[1]
-VENV = ROOT / ".cache" / "venv"
 BUDGET = ROOT / "tools/bench/budget.toml"
 MARGIN_PERCENT = 3.0
 
 EPILOG = """Exit status: 0 done; 1 with --check, a figure is outside the budget, each in one line; 2 an
 image, a file or an argument is missing or wrong."""
-
-
-def needed_packages():
-    """unicorn, capstone, rich; without them start again in the project's own environment."""
-    try:
-        import capstone  # noqa: F401
-        import rich  # noqa: F401
-        import unicorn  # noqa: F401
-    except ImportError as error:
-        python = VENV / "bin" / "python"
-        if python.exists() and Path(sys.prefix) != VENV:
-            os.execv(python, [str(python), *sys.argv])
-        print(f"bench_target.py: {error}; expected the packages of tools/requirements.txt: "
-              "run tools/dev setup", file=sys.stderr)
-        sys.exit(2)
 
 
 def progress_on(console):
@@ -177,7 +162,10 @@ def arguments_of(words):
 
 
 def main(words=None):
-    needed_packages()
+    problem = own_python.missing("capstone", "rich", "unicorn")
+    if problem:
+        print(f"bench_target.py: {problem}", file=sys.stderr)
+        return 2
     from rich.console import Console
 
     from bench.image import BenchError

@@ -10,11 +10,10 @@ Exit status: 0 done, 2 a file, a column or an argument is missing or wrong.
 """
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
-VENV = Path(__file__).resolve().parent.parent / ".cache" / "venv"
+import own_python
 
 TRACE_HELP = """One run as a figure: panels over one time axis, steps of the command and load marked.
 
@@ -31,19 +30,6 @@ Each run is a trace, NAME.csv, and its metrics, NAME.json. The scenario in the m
 the figures: s1, s2 and s3 get the paper's, any other an overview. The part before t = 0 is
 not drawn.
 """
-
-
-def needed_packages():
-    """numpy and matplotlib; without them start again in the project's own environment."""
-    try:
-        import matplotlib  # noqa: F401
-        import numpy  # noqa: F401
-    except ImportError as error:
-        python = VENV / "bin" / "python"
-        if python.exists() and Path(sys.prefix) != VENV:
-            os.execv(python, [str(python), *sys.argv])
-        sys.exit(f"plot.py: {error}; expected the packages of tools/requirements.txt: "
-                 "run tools/dev setup")
 
 
 def chosen_panels(names, trace):
@@ -118,7 +104,9 @@ def add_report(commands):
 
 
 def main(arguments=None):
-    needed_packages()
+    problem = own_python.missing("matplotlib", "numpy")
+    if problem:
+        sys.exit(f"plot.py: {problem}")
     from report.runs import PlotError
     parser = argparse.ArgumentParser(
         prog="plot.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
