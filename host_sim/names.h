@@ -17,6 +17,16 @@ inline const char *state_name(drive_state_t state)
         return "OFFSET_CAL";
     case DRIVE_STATE_READY:
         return "READY";
+    case DRIVE_STATE_CATCH_SPIN:
+        return "CATCH_SPIN";
+    case DRIVE_STATE_ALIGN:
+        return "ALIGN";
+    case DRIVE_STATE_HOLD:
+        return "HOLD";
+    case DRIVE_STATE_IF_RAMP:
+        return "IF_RAMP";
+    case DRIVE_STATE_HANDOVER:
+        return "HANDOVER";
     case DRIVE_STATE_RUN:
         return "RUN";
     case DRIVE_STATE_FAULT:
@@ -38,6 +48,8 @@ inline const char *fault_name(fault_id_t fault)
         return "OVERVOLTAGE";
     case FAULT_UNDERVOLTAGE:
         return "UNDERVOLTAGE";
+    case FAULT_STARTUP:
+        return "STARTUP";
     case FAULT_CURRENT_OFFSET:
         return "CURRENT_OFFSET";
     }

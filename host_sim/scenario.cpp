@@ -115,7 +115,7 @@ void Run::evaluate(const Tick &tick)
     now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
     now.i_d_a = truth.i_d_a;
     now.actual = tick.mode == DriveMode::position ? truth.theta_mech_rad : now.speed_rpm;
-    now.running = drive.state == DRIVE_STATE_RUN;
+    now.running = drive.state > DRIVE_STATE_READY && drive.state < DRIVE_STATE_FAULT;
     now.reference_moving = reference_moving();
     metrics_.add(now);
     if (now.running) {

@@ -58,7 +58,7 @@ void write_current(Out out, const Tick &t)
     const double unit = t.sim->bases().current_a / Q15;
     fmt::format_to(out, FMT_COMPILE("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},"),
                    t.truth.i_q_a, drive.observer.current.q * unit,
-                   drive.signals.current_ref_q * unit, t.truth.i_d_a,
+                   drive.signals.current_ref.q * unit, t.truth.i_d_a,
                    drive.observer.current.d * unit, t.truth.i_abc_a[0], t.truth.i_abc_a[1],
                    t.truth.i_abc_a[2]);
 }

@@ -8,6 +8,15 @@ void current_loop_reset(current_loop_t *loop)
     pi_reset(&loop->pi_q, 0);
 }
 
+void current_loop_turn(current_loop_t *loop, sincos_t angle)
+{
+    const ab_t integral = {pi_output(&loop->pi_d), pi_output(&loop->pi_q)};
+    const dq_t turned = transforms_park(integral, angle);
+
+    pi_reset(&loop->pi_d, turned.d);
+    pi_reset(&loop->pi_q, turned.q);
+}
+
 /* speed × gain, Q15. */
 static int32_t at_speed(int32_t speed, int32_t gain_q13)
 {
@@ -35,9 +44,13 @@ dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
     const int32_t cross_d = fx_asr(at_speed(speed, cfg->reactance_q_q13) * measured.q, 15U);
     const int32_t cross_q = fx_asr(at_speed(speed, cfg->reactance_d_q13) * measured.d, 15U);
     const int32_t emf = at_speed(speed, cfg->emf_q13);
+    const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, REACTANCE_BITS);
+    const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, REACTANCE_BITS);
     const dq_t wanted = {
-        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, -cross_d, limit),
-        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, cross_q + emf, limit),
+        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, drop_d - cross_d,
+                     limit),
+        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q,
+                     drop_q + cross_q + emf, limit),
     };
 
     return (dq_t){.d = wanted.d, .q = limit_q(&loop->pi_q, wanted, limit)};

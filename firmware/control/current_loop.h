@@ -1,8 +1,8 @@
 /*
  * Current control in the rotor frame: one PI an axis, decoupling, voltage limited to a circle.
  *
- *     v_d = PI_d(i_d* − i_d) − ω·L_q·i_q
- *     v_q = PI_q(i_q* − i_q) + ω·(L_d·i_d + φ)             motor equations (1), (2) of paper A
+ *     v_d = PI_d(i_d* − i_d) + R·i_d* − ω·L_q·i_q
+ *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit, the d axis first: it holds the flux
  *
  * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total within the
@@ -22,6 +22,7 @@ typedef struct {
     int32_t reactance_d_q13; /* Ω_b·L_d·I_b/U_b, 0…32767 */
     int32_t reactance_q_q13; /* Ω_b·L_q·I_b/U_b */
     int32_t emf_q13;         /* Ω_b·φ/U_b */
+    int32_t resistance_q13;  /* R·I_b/U_b */
 } current_loop_cfg_t;
 
 typedef struct {
@@ -31,6 +32,9 @@ typedef struct {
 
 /* Zero both integrals. */
 void current_loop_reset(current_loop_t *loop);
+
+/* Go on in a frame turned by `angle` against the present one: the integrals turn back by it. */
+void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
  * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 16384, |measured| ≤ 32770, |speed| ≤ 32767,

@@ -39,19 +39,60 @@ static uint16_t counts(int32_t duty_q15, int32_t timer_counts)
     return (uint16_t)fx_asr((fx_usat15(duty_q15) * timer_counts) + HALF_Q15, 15U);
 }
 
-compare_t modulator_compare(const modulator_cfg_t *cfg, ab_t ratio)
+/* Three phases whose sum is zero. */
+typedef struct {
+    int32_t a;
+    int32_t b;
+    int32_t c;
+} abc_t;
+
+static abc_t phases(ab_t v)
 {
-    const int32_t half_alpha = fx_asr(ratio.alpha, 1U);
-    const int32_t beta_part = fx_asr(ratio.beta * HALF_SQRT3_Q15, 15U);
-    const int32_t a = ratio.alpha;
-    const int32_t b = beta_part - half_alpha;
-    const int32_t c = -beta_part - half_alpha;
-    const int32_t highest = fx_max(fx_max(a, b), c);
-    const int32_t lowest = fx_min(fx_min(a, b), c);
+    const int32_t half_alpha = fx_asr(v.alpha, 1U);
+    const int32_t beta_part = fx_asr(v.beta * HALF_SQRT3_Q15, 15U);
+
+    return (abc_t){v.alpha, beta_part - half_alpha, -beta_part - half_alpha};
+}
+
+/* What dead time and drop take from a leg at full current, as a duty. */
+static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
+{
+    return cfg->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
+}
+
+/* The duty that a leg is given back. span: largest less smallest ratio. */
+static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span, int32_t ratio,
+                         int32_t current)
+{
+    const int32_t crossing = fx_usat15(span - (9 * fx_asr(ratio * ratio, 15U)));
+    const int32_t ripple = fx_asr(crossing * cfg->ripple_q15, 15U);
+    const int32_t above = fx_min(fx_max(fx_abs(current) - ripple, 0), FX_Q15_MAX);
+    const int32_t share_q15 = fx_usat15(above * cfg->edge_slope);
+    const int32_t duty = fx_asr(share_q15 * loss, 15U);
+
+    return (current < 0) ? -duty : duty;
+}
+
+compare_t modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
+                            ab_t current)
+{
+    const abc_t u = phases(ratio);
+    const int32_t highest = fx_max(fx_max(u.a, u.b), u.c);
+    const int32_t lowest = fx_min(fx_min(u.a, u.b), u.c);
     const int32_t centre = HALF_Q15 - fx_asr(highest + lowest, 1U);
     const int32_t timer = cfg->timer_counts;
+    const int32_t loss = leg_loss(mod, cfg);
+    abc_t duty = {u.a + centre, u.b + centre, u.c + centre};
 
+    if (loss != 0) {
+        const abc_t i = phases(current);
+        const int32_t span = highest - lowest;
+
+        duty.a += give_back(cfg, loss, span, u.a, i.a);
+        duty.b += give_back(cfg, loss, span, u.b, i.b);
+        duty.c += give_back(cfg, loss, span, u.c, i.c);
+    }
     return (compare_t){
-        .phase = {counts(a + centre, timer), counts(b + centre, timer), counts(c + centre, timer)},
+        .phase = {counts(duty.a, timer), counts(duty.b, timer), counts(duty.c, timer)},
     };
 }

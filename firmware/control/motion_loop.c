@@ -18,16 +18,28 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
     return loop->reference + fx_clamp(wanted - loop->reference, -cfg->ramp, cfg->ramp);
 }
 
-int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
-                        step_t measured)
+void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
+{
+    pi_reset(&loop->pi, current);
+    loop->reference = reference;
+}
+
+int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference)
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
     const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
-    const int32_t feed_forward = fx_clamp(torque, -cfg->current_max, cfg->current_max);
-    const int32_t error = fx_sat16(fx_asr(limited - measured, cfg->error_shift));
 
     loop->reference = limited;
+    return fx_clamp(torque, -cfg->current_max, cfg->current_max);
+}
+
+int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                        step_t measured)
+{
+    const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference);
+    const int32_t error = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
+
     return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
 }
 

@@ -52,6 +52,12 @@ void speed_loop_reset(speed_loop_t *loop, step_t speed);
 /* The reference one slow period further on its ramp to `target`. */
 step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target);
 
+/* i_q for the acceleration from the last reference to this one, within ±current_max. Takes it over. */
+int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference);
+
+/* The next output with zero error and a steady reference is `current` (Q15 of I_b, ±32767). */
+void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
+
 /*
  * One slow period: follow `reference` (limited to ±speed_max), given the measured speed.
  * Returns i_q*, saturated to ±current_max.

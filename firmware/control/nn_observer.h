@@ -10,8 +10,10 @@
  *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1)             (14)–(16)
  *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1)
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T
+ *                                                              rotation by W2 exact, see below
  *     e_d = i_d − î_d,  e_q = i_q − î_q                        (17)
- *     b(k) = e_q·x̂(k−1) − e_d·ŷ(k−1)                          descent direction of (18)
+ *     e' = (1 − jρ)·e                                          static part, ρ = 0 is the paper
+ *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        descent direction of (18)
  *     ΔW2(k) = η·b(k) + α·ΔW2(k−1)                             (19)–(21)
  *     ω̂(k+1) = ω̂(k) − ΔW2(k)/T                                (22)
  *     ω̂_out = ω̂ − κ_p/T·b(k)/(φ/L_d)²                         proportional path; κ_p = 0 is the paper
@@ -20,8 +22,16 @@
  * For L_d = L_q this is the paper's equation letter by letter. With saliency the states are the
  * stator flux linkages over L_d, for which the rotation by W2 is the same.
  *
- * Stability: forward Euler in (14) grows for ω > √(2/(T·τ)), τ = L/R; the configuration refuses such a
- * speed and `speed_limit` keeps the estimate below it.
+ * Rotation. Forward Euler in (14) turns and stretches: it grows for ω > √(2/(T·τ)), τ = L/R. Here the state
+ * is turned by the exact rotation through −ω̂_out·T (sine and 1 − cosine by their series, error below
+ * 1e-4 at ω·T = 0.7), resistance and voltage act in the middle of the turn. To first order in ω·T these
+ * are the paper's weights; no speed makes the network grow.
+ *
+ * Static part. A constant current error e answers a voltage error ε = (R + jωL)·e. The back-EMF error that
+ * a wrong angle causes is along d, so the angle is in Re ε; what the paper trains with, Im e, has at low
+ * speed the speed error in it and the angle only by the share ωτ: an error ΔR·i_q then turns the estimate
+ * by ΔR·i_q/(ωφ)/(ωτ). Turning e by the motor's own impedance, ρ = R/(ωL), gives e' = ε/(jωL), in which
+ * ΔR·i_q leaves the angle alone. ρ is limited, as it lets noise through.
  *
  * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
  * Q27 of I_x = 2^s·I_b, which covers the largest current vector beside φ/L_d; their upper 16 bits enter
@@ -43,7 +53,6 @@ typedef struct {
     int32_t volt_gain;           /* W3/L_d·U_b/I_x, same format */
     uint32_t weight_shift;       /* 2…15 */
     int32_t flux_q27;            /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
-    int32_t flux_drive_q27;      /* the constant part of v_x: T·R/L_d·(φ/L_d)/I_x, 0…2^26 */
     int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     uint32_t current_shift;      /* s, 0…10 */
     int32_t rate;                /* η: ΔW2 in steps = (b >> 14)·rate / 2^rate_shift */
@@ -52,20 +61,28 @@ typedef struct {
     uint32_t proportional_shift; /* 0…30 */
     int32_t momentum_q15;        /* α */
     step_t speed_limit;          /* |ω̂| is kept within, 1…2^29 */
+    step_t corner;               /* R/L_d as a speed, for ρ = corner/ω̂, 0…2^27 */
+    int32_t rho_max_q13;         /* |ρ| is kept within, 0…32767; 0: off */
+    step_t rho_speed_min;        /* below it ρ = 0: the back-EMF says nothing, 1…2^29 */
 } nn_observer_cfg_t;
 
 typedef struct {
     int32_t x_q27;      /* x̂, −2^27…2^27 − 1 */
     int32_t y_q27;      /* ŷ, −2^27…2^27 − 1 */
     step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
-    step_t speed_out;   /* ω̂_out: inside the network and for the angle; within 1.5·2^30 */
+    step_t speed_out;   /* ω̂_out: inside the network and for the angle; within ±2^29 */
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
+    dq_t turned;        /* e', same range: d is the error of the flux' magnitude, q that of the angle */
+    int32_t rho_q13;    /* ρ in force */
 } nn_observer_t;
 
 /* Start at rest with no current: x̂ = φ/L_d, everything else zero. */
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
+
+/* Start at a speed with a current (Q15 of I_b, ±32767) in the estimated frame. */
+void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current);
 
 /*
  * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂, |i| ≤ 65535. voltage: what the
@@ -74,5 +91,12 @@ void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
  */
 void nn_observer_step(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                       dq_t voltage);
+
+/* As above with the speed given (within ±speed_limit): the network runs, but is not trained. */
+void nn_observer_follow(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
+                        dq_t voltage, step_t speed);
+
+/* Set ρ for the present speed. Call once a slow period. One division. */
+void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
 #endif

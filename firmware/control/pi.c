@@ -10,6 +10,11 @@ void pi_reset(pi_t *pi, int32_t output)
     pi->integral_q26 = output * Q15_TO_Q26;
 }
 
+int32_t pi_output(const pi_t *pi)
+{
+    return fx_asr(pi->integral_q26, INTEGRAL_BITS);
+}
+
 int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
 {
     const int32_t integral_q26 =

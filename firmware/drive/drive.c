@@ -1,9 +1,12 @@
 #include "drive.h"
 
+#include "drive_state.h"
+#include "low_speed.h"
+#include "vector_control.h"
+
 #include <stddef.h>
 
 #define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
-#define Q16_TO_Q32 (65536)
 
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
@@ -13,16 +16,16 @@ static void open_gates(drive_t *drive, drive_out_t *out)
     *out = (drive_out_t){.compare = {.phase = {rest, rest, rest}}, .gate_enable = false};
 }
 
-static void enter(drive_t *drive, drive_state_t state)
+void drive_enter(drive_t *drive, drive_state_t state)
 {
     drive->state = state;
-    drive->limits = protection_limits(&drive->cfg->protection, state == DRIVE_STATE_RUN);
+    drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
 }
 
-static void enter_fault(drive_t *drive, fault_t fault)
+void drive_fail(drive_t *drive, fault_t fault)
 {
     drive->fault = fault;
-    enter(drive, DRIVE_STATE_FAULT);
+    drive_enter(drive, DRIVE_STATE_FAULT);
 }
 
 static void enter_offset_cal(drive_t *drive)
@@ -30,23 +33,7 @@ static void enter_offset_cal(drive_t *drive)
     drive->offset_a = 0;
     drive->offset_b = 0;
     drive->offset_samples = 0U;
-    enter(drive, DRIVE_STATE_OFFSET_CAL);
-}
-
-/* The rotor is taken to be at rest at angle 0. */
-static void reset_control(drive_t *drive)
-{
-    nn_observer_reset(&drive->observer, &drive->cfg->observer);
-    rotor_position_reset(&drive->position, 0U);
-    current_loop_reset(&drive->current_loop);
-    speed_loop_reset(&drive->speed_loop, 0);
-    position_loop_reset(&drive->position_loop, 0, 0);
-    drive->speed_reference = 0;
-    drive->ratio = (dq_t){0, 0};
-    drive->ratio_acting = (dq_t){0, 0};
-    drive->signals.current_ref_q = 0;
-    drive->slow_count = drive->cfg->slow_ticks;
-    drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+    drive_enter(drive, DRIVE_STATE_OFFSET_CAL);
 }
 
 /* Raw counts to per unit. Before the calibration has ended the currents are meaningless. */
@@ -75,7 +62,7 @@ static void watch(drive_t *drive, const drive_in_t *in)
     const fault_id_t id = protection_check(&drive->limits, &measured);
 
     if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        enter_fault(drive, protection_record(&drive->limits, &measured, id));
+        drive_fail(drive, protection_record(&drive->limits, &measured, id));
     }
 }
 
@@ -98,9 +85,9 @@ static void finish_calibration(drive_t *drive)
     fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
                                     drive->offset_b - ADC_MID_Q15);
     if (fault.id == FAULT_NONE) {
-        enter(drive, DRIVE_STATE_READY);
+        drive_enter(drive, DRIVE_STATE_READY);
     } else {
-        enter_fault(drive, fault);
+        drive_fail(drive, fault);
     }
 }
 
@@ -119,7 +106,18 @@ static bool wants_run(const drive_command_t *command)
     return (command->request & DRIVE_REQUEST_RUN) != 0U;
 }
 
-/* State changes other than out of RUN that the command asks for, or the end of the calibration. */
+static void start(drive_t *drive)
+{
+    drive->attempts = 0U;
+    if (drive->cfg->startup.current_hold == 0) {
+        vector_control_reset(drive);
+        drive_enter(drive, DRIVE_STATE_RUN);
+    } else {
+        low_speed_start(drive);
+    }
+}
+
+/* State changes without current that the command asks for, or the end of the calibration. */
 static void change_state(drive_t *drive, const drive_in_t *in)
 {
     const bool run = wants_run(&in->command);
@@ -128,8 +126,7 @@ static void change_state(drive_t *drive, const drive_in_t *in)
     switch (drive->state) {
     case DRIVE_STATE_READY:
         if (run) {
-            reset_control(drive);
-            enter(drive, DRIVE_STATE_RUN);
+            start(drive);
         }
         break;
     case DRIVE_STATE_OFFSET_CAL:
@@ -146,104 +143,41 @@ static void change_state(drive_t *drive, const drive_in_t *in)
     }
 }
 
-/* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
-static dq_t applied_voltage(const drive_t *drive)
+/* RUN hands back when the imposed current has faded in. */
+static void watch_speed(drive_t *drive)
 {
-    const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const bool slow = fx_abs(drive->speed_reference) < cfg->hold_speed;
 
-    return (dq_t){
-        .d = fx_asr(drive->ratio_acting.d * bus, 15U),
-        .q = fx_asr(drive->ratio_acting.q * bus, 15U),
-    };
-}
-
-/* Measured phase currents to the estimated frame, and the observer's tick. */
-static void estimate(drive_t *drive)
-{
-    drive_signals_t *const s = &drive->signals;
-    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->position));
-
-    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
-    s->current = transforms_park(s->current_ab, angle);
-    s->voltage_applied = applied_voltage(drive);
-    nn_observer_step(&drive->observer, &drive->cfg->observer, s->current, s->voltage_applied);
-    s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
-}
-
-static void change_mode(drive_t *drive, uint8_t mode)
-{
-    drive->mode = mode;
-    position_loop_reset(&drive->position_loop, drive->position.turns_q32,
-                        drive->speed_loop.reference);
-}
-
-/* First half of the slow period: the speed reference. */
-static void plan_speed(drive_t *drive, const drive_command_t *command)
-{
-    const drive_cfg_t *const cfg = drive->cfg;
-
-    if (command->mode != drive->mode) {
-        change_mode(drive, command->mode);
+    if ((cfg->current_hold != 0) && slow && (drive->signals.current_ref.d >= cfg->current_hold)) {
+        vector_control_hand_back(drive);
+        drive_enter(drive, DRIVE_STATE_HOLD);
     }
-    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
-        drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
-                                                    (int64_t)command->target * Q16_TO_Q32,
-                                                    drive->position.turns_q32, cfg->slow_ticks);
+}
+
+/* A tick with current flowing: estimate, motion, current control. */
+static void drive_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
+
+    vector_control_estimate(drive, track);
+    if (drive->state == DRIVE_STATE_RUN) {
+        vector_control_motion(drive, &in->command);
+        watch_speed(drive);
     } else {
-        drive->speed_reference =
-            speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
+        low_speed_motion(drive, &in->command);
     }
-}
-
-/* The motion loops share one slow period: planning in its last tick but one, the speed PI after it. */
-static void control_motion(drive_t *drive, const drive_command_t *command)
-{
-    drive->slow_count--;
-    if (drive->slow_count == 1U) {
-        plan_speed(drive, command);
-    } else if (drive->slow_count == 0U) {
-        drive->signals.current_ref_q =
-            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                            drive->observer.speed);
-        drive->slow_count = drive->cfg->slow_ticks;
+    if (drive->state == DRIVE_STATE_RUN) {
+        vector_control_close(drive, out);
     } else {
-        /* between */
+        vector_control_impose(drive, track, out);
     }
-}
-
-/* Currents to compare values. The vector is turned for the middle of the period in which it acts. */
-static compare_t control_currents(drive_t *drive)
-{
-    drive_signals_t *const s = &drive->signals;
-    const drive_cfg_t *const cfg = drive->cfg;
-    const step_t step = drive->observer.speed_out;
-    const dq_t reference = {.d = 0, .q = s->current_ref_q};
-    const angle_t middle =
-        rotor_position_angle(&drive->position) + (angle_t)step + (angle_t)fx_asr(step, 1U);
-
-    s->voltage_limit = modulator_limit(&cfg->modulator, s->bus);
-    s->voltage = current_loop_step(&drive->current_loop, &cfg->current_loop, reference, s->current,
-                                   s->speed, s->voltage_limit);
-    drive->ratio_acting.d = drive->ratio.d;
-    drive->ratio_acting.q = drive->ratio.q;
-    drive->ratio = modulator_ratio(&drive->modulator, s->voltage);
-    s->ratio_ab = transforms_park_inverse(drive->ratio, trig_sincos(middle));
-    return modulator_compare(&cfg->modulator, s->ratio_ab);
-}
-
-static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
-{
-    estimate(drive);
-    control_motion(drive, &in->command);
-    out->compare = control_currents(drive);
-    out->gate_enable = true;
-    rotor_position_step(&drive->position, drive->observer.speed_out);
 }
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
     *drive = (drive_t){.cfg = cfg};
-    enter(drive, DRIVE_STATE_INIT);
+    drive_enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
     return params_check(cfg);
 }
@@ -251,19 +185,24 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     convert_samples(drive, in);
-    if (drive->state != DRIVE_STATE_RUN) {
+    if (!drive_is_driving(drive->state)) {
         change_state(drive, in);
     } else if (!wants_run(&in->command)) {
-        enter(drive, DRIVE_STATE_READY);
+        drive_enter(drive, DRIVE_STATE_READY);
     } else {
         /* stay */
     }
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
-    if (drive->state == DRIVE_STATE_RUN) {
-        run_tick(drive, in, out);
+    if (drive->state == DRIVE_STATE_CATCH_SPIN) {
+        low_speed_catch(drive, in, out);
+    } else if (drive_is_driving(drive->state)) {
+        drive_tick(drive, in, out);
     } else {
-        open_gates(drive, out);
+        /* no current */
+    }
+    if (!drive_is_driving(drive->state)) {
+        open_gates(drive, out); /* the tick may just have ended the run */
     }
     drive->bus_before = drive->signals.bus;
     drive->tick++;

@@ -10,12 +10,21 @@
  * Timing. The frame of tick k is sampled at t_k, the start of PWM period k. Its compare values act
  * from t_k+1 to t_k+2; gate_enable acts at once.
  *
- * States: INIT → OFFSET_CAL → READY ⇄ RUN; any → FAULT, latched, gates off in the same tick; FAULT →
- * OFFSET_CAL on DRIVE_REQUEST_CLEAR without DRIVE_REQUEST_RUN.
+ * States
+ *     INIT → OFFSET_CAL → READY → CATCH_SPIN → ALIGN → HOLD ⇄ IF_RAMP → HANDOVER → RUN → HOLD
+ *     CATCH_SPIN → RUN when the rotor turns already; HANDOVER → CATCH_SPIN when it fails
+ *     any but INIT, OFFSET_CAL, FAULT → READY without DRIVE_REQUEST_RUN
+ *     any → FAULT, latched, gates off in the same tick; FAULT → OFFSET_CAL on DRIVE_REQUEST_CLEAR without
+ *     DRIVE_REQUEST_RUN
+ * ALIGN, HOLD, IF_RAMP and HANDOVER impose a current vector whose angle the drive sets (the frame); in RUN the
+ * observer's angle is the frame. Without a hold current READY goes to RUN, the rotor taken to be at angle 0.
  */
 #ifndef DRIVE_H
 #define DRIVE_H
 
+#include "align.h"
+#include "catch_spin.h"
+#include "model.h"
 #include "params.h"
 #include "protection.h"
 #include "rotor_position.h"
@@ -28,7 +37,12 @@ typedef enum {
     DRIVE_STATE_INIT = 0,
     DRIVE_STATE_OFFSET_CAL,
     DRIVE_STATE_READY,
-    DRIVE_STATE_RUN,
+    DRIVE_STATE_CATCH_SPIN, /* is the rotor turning? */
+    DRIVE_STATE_ALIGN,      /* pulled to a known angle; R and L measured */
+    DRIVE_STATE_HOLD,       /* held at standstill by an imposed current */
+    DRIVE_STATE_IF_RAMP,    /* dragged along by an imposed current */
+    DRIVE_STATE_HANDOVER,   /* dragged, and the observer is judged */
+    DRIVE_STATE_RUN,        /* on the observer's angle */
     DRIVE_STATE_FAULT
 } drive_state_t;
 
@@ -71,9 +85,10 @@ typedef struct {
     int32_t bus;           /* Q15 of U_b */
     ab_t current_ab;       /* Q15 of I_b */
     dq_t current;          /* turned with θ̂ */
+    dq_t current_frame;    /* turned with the frame's angle; in RUN as above */
     dq_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
     int32_t speed;         /* ω̂, Q15 of Ω_b */
-    int32_t current_ref_q; /* i_q*, Q15 of I_b */
+    dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
     int32_t voltage_limit; /* Q15 of U_b */
     dq_t voltage;          /* demand */
     ab_t ratio_ab;
@@ -92,8 +107,10 @@ typedef struct {
     uint32_t slow_count; /* N…1: ticks to the end of the slow period */
     current_loop_t current_loop;
     modulator_t modulator;
-    dq_t ratio;        /* demand over bus, Q15, of the last tick: acts from this instant on */
-    dq_t ratio_acting; /* acted since the last instant */
+    dq_t ratio;            /* demand over bus, Q15, of the last tick: acts from this instant on */
+    dq_t ratio_acting;     /* acted since the last instant */
+    angle_t offset;        /* frame less θ̂ in the middle of the period in which `ratio` acts */
+    angle_t offset_acting; /* the same for `ratio_acting` */
     drive_signals_t signals;
     uint32_t tick; /* since drive_init, wraps */
     step_t speed_reference;
@@ -101,6 +118,14 @@ typedef struct {
     position_loop_t position_loop;
     uint8_t mode; /* of the running motion loops */
     uint32_t offset_samples;
+    model_t model;          /* of the motor, in force */
+    rotor_position_t frame; /* of the imposed current */
+    step_t frame_speed;
+    int32_t residual;          /* |e_d| + |e_q|, filtered over slow periods, Q15 of I_b */
+    uint32_t handover_periods; /* slow periods in HANDOVER */
+    uint32_t attempts;         /* starts that failed since READY */
+    catch_spin_t catch_spin;
+    align_t align;
     fault_t fault; /* why FAULT was entered last */
 } drive_t;
 

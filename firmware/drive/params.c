@@ -54,7 +54,6 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
     bad = range(bad, "observer.volt_gain", cfg->volt_gain, 1, FX_Q15_MAX);
     bad = range(bad, "observer.weight_shift", shift_value(cfg->weight_shift), 2, 15);
     bad = range(bad, "observer.flux_q27", cfg->flux_q27, 1, Q27_ONE - 1);
-    bad = range(bad, "observer.flux_drive_q27", cfg->flux_drive_q27, 0, Q27_ONE / 2);
     bad = range(bad, "observer.iq_gain_q14", cfg->iq_gain_q14, 1, FX_Q15_MAX);
     bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 10);
     bad = range(bad, "observer.rate", cfg->rate, 0, FX_Q15_MAX);
@@ -63,7 +62,10 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
     bad = range(bad, "observer.proportional_shift", shift_value(cfg->proportional_shift), 0,
                 SHIFT_MAX);
     bad = range(bad, "observer.momentum_q15", cfg->momentum_q15, 0, FX_Q15_MAX);
-    return range(bad, "observer.speed_limit", cfg->speed_limit, 1, STEP_MAX);
+    bad = range(bad, "observer.speed_limit", cfg->speed_limit, 1, STEP_MAX);
+    bad = range(bad, "observer.corner", cfg->corner, 0, Q27_ONE);
+    bad = range(bad, "observer.rho_max_q13", cfg->rho_max_q13, 0, FX_Q15_MAX);
+    return range(bad, "observer.rho_speed_min", cfg->rho_speed_min, 1, STEP_MAX);
 }
 
 /* The observer's speed limit must fit Q15 of Ω_b. */

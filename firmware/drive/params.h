@@ -13,7 +13,9 @@
 #include "modulator.h"
 #include "motion_loop.h"
 #include "nn_observer.h"
+#include "model.h"
 #include "protection.h"
+#include "startup.h"
 
 #include <stdint.h>
 
@@ -34,6 +36,9 @@ typedef struct {
     protection_cfg_t protection;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
+    current_loop_cfg_t hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
+    startup_cfg_t startup;
+    model_cfg_t model;
 } drive_cfg_t;
 
 /*

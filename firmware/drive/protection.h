@@ -16,6 +16,7 @@ typedef enum {
     FAULT_OVERCURRENT,   /* value: the largest phase current */
     FAULT_OVERVOLTAGE,   /* value: bus */
     FAULT_UNDERVOLTAGE,  /* value: bus */
+    FAULT_STARTUP, /* value: the observer's residual */
     FAULT_CURRENT_OFFSET /* value: offset of the worse sensor from mid-scale */
 } fault_id_t;
 

@@ -1,6 +1,7 @@
 #include "config.h"
 
 #include "files.h"
+#include "low_speed_units.h"
 #include "layer.h"
 #include "scenario_file.h"
 
@@ -153,6 +154,7 @@ void check_prelude(Config &config)
     if (s.prelude_s <= 0) {
         s.prelude_s = calibration_s;
     }
+    s.prelude_s += startup_time(config.motor, config.board, config.tuning);
     if (s.prelude_s + s.evaluate_from_s < calibration_s) {
         fail(written->second, written->first, fmt::format("{}", s.prelude_s),
              "ends before the drive has calibrated its sensors",
@@ -243,6 +245,19 @@ Reference part_of(const std::vector<Layer> &scenario, FileKind kind)
     return {found.text, found.origin, layer->path.parent_path()};
 }
 
+// The controller's belief, with what it takes from the plant filled in.
+ModelScales belief(const Config &config)
+{
+    ModelScales model = config.model;
+    if (model.dead_time_s < 0) {
+        model.dead_time_s = config.plant.dead_time_s;
+    }
+    if (model.device_drop_v < 0) {
+        model.device_drop_v = config.plant.device_drop_v;
+    }
+    return model;
+}
+
 // The limit with four digits, rounded to where it is still allowed.
 std::string limit_text(const SettingError &error)
 {
@@ -295,7 +310,7 @@ void check_output(const Config &config, const std::string &option, const fs::pat
 drive_cfg_t build(const Config &config)
 {
     try {
-        return make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+        return make_drive_cfg(config.motor, config.board, config.tuning, belief(config));
     } catch (const SettingError &error) {
         const auto found = config.origins.find(error.key);
         const Origin origin =

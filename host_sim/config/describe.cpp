@@ -79,8 +79,6 @@ void add_network(Rows &to)
            scaled(c.volt_gain, weight) * base_x / to.bases.voltage_v);
     to.add("observer.weight_shift", c.weight_shift, "the three above are times 2^{}", weight);
     to.add("observer.flux_q27", c.flux_q27, "φ/L_d = {:.5g} A", scaled(c.flux_q27, 27) * base_x);
-    to.add("observer.flux_drive_q27", c.flux_drive_q27, "T·R/L_d·φ/L_d = {:.5g} A",
-           scaled(c.flux_drive_q27, 27) * base_x);
     to.add("observer.iq_gain_q14", c.iq_gain_q14, "L_d/L_q = {:.5g}", scaled(c.iq_gain_q14, 14));
     to.add("observer.current_shift", c.current_shift, "I_x = {:g} A", base_x);
 }

@@ -1,5 +1,8 @@
 #include "per_unit.h"
 
+#include "low_speed_units.h"
+#include "numbers.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,19 +13,10 @@ namespace nf
 namespace
 {
 
-constexpr double PI = 3.14159265358979323846;
-constexpr double TWO_PI = 2 * PI;
-constexpr double STEPS_PER_TURN = 4294967296.0; // step_t and angle_t: 2^32
-constexpr double Q12 = 4096.0;
-constexpr double Q13 = 8192.0;
-constexpr double Q14 = 16384.0;
-constexpr double Q15 = 32768.0;
-constexpr double Q27 = 134217728.0;
-constexpr double Q30 = 1073741824.0;
-constexpr double MANTISSA_MAX = 32767.0;
-
 // The converter's full scale is half the current base, so that no vector of three currents overflows.
 constexpr double CURRENT_BASE_RATIO = 2.0;
+// Electrical angle in a PWM period up to which the observer's rotation and the lead of the voltage hold.
+constexpr double TURN_MAX_RAD = 0.7;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;
 // The current PI integrates at least this much faster than the motor's own R/L would: disturbances
@@ -32,104 +26,6 @@ constexpr double INTEGRAL_RATIO = 0.1;
 constexpr double BRAKING_SHARE = 0.9;
 // The bus reciprocal covers this share of the under-voltage limit.
 constexpr double BUS_FLOOR = 0.8;
-
-// The largest phase voltage as a share of the bus: the circle in the hexagon of the inverter.
-double largest_ratio(const BoardSettings &board)
-{
-    return (1 - board.duty_margin_pct / 100) / std::sqrt(3.0);
-}
-
-double rad_s_from_rpm(double rpm)
-{
-    return rpm * TWO_PI / 60.0;
-}
-
-// The setting that a number follows from: the number goes with this power of it.
-struct Setting {
-    const char *key;
-    double value;
-    double power = 1;
-};
-
-// Refuses a setting whose number is not within lo…hi, and says up to where it would be.
-void require(double number, double lo, double hi, const Setting &setting, const char *what)
-{
-    if (number >= lo && number <= hi) {
-        return;
-    }
-    const double bound = number > hi ? hi : lo;
-    const bool at_most = (number > hi) == (setting.power > 0);
-    throw SettingError(setting.key, setting.value,
-                       {at_most, setting.value * std::pow(bound / number, 1 / setting.power)},
-                       what);
-}
-
-// A number rounded to an integer field, refused where the field cannot hold it.
-template <typename Field>
-void store(Field &field, double number, double lo, double hi, const Setting &setting,
-           const char *what)
-{
-    require(number, lo, hi, setting, what);
-    field = static_cast<Field>(std::round(number));
-}
-
-struct Mantissa {
-    int32_t value;
-    uint32_t shift;
-};
-
-// number ≈ mantissa / 2^shift with as many significant bits as the shift range allows.
-Mantissa normalise(double number, int shift_min, int shift_max, const Setting &setting,
-                   const char *what)
-{
-    require(number, 0, std::ldexp(MANTISSA_MAX, -shift_min), setting, what);
-    int shift = shift_max;
-    while (shift > shift_min && std::round(std::ldexp(number, shift)) > MANTISSA_MAX) {
-        shift--;
-    }
-    return {static_cast<int32_t>(std::lround(std::ldexp(number, shift))),
-            static_cast<uint32_t>(shift)};
-}
-
-struct Model {
-    double resistance, inductance_d, inductance_q, flux, inertia;
-    double flux_current;        // φ/L_d
-    double torque_acceleration; // electrical rad/s² per ampere of i_q
-    double max_speed_el;
-};
-
-Model make_model(const MotorSettings &motor, const ModelScales &scale)
-{
-    Model m{};
-    const double p = motor.pole_pairs;
-    m.resistance = motor.resistance_ohm * scale.resistance;
-    m.inductance_d = motor.inductance_d_h * scale.inductance;
-    m.inductance_q = motor.inductance_q_h * scale.inductance;
-    m.flux = motor.flux_linkage_wb * scale.flux;
-    m.inertia = motor.inertia_kg_m2 * scale.inertia;
-    m.flux_current = m.flux / m.inductance_d;
-    m.torque_acceleration = 1.5 * p * p * m.flux / m.inertia;
-    m.max_speed_el = rad_s_from_rpm(motor.max_speed_rpm) * p;
-    return m;
-}
-
-// Paper A (14) by forward Euler multiplies a rotating error by |1 − a − jωT| a sample, a = T/τ, and is
-// at its limit where that is 1: (ω_L·T)² = a·(2 − a). At ω = m·ω_L its square is 1 − (1 − m²)·a·(2 − a):
-// of the motor's own damping, all that the published law has, the share 1 − m² is left. With 0.65 that
-// is 58 %, and the estimate may overshoot by its headroom to 0.81 and still decay. Measured with R/L =
-// 175 1/s at 10 kHz and the robust tuning: steady up to 0.65, a limit cycle of 4.5 % at 0.7, the rotor
-// lost at 0.9.
-constexpr double EULER_SHARE = 0.65;
-
-void check_euler(const MotorSettings &motor, const Model &m, double period)
-{
-    const double inductance = std::max(m.inductance_d, m.inductance_q);
-    const double decay = period * m.resistance / inductance;
-    const double limit = EULER_SHARE * std::sqrt(std::max(0.0, decay * (2.0 - decay)));
-    require(m.max_speed_el * period, 0, limit, {"motor.max_speed_rpm", motor.max_speed_rpm},
-            "above it the observer's network, a forward-Euler form, has too little damping left; a "
-            "higher board.pwm_frequency_hz raises it");
-}
 
 // There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus.
 void check_voltage(const MotorSettings &motor, const BoardSettings &board)
@@ -170,14 +66,14 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
 // The base of the observer's states, I_x = 2^s·I_b: both states fit for every current that the
 // over-current protection lets through (three phases within it make a vector of 2/√3 of it). Not
 // larger than that, for the adaptation's gains per unit grow with it.
-int observer_shift(const MotorSettings &motor, const BoardSettings &board, const Model &m,
-                   const Bases &b)
+int observer_shift(const MotorSettings &motor, const BoardSettings &board, double flux_headroom,
+                   const Model &m, const Bases &b)
 {
     constexpr double largest_base = 1 << 10;
     const double current = 2 / std::sqrt(3.0) * board.overcurrent_a / b.current_a;
-    const double x = current + m.flux_current / b.current_a;
+    const double x = current + flux_headroom * m.flux_current / b.current_a;
     const double y = current * m.inductance_q / m.inductance_d;
-    require(m.flux_current / b.current_a, 0, largest_base - 1,
+    require(flux_headroom * m.flux_current / b.current_a, 0, largest_base - 1,
             {"motor.flux_linkage_wb", motor.flux_linkage_wb},
             "φ/L_d below 1023 times twice board.current_full_scale_a");
     require(y, 0, largest_base, {"motor.inductance_q_h", motor.inductance_q_h},
@@ -191,17 +87,17 @@ int observer_shift(const MotorSettings &motor, const BoardSettings &board, const
 
 // The network's weights W1, W3 and the shift of (7). A faster PWM makes all of the former smaller.
 void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSettings &board,
-                 const Model &m, const Bases &b)
+                 const ModelHeadroom &headroom, const Model &m, const Bases &b)
 {
     const double period = b.control_period_s;
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
     const double decay_d = period * m.resistance / m.inductance_d;
     const double decay_q = period * m.resistance / m.inductance_q;
     const double volt_gain = period / m.inductance_d * b.voltage_v / base_x;
-    const Setting frequency = {"board.pwm_frequency_hz", board.pwm_frequency_hz, -1};
+    const Source frequency = {"board.pwm_frequency_hz", board.pwm_frequency_hz, -1};
     const Mantissa largest =
-        normalise(std::ldexp(std::max({decay_d, decay_q, volt_gain}), 12), 2, 15, frequency,
-                  "the current of this motor changes too much in a PWM period");
+        normalise(std::ldexp(headroom.weight * std::max({decay_d, decay_q, volt_gain}), 12), 2, 15,
+                  frequency, "the current of this motor changes too much in a PWM period");
     c.weight_shift = largest.shift;
     const double weight = std::ldexp(1.0, 12 + static_cast<int>(largest.shift));
     c.decay_d = static_cast<int32_t>(std::lround(decay_d * weight));
@@ -209,15 +105,23 @@ void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSe
     c.volt_gain = static_cast<int32_t>(std::lround(volt_gain * weight));
     store(c.flux_q27, m.flux_current / base_x * Q27, 1, Q27 - 1,
           {"motor.flux_linkage_wb", motor.flux_linkage_wb}, "φ/L_d in the observer's numbers");
-    store(c.flux_drive_q27, decay_d * m.flux_current / base_x * Q27, 0, Q27 / 2, frequency,
-          "the current of this motor changes too much in a PWM period");
     store(c.iq_gain_q14, m.inductance_d / m.inductance_q * Q14, 1, MANTISSA_MAX,
           {"motor.inductance_d_h", motor.inductance_d_h}, "twice motor.inductance_q_h");
 }
 
-// κ, κ_p and α: (19)–(22).
-void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, const Model &m,
-                    const Bases &b)
+// A mantissa that can still grow by `headroom`, as far as there is room: the correction ends there.
+Mantissa with_headroom(double number, double headroom, const Source &source, const char *what)
+{
+    const Mantissa full = normalise(number, 0, 30, source, what);
+    const int shift = std::max(0, static_cast<int>(full.shift) -
+                                      static_cast<int>(std::ceil(std::log2(headroom))));
+    return {static_cast<int32_t>(std::lround(std::ldexp(number, shift))),
+            static_cast<uint32_t>(shift)};
+}
+
+// κ, κ_p, α: (19)–(22), and the limit of ρ.
+void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double headroom,
+                    const Model &m, const Bases &b)
 {
     const char *const reason =
         "more is beyond the observer's numbers, for φ/L_d is small against the current range; a "
@@ -227,42 +131,37 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, const Mo
     const double steps =
         std::ldexp(b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI, 14);
     const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
-    const Mantissa eta = normalise(rate, 0, 30, {"observer.kappa", tuning.observer_kappa}, reason);
+    const Mantissa eta = with_headroom(rate, headroom, {"observer.kappa", tuning.observer_kappa}, reason);
     c.rate = eta.value;
     c.rate_shift = eta.shift;
-    const Mantissa proportional = normalise(tuning.observer_kappa_p * steps, 0, 30,
-                                            {"observer.kappa_p", tuning.observer_kappa_p}, reason);
+    const Mantissa proportional =
+        with_headroom(tuning.observer_kappa_p * steps, headroom,
+                      {"observer.kappa_p", tuning.observer_kappa_p}, reason);
     c.proportional = proportional.value;
     c.proportional_shift = proportional.shift;
     c.momentum_q15 = static_cast<int32_t>(std::lround(tuning.observer_momentum * Q15));
+    const double corner = m.resistance / m.inductance_d * b.control_period_s / TWO_PI;
+    c.corner = static_cast<step_t>(std::lround(std::min(corner * STEPS_PER_TURN, Q27)));
+    c.rho_max_q13 = static_cast<int32_t>(std::lround(tuning.observer_rho_max * Q13));
 }
 
 nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings &board,
                                 const TuningSettings &tuning, const Model &m, const Bases &b)
 {
+    const ModelHeadroom headroom = model_headroom(tuning);
     nn_observer_cfg_t c{};
-    c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, m, b));
-    set_network(c, motor, board, m, b);
-    set_adaptation(c, tuning, m, b);
-    check_euler(motor, m, b.control_period_s);
+    c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, headroom.flux, m, b));
+    set_network(c, motor, board, headroom, m, b);
+    set_adaptation(c, tuning, headroom.rate, m, b);
     check_voltage(motor, board);
-    store(c.speed_limit, b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, 1, Q30 / 2,
-          {"motor.max_speed_rpm", motor.max_speed_rpm},
-          "a tenth of an electrical turn in a PWM period");
-    return c;
-}
-
-// The gains follow from a bandwidth, ki with its square where the PI's corner does too.
-pi_cfg_t make_pi(double kp, double ki, double ki_power, const char *key, double bandwidth)
-{
-    const char *const reason = "more is beyond the firmware's gains";
-    const Mantissa p = normalise(kp, 1, 30, {key, bandwidth}, reason);
-    const Mantissa i = normalise(std::ldexp(ki, 11), 1, 30, {key, bandwidth, ki_power}, reason);
-    pi_cfg_t c{};
-    c.kp = p.value;
-    c.kp_shift = p.shift;
-    c.ki = i.value;
-    c.ki_shift = i.shift;
+    require(m.max_speed_el * b.control_period_s, 0, TURN_MAX_RAD,
+            {"motor.max_speed_rpm", motor.max_speed_rpm},
+            "above it the rotor turns more than 0.7 rad in a PWM period; a higher "
+            "board.pwm_frequency_hz raises it");
+    c.speed_limit = static_cast<step_t>(std::lround(
+        std::min(b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, Q30 / 2)));
+    c.rho_speed_min = std::max(1, static_cast<int>(std::lround(
+        b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200)));
     return c;
 }
 
@@ -292,6 +191,9 @@ current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSet
           {"motor.inductance_q_h", motor.inductance_q_h}, reason);
     store(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, MANTISSA_MAX,
           {"motor.flux_linkage_wb", motor.flux_linkage_wb}, reason);
+    store(c.resistance_q13, m.resistance * b.current_a / b.voltage_v * Q13, 0, MANTISSA_MAX,
+          {"motor.resistance_ohm", motor.resistance_ohm},
+          "four times board.bus_full_scale_v over board.current_full_scale_a");
     return c;
 }
 
@@ -375,7 +277,24 @@ position_loop_cfg_t make_position_loop(const MotorSettings &motor, const TuningS
     return c;
 }
 
-modulator_cfg_t make_modulator(const BoardSettings &board, const Bases &b)
+// Current from which on a leg's sign is certain: so many counts of the converter.
+constexpr double EDGE_LSB = 5;
+
+void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const ModelScales &model,
+                   const Model &m, const Bases &b)
+{
+    const double ripple = board.bus_nominal_v * b.control_period_s /
+                          (6 * (m.inductance_d + m.inductance_q));
+    store(c.dead_time_q15, model.dead_time_s / b.control_period_s * Q15, 0, Q13,
+          {"model.dead_time_s", model.dead_time_s}, "a quarter of the PWM period");
+    store(c.drop_q15, model.device_drop_v / b.voltage_v * Q15, 0, Q15 / 16,
+          {"model.device_drop_v", model.device_drop_v}, "a sixteenth of board.bus_full_scale_v");
+    c.ripple_q15 = static_cast<int32_t>(std::lround(std::min(ripple / b.current_a * Q15, Q14)));
+    c.edge_slope = static_cast<int32_t>(std::lround(std::ldexp(1.0, board.adc_bits) / EDGE_LSB));
+}
+
+modulator_cfg_t make_modulator(const BoardSettings &board, const ModelScales &model, const Model &m,
+                               const Bases &b)
 {
     modulator_cfg_t c{};
     store(c.timer_counts, board.timer_clock_hz / (2 * board.pwm_frequency_hz), 1, MANTISSA_MAX,
@@ -385,6 +304,7 @@ modulator_cfg_t make_modulator(const BoardSettings &board, const Bases &b)
     store(c.inverse_max_q12, b.voltage_v / (board.bus_min_v * BUS_FLOOR) * Q12, Q12, MANTISSA_MAX,
           {"board.bus_min_v", board.bus_min_v, -1},
           "the modulator divides by no less than 0.8 of it, an eighth of board.bus_full_scale_v");
+    set_dead_time(c, board, model, m, b);
     return c;
 }
 
@@ -446,7 +366,10 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.current_loop = make_current_loop(motor, tuning, m, b);
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
     c.position_loop = make_position_loop(motor, tuning, b);
-    c.modulator = make_modulator(board, b);
+    c.modulator = make_modulator(board, scales, m, b);
+    c.hold_loop = make_hold_loop(c.current_loop, motor, tuning, m, b);
+    c.startup = make_startup(motor, board, tuning, m, b);
+    c.model = make_model_cfg(motor, tuning, m, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     if (const char *bad = params_check(&c)) {

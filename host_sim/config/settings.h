@@ -24,6 +24,7 @@ struct MotorSettings {
     double rated_speed_rpm = 0;
     double max_speed_rpm = 0; // the controller never asks for more
     double max_current_a = 0; // peak phase current that the controller may ask for
+    double continuous_current_a = 0; // peak phase current for ever; 0: that of rated torque
     double inertia_kg_m2 = 0; // with the load
     double viscous_friction_nm_s = 0;
 };
@@ -51,6 +52,13 @@ struct TuningSettings {
     double observer_kappa = 0;    // share of the speed error removed per sample
     double observer_kappa_p = 0;  // proportional path; 0 is the published law
     double observer_momentum = 0; // alpha of paper A (19)
+    double observer_rho_max = 0;  // largest R/(ωL) by which the error is turned; 0 is the published law
+    double startup_current_pct = 0;   // imposed below the hand-over speed, of the continuous current; 0: no
+                                      // start-up, RUN begins with the rotor taken to be at angle 0
+    double handover_speed_pct = 10;   // of rated speed
+    double adapt_resistance_pct = 0;  // how far the model may be corrected; 0: not at all
+    double adapt_inductance_pct = 0;
+    double adapt_flux_pct = 0;
     double current_bandwidth_hz = 0;
     double speed_bandwidth_hz = 0;
     double speed_damping = 0; // of the closed speed loop
@@ -63,12 +71,17 @@ struct TuningSettings {
     int slow_ticks = 0;                      // control ticks in a slow period
 };
 
-// [model] How the controller's belief differs from the motor file, as factors.
+// A belief that is true: what the simulated hardware has.
+constexpr double AS_PLANT = -1;
+
+// [model] How the controller's belief differs from the motor file, as factors, and from the plant.
 struct ModelScales {
     double resistance = 1;
     double inductance = 1;
     double flux = 1;
     double inertia = 1;
+    double dead_time_s = AS_PLANT;   // compensated by the drive
+    double device_drop_v = AS_PLANT; // likewise
 };
 
 // [plant] How the real machine differs from the motor file, and what disturbs it.

@@ -1,0 +1,110 @@
+#include "align.h"
+
+#include "fx.h"
+
+#define MEAN_BITS (6U)
+#define ONE_Q14 (16384)
+
+void align_reset(align_t *align, bool backwards)
+{
+    *align = (align_t){.phase = ALIGN_PULL, .backwards = backwards};
+}
+
+static void next_phase(align_t *align)
+{
+    align->phase++;
+    align->tick = 0U;
+}
+
+static void pull(align_t *align, const align_cfg_t *cfg)
+{
+    align->current_ref = fx_min(align->current_ref + cfg->slope, cfg->current_high);
+    align->frame_speed = 0;
+    if (align->tick <= cfg->sweep_ticks) {
+        align->frame_speed = align->backwards ? -cfg->sweep_speed : cfg->sweep_speed;
+    }
+    if (align->tick >= cfg->pull_ticks) {
+        next_phase(align);
+    }
+}
+
+static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point, int32_t current,
+                    int32_t voltage)
+{
+    point->current += current;
+    point->voltage += voltage;
+    if (align->tick >= (1UL << cfg->measure_log2)) {
+        point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
+        point->voltage = fx_asr(point->voltage, cfg->measure_log2 - MEAN_BITS);
+        next_phase(align);
+    }
+}
+
+/* A voltage asked for in tick k acts from k + 1 on: what n ticks of it have done is seen in tick n + 1. */
+static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
+{
+    if (align->tick == 1U) {
+        align->step_start = current;
+    }
+    if (align->tick > cfg->step_ticks) {
+        align->current_ref = cfg->current_low;
+    }
+    if (align->tick > (cfg->step_ticks + 1U)) {
+        align->step_fall = align->step_start - current;
+        next_phase(align);
+    }
+}
+
+void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t voltage)
+{
+    align->tick++;
+    switch (align->phase) {
+    case ALIGN_PULL:
+        pull(align, cfg);
+        break;
+    case ALIGN_MEASURE_HIGH:
+        measure(align, cfg, &align->high, current, voltage);
+        break;
+    case ALIGN_STEP:
+        step_down(align, cfg, current);
+        break;
+    case ALIGN_SETTLE:
+        if (align->tick >= cfg->settle_ticks) {
+            next_phase(align);
+        }
+        break;
+    case ALIGN_MEASURE_LOW:
+        measure(align, cfg, &align->low, current, voltage);
+        break;
+    default: /* DONE */
+        break;
+    }
+}
+
+bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
+{
+    return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
+}
+
+int32_t align_resistance_q13(const align_t *align)
+{
+    const int32_t voltage = align->high.voltage - align->low.voltage;
+    const int32_t current = fx_asr(align->high.current - align->low.current, 4U);
+    int32_t result = ALIGN_UNKNOWN;
+
+    if ((current > 0) && (voltage > 0)) {
+        result = fx_min((voltage * 512) / current, FX_Q15_MAX);
+    }
+    return result;
+}
+
+int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg)
+{
+    int32_t result = ALIGN_UNKNOWN;
+
+    if (align->step_fall > 0) {
+        result = fx_min(((cfg->step_fall * ONE_Q14) / align->step_fall) - cfg->step_drop_q14,
+                        FX_Q15_MAX);
+    }
+    return result;
+}

@@ -1,0 +1,97 @@
+#include "catch_spin.h"
+
+#include "trig.h"
+
+#define QUARTER_TURN (0x40000000U)
+
+enum {
+    PRELOAD, /* the compare values of this tick act from the next on */
+    FIRST_PULSE,
+    PAUSE,
+    SECOND_PULSE
+};
+
+void catch_spin_reset(catch_spin_t *spin)
+{
+    *spin = (catch_spin_t){.phase = PRELOAD};
+}
+
+static void next_phase(catch_spin_t *spin)
+{
+    spin->phase++;
+    spin->tick = 0U;
+}
+
+static angle_t direction(ab_t v)
+{
+    return trig_atan2((int16_t)fx_sat16(v.beta), (int16_t)fx_sat16(v.alpha));
+}
+
+static int32_t magnitude(ab_t v)
+{
+    const int32_t alpha = fx_sat16(v.alpha);
+    const int32_t beta = fx_sat16(v.beta);
+
+    return (int32_t)trig_sqrt((uint32_t)(alpha * alpha) + (uint32_t)(beta * beta));
+}
+
+/* The speed must explain the current within a factor of two: L and φ may be off, noise is further off. */
+static bool plausible(const catch_spin_t *spin, const catch_spin_cfg_t *cfg, int32_t current)
+{
+    const int32_t per_tick =
+        fx_asr(fx_mul_32x16(fx_abs(spin->speed), cfg->emf_current), cfg->emf_shift);
+    const int32_t expected = fx_min(per_tick, FX_Q15_MAX) * (int32_t)spin->length;
+
+    return ((2 * current) > expected) && (current < (2 * expected));
+}
+
+static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t second)
+{
+    const int32_t least = fx_min(magnitude(spin->first), magnitude(second));
+    const angle_t turned = direction(second) - direction(spin->first);
+    const int32_t ticks = (int32_t)(spin->length * (cfg->gap_factor + 1U));
+    catch_spin_result_t result = CATCH_SPIN_STANDING;
+
+    spin->speed = (int32_t)turned / ticks;
+    if (((4 * least) > cfg->current) && plausible(spin, cfg, least)) {
+        const angle_t quarter = (spin->speed > 0) ? QUARTER_TURN : (0U - QUARTER_TURN);
+        const int32_t since_middle = fx_asr(spin->speed * (int32_t)spin->length, 1U);
+
+        spin->angle = direction(second) + quarter + (angle_t)since_middle;
+        result = CATCH_SPIN_TURNING;
+    }
+    return result;
+}
+
+catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
+{
+    catch_spin_result_t result = CATCH_SPIN_BUSY;
+
+    spin->tick++;
+    switch (spin->phase) {
+    case PRELOAD:
+        next_phase(spin);
+        spin->gates = true;
+        break;
+    case FIRST_PULSE:
+        if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {
+            spin->first = current;
+            spin->length = spin->tick;
+            spin->gates = false;
+            next_phase(spin);
+        }
+        break;
+    case PAUSE:
+        if (spin->tick >= (spin->length * cfg->gap_factor)) {
+            spin->gates = true;
+            next_phase(spin);
+        }
+        break;
+    default: /* SECOND_PULSE */
+        if (spin->tick >= spin->length) {
+            result = judge(spin, cfg, current);
+        }
+        break;
+    }
+    return result;
+}

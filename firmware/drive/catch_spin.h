@@ -1,0 +1,53 @@
+/*
+ * Is the rotor already turning, how fast and where?
+ *
+ * With all low sides on and no high side, the back-EMF drives a current through the shorted windings:
+ * after a time t the current is −e·t/L, and e = jωφ·e^{jθ}. Two such pulses, each ended at a current that can
+ * be measured, give two directions of e; the angle between them over the time between them is the speed with its
+ * sign, and the direction less a quarter turn is the rotor. No leg switches meanwhile, so dead time plays no part. A
+ * speed that does not fit the size of the current is noise: the rotor stands, or is slow enough to be pulled in.
+ *
+ * Pure, total. Call catch_spin_step once a control tick in place of current control, compare values all 0.
+ */
+#ifndef CATCH_SPIN_H
+#define CATCH_SPIN_H
+
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    int32_t current;       /* a pulse ends above this current, Q15 of I_b, 1…16384 */
+    uint32_t pulse_ticks;  /* or after so many ticks, 1…16 */
+    uint32_t gap_factor;   /* the pause is so many times as long as the pulse, 1…16 */
+    int32_t emf_current;   /* φ/L_d·ω·T: current for a speed, Q15 of I_b in a tick = */
+    uint32_t emf_shift;    /* speed · emf_current / 2^(16 + emf_shift), 0…30 */
+} catch_spin_cfg_t;
+
+typedef enum {
+    CATCH_SPIN_BUSY = 0,
+    CATCH_SPIN_STANDING, /* at rest, or too slow to tell */
+    CATCH_SPIN_TURNING
+} catch_spin_result_t;
+
+typedef struct {
+    uint32_t tick;   /* of the phase */
+    uint32_t phase;  /* 0 preload, 1 pulse, 2 pause, 3 pulse */
+    uint32_t length; /* of the pulses */
+    ab_t first;      /* current at the end of the first pulse */
+    bool gates;      /* to be enabled in this tick */
+    step_t speed;    /* found, when TURNING */
+    angle_t angle;   /* of the rotor at the end of the second pulse */
+} catch_spin_t;
+
+/* Begin. */
+void catch_spin_reset(catch_spin_t *spin);
+
+/*
+ * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`; the last tick of the
+ * second pulse gives the result. Two arctangents, a square root and a division then.
+ */
+catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current);
+
+#endif

@@ -1,0 +1,194 @@
+#include "low_speed.h"
+
+#include "drive_state.h"
+#include "vector_control.h"
+
+#define SIXTH_TURN (0x2AAAAAAAU)
+
+void low_speed_start(drive_t *drive)
+{
+    vector_control_reset(drive);
+    catch_spin_reset(&drive->catch_spin);
+    drive_enter(drive, DRIVE_STATE_CATCH_SPIN);
+}
+
+static bool runs_backwards(const drive_command_t *command)
+{
+    return (command->mode != (uint8_t)DRIVE_MODE_POSITION) && (command->target < 0);
+}
+
+/* The vector starts where its sweep ends at angle 0. */
+static void start_alignment(drive_t *drive, const drive_command_t *command)
+{
+    const align_cfg_t *const cfg = &drive->cfg->startup.align;
+    const bool backwards = runs_backwards(command);
+    const angle_t sweep = (angle_t)cfg->sweep_speed * cfg->sweep_ticks;
+
+    align_reset(&drive->align, backwards);
+    rotor_position_reset(&drive->frame, 0U);
+    drive->frame.turns_q32 -= (int64_t)sweep * (backwards ? -1 : 1);
+    drive->position = drive->frame;
+    drive_enter(drive, DRIVE_STATE_ALIGN);
+}
+
+/* The windings are shorted in this period and the EMF held them there in the last. */
+static void start_turning(drive_t *drive)
+{
+    const catch_spin_t *const spin = &drive->catch_spin;
+    const sincos_t angle = trig_sincos(spin->angle);
+    const int32_t speed = fx_asr(spin->speed, drive->cfg->speed_shift);
+    const int32_t emf = fx_asr(speed * drive->model.run_loop.emf_q13, 13U);
+
+    rotor_position_reset(&drive->position, spin->angle);
+    nn_observer_start(&drive->observer, &drive->model.observer, spin->speed,
+                      transforms_park(drive->signals.current_ab, angle));
+    speed_loop_reset(&drive->speed_loop, spin->speed);
+    drive->speed_reference = spin->speed;
+    drive->ratio_acting = modulator_ratio(&drive->modulator, (dq_t){0, emf});
+    drive_enter(drive, DRIVE_STATE_RUN);
+}
+
+void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    drive_signals_t *const s = &drive->signals;
+    catch_spin_result_t result;
+
+    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    result = catch_spin_step(&drive->catch_spin, &drive->cfg->startup.catch_spin, s->current_ab);
+    *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
+    if (result == CATCH_SPIN_TURNING) {
+        start_turning(drive);
+    } else if (result == CATCH_SPIN_STANDING) {
+        out->gate_enable = false;
+        start_alignment(drive, &in->command);
+    } else {
+        /* busy */
+    }
+}
+
+static void finish_alignment(drive_t *drive)
+{
+    const align_cfg_t *const cfg = &drive->cfg->startup.align;
+    const model_nominal_t nominal = drive_nominal(drive);
+    const int32_t resistance = align_resistance_q13(&drive->align);
+    const int32_t inductance = align_inductance_q14(&drive->align, cfg);
+
+    if ((resistance > 0) && (inductance > 0)) {
+        model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
+        nn_observer_reset(&drive->observer, &drive->model.observer);
+    }
+    drive->frame_speed = 0;
+    speed_loop_reset(&drive->speed_loop, 0);
+    drive_enter(drive, DRIVE_STATE_HOLD);
+}
+
+static void align(drive_t *drive)
+{
+    drive_signals_t *const s = &drive->signals;
+
+    align_step(&drive->align, &drive->cfg->startup.align, s->current_frame.d, s->voltage.d);
+    s->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
+    drive->frame_speed = drive->align.frame_speed;
+    if (drive->align.phase == ALIGN_DONE) {
+        finish_alignment(drive);
+    }
+}
+
+/* The imposed current: larger while the vector moves, for the rotor then has to be accelerated too. */
+static int32_t next_current_d(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const int32_t present = drive->signals.current_ref.d;
+    const int32_t wanted = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
+
+    return present + fx_clamp(wanted - present, -cfg->current_slope, cfg->current_slope);
+}
+
+/* The observer's angle is near the vector's and its model explains the current. */
+static bool has_found_rotor(const drive_t *drive)
+{
+    const angle_t load_angle =
+        rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
+    const bool near = (load_angle + SIXTH_TURN) < (2U * SIXTH_TURN);
+
+    return near && (drive->residual < drive->cfg->startup.residual_max);
+}
+
+static void repeat_start(drive_t *drive)
+{
+    drive->attempts++;
+    if (drive->attempts < drive->cfg->startup.attempts) {
+        low_speed_start(drive);
+    } else {
+        drive_fail(drive, (fault_t){.id = FAULT_STARTUP,
+                                    .value = drive->residual,
+                                    .limit = drive->cfg->startup.residual_max});
+    }
+}
+
+static void judge_handover(drive_t *drive)
+{
+    drive->handover_periods++;
+    if (has_found_rotor(drive)) {
+        vector_control_take_over(drive);
+        drive->attempts = 0U;
+        drive_enter(drive, DRIVE_STATE_RUN);
+    } else if (drive->handover_periods >= drive->cfg->startup.handover_periods) {
+        repeat_start(drive);
+    } else {
+        /* wait */
+    }
+}
+
+/* HOLD, IF_RAMP and HANDOVER by the speed of the vector. */
+static void next_state(drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const step_t speed = fx_abs(drive->frame_speed);
+
+    if (speed == 0) {
+        drive_enter(drive, DRIVE_STATE_HOLD);
+    } else if (speed < cfg->handover_speed) {
+        drive_enter(drive, DRIVE_STATE_IF_RAMP);
+    } else if (drive->state != DRIVE_STATE_HANDOVER) {
+        drive->handover_periods = 0U;
+        drive_enter(drive, DRIVE_STATE_HANDOVER);
+    } else {
+        judge_handover(drive);
+    }
+}
+
+static void drag(drive_t *drive, const drive_command_t *command)
+{
+    drive_signals_t *const s = &drive->signals;
+
+    s->current_ref.d = next_current_d(drive);
+    drive->slow_count--;
+    if (drive->slow_count == 1U) {
+        vector_control_plan(drive, command);
+    } else if (drive->slow_count == 0U) {
+        s->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
+                                                 drive->speed_reference);
+        drive->frame_speed = drive->speed_loop.reference;
+        drive->slow_count = drive->cfg->slow_ticks;
+        vector_control_refine(drive);
+        next_state(drive);
+    } else {
+        /* between */
+    }
+}
+
+void low_speed_motion(drive_t *drive, const drive_command_t *command)
+{
+    if (drive->state == DRIVE_STATE_ALIGN) {
+        align(drive);
+    } else {
+        drag(drive, command);
+    }
+}
+
+bool low_speed_tracks(const drive_t *drive)
+{
+    return (drive->state != DRIVE_STATE_ALIGN) &&
+           (fx_abs(drive->frame_speed) >= drive->cfg->startup.track_speed);
+}

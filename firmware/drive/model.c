@@ -1,0 +1,97 @@
+#include "model.h"
+
+#include "fx.h"
+
+#define ONE_Q30 (0x40000000)
+#define Q14_TO_Q30 (16U)
+
+static int32_t limited(int32_t ratio_q14, int32_t limit_q14)
+{
+    return fx_clamp(ratio_q14, MODEL_RATIO_ONE - limit_q14, MODEL_RATIO_ONE + limit_q14);
+}
+
+/* A mantissa of at most 15 bits times a ratio below 2. */
+static int32_t times(int32_t mantissa, int32_t ratio_q14)
+{
+    return fx_min(fx_asr(mantissa * ratio_q14, 14U), FX_Q15_MAX);
+}
+
+/* A word of at most 29 bits times a ratio below 2. */
+static int32_t times_wide(int32_t word, int32_t ratio_q14)
+{
+    return fx_mul_32x16(word, ratio_q14) * 4;
+}
+
+static int32_t inverse_q14(int32_t ratio_q14)
+{
+    return fx_min((MODEL_RATIO_ONE * MODEL_RATIO_ONE) / ratio_q14, FX_Q15_MAX);
+}
+
+static void apply_flux(model_t *model, const model_nominal_t *nominal)
+{
+    const int32_t flux_q14 = fx_asr(model->flux_q30, Q14_TO_Q30);
+    const int32_t current_q14 = times(flux_q14, model->inductance_inverse_q14);
+
+    model->observer.flux_q27 = times_wide(nominal->observer->flux_q27, current_q14);
+    model->run_loop.emf_q13 = times(nominal->run_loop->emf_q13, flux_q14);
+    model->hold_loop.emf_q13 = model->run_loop.emf_q13;
+}
+
+/* W1, W3 and η of paper A with R and L: T·R/L, T/L and what keeps κ = η·(φ/L)². */
+static void apply_weights(model_t *model, const model_nominal_t *nominal)
+{
+    const nn_observer_cfg_t *const from = nominal->observer;
+    nn_observer_cfg_t *const to = &model->observer;
+    const int32_t l = model->inductance_q14;
+    const int32_t l_squared = times(l, l);
+    const int32_t voltage = model->inductance_inverse_q14;
+    const int32_t decay = times(model->resistance_q14, voltage);
+
+    to->decay_d = times(from->decay_d, decay);
+    to->decay_q = times(from->decay_q, decay);
+    to->volt_gain = times(from->volt_gain, voltage);
+    to->rate = times(from->rate, l_squared);
+    to->proportional = times(from->proportional, l_squared);
+    to->corner = times_wide(from->corner, decay);
+    model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, model->resistance_q14);
+    model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;
+}
+
+void model_reset(model_t *model, const model_nominal_t *nominal)
+{
+    *model = (model_t){
+        .observer = *nominal->observer,
+        .run_loop = *nominal->run_loop,
+        .hold_loop = *nominal->hold_loop,
+        .resistance_q14 = MODEL_RATIO_ONE,
+        .inductance_q14 = MODEL_RATIO_ONE,
+        .inductance_inverse_q14 = MODEL_RATIO_ONE,
+        .flux_q30 = ONE_Q30,
+    };
+}
+
+void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+               int32_t resistance_q13, int32_t inductance_q14)
+{
+    const int32_t ratio_q14 =
+        (resistance_q13 * MODEL_RATIO_ONE) / fx_max(nominal->run_loop->resistance_q13, 1);
+
+    model->resistance_q14 = limited(ratio_q14, cfg->resistance_limit_q14);
+    model->inductance_q14 = limited(inductance_q14, cfg->inductance_limit_q14);
+    model->inductance_inverse_q14 = inverse_q14(model->inductance_q14);
+    apply_weights(model, nominal);
+    apply_flux(model, nominal);
+}
+
+void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+                      int32_t error_d, step_t speed)
+{
+    const int32_t band_q30 = cfg->flux_limit_q14 * (int32_t)(1UL << Q14_TO_Q30);
+
+    if ((band_q30 != 0) && (fx_abs(speed) >= cfg->flux_speed_min)) {
+        const int32_t flux_q30 = model->flux_q30 - (error_d * cfg->flux_rate);
+
+        model->flux_q30 = fx_clamp(flux_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
+        apply_flux(model, nominal);
+    }
+}

@@ -1,0 +1,58 @@
+/*
+ * The motor model in force: the configured one with resistance, inductance and magnet flux corrected by
+ * what the drive has measured.
+ *
+ * Each correction is a ratio to the configured value, within ±limit_q14 around 1, and can be switched
+ * off. It reaches the observer's weights and the feed-forward of both current loops.
+ *
+ * Flux: at speed the observer's static error e' along d is the flux error, (φ̂ − φ)/L_d: an integrator removes it.
+ */
+#ifndef MODEL_H
+#define MODEL_H
+
+#include "current_loop.h"
+#include "nn_observer.h"
+
+#include <stdint.h>
+
+#define MODEL_RATIO_ONE (16384) /* Q14 */
+
+typedef struct {
+    int32_t resistance_limit_q14; /* |ratio − 1| at most, 0…15000; 0: off */
+    int32_t inductance_limit_q14; /* 0…8192 */
+    int32_t flux_limit_q14;       /* 0…8192 */
+    int32_t flux_rate;            /* ratio in Q30 a slow period = −e'_d · flux_rate, 0…32767 */
+    step_t flux_speed_min;        /* flux is corrected above it */
+} model_cfg_t;
+
+typedef struct {
+    nn_observer_cfg_t observer;
+    current_loop_cfg_t run_loop;  /* of RUN */
+    current_loop_cfg_t hold_loop; /* of an imposed current */
+    int32_t resistance_q14;       /* ratios to the configured values */
+    int32_t inductance_q14;
+    int32_t inductance_inverse_q14;
+    int32_t flux_q30;
+} model_t;
+
+/* The configured values: parts of drive_cfg_t. */
+typedef struct {
+    const nn_observer_cfg_t *observer;
+    const current_loop_cfg_t *run_loop;
+    const current_loop_cfg_t *hold_loop;
+} model_nominal_t;
+
+void model_reset(model_t *model, const model_nominal_t *nominal);
+
+/*
+ * Take over a measured resistance (U_b/I_b, Q13) and inductance (ratio, Q14), both 1…32767, limited. Two
+ * divisions. Not each tick.
+ */
+void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+               int32_t resistance_q13, int32_t inductance_q14);
+
+/* Follow the flux, once a slow period. error_d: e'_d of the observer, Q15 of I_b, ±8192. */
+void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+                      int32_t error_d, step_t speed);
+
+#endif

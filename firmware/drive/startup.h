@@ -1,0 +1,25 @@
+/* Configuration of what happens below the speed at which the back-EMF tells the rotor's angle. */
+#ifndef STARTUP_H
+#define STARTUP_H
+
+#include "align.h"
+#include "catch_spin.h"
+
+#include <stdint.h>
+
+typedef struct {
+    catch_spin_cfg_t catch_spin;
+    align_cfg_t align;
+    int32_t current_hold;     /* imposed at standstill, Q15 of I_b, 1…16384; 0: no start-up at all, RUN
+                                 begins with the rotor taken to be at rest at angle 0 */
+    int32_t current_move;     /* imposed while the reference moves, Q15 of I_b */
+    int32_t current_slope;    /* change of the imposed current in a tick, Q15 of I_b, 1…16384 */
+    step_t track_speed;       /* the observer runs free above this reference, else it follows the vector */
+    step_t handover_speed;    /* the observer takes over above it */
+    step_t hold_speed;        /* and hands back below it, less than handover_speed */
+    int32_t residual_max;     /* the observer's |e_d| + |e_q| at hand-over, filtered, Q15 of I_b */
+    uint32_t handover_periods;  /* slow periods within which it must fall below, 1…60000 */
+    uint32_t attempts;        /* starts before it is a fault, 1…100 */
+} startup_cfg_t;
+
+#endif

@@ -1,0 +1,271 @@
+#include "vector_control.h"
+
+#include "drive_state.h"
+#include "trig.h"
+
+#define Q16_TO_Q32 (65536)
+#define PULL_SHIFT (6U)     /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
+#define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
+
+/* Where current is controlled in this tick. */
+typedef struct {
+    angle_t angle;
+    step_t step;   /* its advance in a tick */
+    int32_t speed; /* of the rotor, for the decoupling, Q15 of Ω_b */
+    const current_loop_cfg_t *loop;
+} frame_t;
+
+void vector_control_reset(drive_t *drive)
+{
+    const model_nominal_t nominal = drive_nominal(drive);
+
+    model_reset(&drive->model, &nominal);
+    nn_observer_reset(&drive->observer, &drive->model.observer);
+    rotor_position_reset(&drive->position, 0U);
+    rotor_position_reset(&drive->frame, 0U);
+    current_loop_reset(&drive->current_loop);
+    speed_loop_reset(&drive->speed_loop, 0);
+    position_loop_reset(&drive->position_loop, 0, 0);
+    drive->frame_speed = 0;
+    drive->speed_reference = 0;
+    drive->ratio = (dq_t){0, 0};
+    drive->ratio_acting = (dq_t){0, 0};
+    drive->offset = 0U;
+    drive->offset_acting = 0U;
+    drive->residual = 0;
+    drive->signals.current_ref = (dq_t){0, 0};
+    drive->slow_count = drive->cfg->slow_ticks;
+    drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+}
+
+/* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
+static dq_t applied_voltage(const drive_t *drive)
+{
+    const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
+    dq_t voltage = {
+        .d = fx_asr(drive->ratio_acting.d * bus, 15U),
+        .q = fx_asr(drive->ratio_acting.q * bus, 15U),
+    };
+
+    if (drive->offset_acting != 0U) {
+        const ab_t turned = transforms_park_inverse(voltage, trig_sincos(drive->offset_acting));
+
+        voltage = (dq_t){turned.alpha, turned.beta};
+    }
+    return voltage;
+}
+
+void vector_control_estimate(drive_t *drive, bool track)
+{
+    drive_signals_t *const s = &drive->signals;
+    const nn_observer_cfg_t *const cfg = &drive->model.observer;
+    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->position));
+
+    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    s->current = transforms_park(s->current_ab, angle);
+    s->voltage_applied = applied_voltage(drive);
+    if (track) {
+        nn_observer_step(&drive->observer, cfg, s->current, s->voltage_applied);
+    } else {
+        nn_observer_follow(&drive->observer, cfg, s->current, s->voltage_applied,
+                           drive->frame_speed);
+    }
+    s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
+    if (drive->state != DRIVE_STATE_RUN) {
+        s->current_frame =
+            transforms_park(s->current_ab, trig_sincos(rotor_position_angle(&drive->frame)));
+    }
+}
+
+static int64_t measured_position(const drive_t *drive)
+{
+    return (drive->state == DRIVE_STATE_RUN) ? drive->position.turns_q32 : drive->frame.turns_q32;
+}
+
+static void change_mode(drive_t *drive, uint8_t mode)
+{
+    drive->mode = mode;
+    position_loop_reset(&drive->position_loop, measured_position(drive),
+                        drive->speed_loop.reference);
+}
+
+void vector_control_plan(drive_t *drive, const drive_command_t *command)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+
+    if (command->mode != drive->mode) {
+        change_mode(drive, command->mode);
+    }
+    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
+        drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
+                                                    (int64_t)command->target * Q16_TO_Q32,
+                                                    measured_position(drive), cfg->slow_ticks);
+    } else {
+        drive->speed_reference =
+            speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
+    }
+}
+
+/* i_d* in RUN: the current to be imposed fades in below the speed at which the observer hands back. */
+static int32_t next_current_d(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
+    const int32_t present = drive->signals.current_ref.d;
+    const bool slow = fx_abs(drive->speed_reference) < cfg->hold_speed;
+    const int32_t wanted = slow ? cfg->current_hold : 0;
+
+    return present + fx_clamp(wanted - present, -slope, slope);
+}
+
+void vector_control_refine(drive_t *drive)
+{
+    const nn_observer_t *const observer = &drive->observer;
+    const model_nominal_t nominal = drive_nominal(drive);
+    const int32_t size = fx_abs(observer->error.d) + fx_abs(observer->error.q);
+
+    drive->residual += fx_asr(size - drive->residual, RESIDUAL_SHIFT);
+    model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
+                     observer->speed);
+    nn_observer_update_rho(&drive->observer, &drive->model.observer);
+}
+
+/*
+ * The motion loops share one slow period: planning in its last tick but one, the speed PI after it, the
+ * slow part of the estimate in its first.
+ */
+void vector_control_motion(drive_t *drive, const drive_command_t *command)
+{
+    drive->slow_count--;
+    if (drive->slow_count == 1U) {
+        vector_control_plan(drive, command);
+    } else if (drive->slow_count == 0U) {
+        drive->signals.current_ref.d = next_current_d(drive);
+        drive->signals.current_ref.q =
+            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                            drive->observer.speed);
+        drive->slow_count = drive->cfg->slow_ticks;
+        vector_control_refine(drive);
+    } else {
+        /* between */
+    }
+}
+
+/* A voltage in the frame to compare values. It is turned for the middle of the period in which it acts. */
+static compare_t modulate(drive_t *drive, const frame_t *frame)
+{
+    drive_signals_t *const s = &drive->signals;
+    const angle_t middle =
+        frame->angle + (angle_t)frame->step + (angle_t)fx_asr(frame->step, 1U);
+    const sincos_t angle = trig_sincos(middle);
+
+    drive->ratio_acting.d = drive->ratio.d;
+    drive->ratio_acting.q = drive->ratio.q;
+    drive->offset_acting = drive->offset;
+    drive->ratio = modulator_ratio(&drive->modulator, s->voltage);
+    s->ratio_ab = transforms_park_inverse(drive->ratio, angle);
+    return modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab,
+                             transforms_park_inverse(s->current_ref, angle));
+}
+
+/* Currents to voltage. */
+static void control_currents(drive_t *drive, const frame_t *frame)
+{
+    drive_signals_t *const s = &drive->signals;
+
+    s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
+    s->voltage = current_loop_step(&drive->current_loop, frame->loop, s->current_ref,
+                                   s->current_frame, frame->speed, s->voltage_limit);
+}
+
+void vector_control_close(drive_t *drive, drive_out_t *out)
+{
+    const frame_t frame = {
+        .angle = rotor_position_angle(&drive->position),
+        .step = drive->observer.speed_out,
+        .speed = drive->signals.speed,
+        .loop = &drive->model.run_loop,
+    };
+
+    drive->signals.current_frame = drive->signals.current;
+    control_currents(drive, &frame);
+    out->compare = modulate(drive, &frame);
+    out->gate_enable = true;
+    drive->offset = 0U;
+    rotor_position_step(&drive->position, drive->observer.speed_out);
+}
+
+/* While it does not run free, θ̂ goes with the frame and closes up to it. */
+static void follow_frame(drive_t *drive)
+{
+    const angle_t distance =
+        rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
+
+    rotor_position_step(&drive->position,
+                        drive->frame_speed + fx_asr((int32_t)distance, PULL_SHIFT));
+}
+
+/* The alignment's voltage step: v_d drops once and stays, the loop's integrals rest. */
+static void step_voltage(drive_t *drive)
+{
+    if (drive->align.tick == 1U) {
+        drive->signals.voltage.d -= drive->cfg->startup.align.step_voltage;
+    }
+}
+
+void vector_control_impose(drive_t *drive, bool track, drive_out_t *out)
+{
+    const frame_t frame = {
+        .angle = rotor_position_angle(&drive->frame),
+        .step = drive->frame_speed,
+        .speed = fx_asr(drive->frame_speed, drive->cfg->speed_shift),
+        .loop = &drive->model.hold_loop,
+    };
+    const bool aligning = drive->state == DRIVE_STATE_ALIGN;
+
+    if (aligning && align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
+        step_voltage(drive);
+    } else {
+        control_currents(drive, &frame);
+    }
+    out->compare = modulate(drive, &frame);
+    out->gate_enable = true;
+    rotor_position_step(&drive->frame, drive->frame_speed);
+    if (track) {
+        rotor_position_step(&drive->position, drive->observer.speed_out);
+    } else {
+        follow_frame(drive);
+    }
+    drive->offset = rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position) +
+                    (angle_t)fx_asr(drive->frame_speed - drive->observer.speed_out, 1U);
+}
+
+/* The frame turns forwards by `angle`: what is constant in space turns backwards in it. */
+static void turn_frame(drive_t *drive, angle_t angle)
+{
+    const sincos_t turn = trig_sincos(angle);
+    dq_t *const reference = &drive->signals.current_ref;
+
+    *reference = transforms_park((ab_t){reference->d, reference->q}, turn);
+    current_loop_turn(&drive->current_loop, turn);
+}
+
+void vector_control_take_over(drive_t *drive)
+{
+    turn_frame(drive,
+               rotor_position_angle(&drive->position) - rotor_position_angle(&drive->frame));
+    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
+                     drive->signals.current_ref.q);
+}
+
+void vector_control_hand_back(drive_t *drive)
+{
+    const dq_t reference = drive->signals.current_ref;
+    const angle_t load_angle =
+        trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
+
+    drive->frame.turns_q32 = drive->position.turns_q32;
+    rotor_position_step(&drive->frame, (step_t)load_angle);
+    drive->frame_speed = drive->speed_loop.reference;
+    turn_frame(drive, load_angle);
+}

@@ -1,0 +1,213 @@
+#include "low_speed_units.h"
+
+#include <algorithm>
+
+namespace nf
+{
+namespace
+{
+
+// Times of the alignment in units of 1/ω_n, the rotor's swing in the field of the imposed current. Half a
+// turn of the vector in 8 leaves no starting angle from which the rotor swings back by half a turn under 40 % of
+// rated torque (measured over 64 angles; 5 does); after three times as long a swing damped with 0.3 has gone
+// down to 1/1000.
+constexpr double RISE = 0.8;
+constexpr double SWEEP = 8;
+constexpr double PULL = 24;
+constexpr double SETTLE = 6;
+constexpr double MEASURE = 4;
+// The second level of the current: well apart from the first, and still enough to hold a load.
+constexpr double LOW_SHARE = 0.6;
+// The voltage step between them: at most this share of the bus, so that the duty has room.
+constexpr double STEP_SHARE = 0.3;
+constexpr int STEP_TICKS_MAX = 16;
+// Damping wanted of the rotor's swing, and the slow integral that sets the mean current, per ω_n.
+constexpr double HOLD_DAMPING = 0.7;
+constexpr double HOLD_INTEGRAL = 0.2;
+
+// A pulse that looks for a turning rotor ends at this share of the largest current.
+constexpr double CATCH_SHARE = 0.05;
+constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
+constexpr int CATCH_TICKS = 8;
+constexpr int CATCH_GAP_MAX = 8;
+constexpr double CATCH_TURN = 0.4; // turns between two pulses at the highest speed: below a half is unique
+
+// Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
+constexpr double TRACK_SHARE = 0.5;
+constexpr double HOLD_SHARE = 0.7;
+constexpr double RESIDUAL_SHARE = 0.25; // of the continuous current
+constexpr double HANDOVER_TIME_S = 0.1;
+constexpr uint32_t ATTEMPTS = 5;
+
+constexpr double FLUX_TIME_S = 0.05;
+constexpr double FLUX_SPEED_SHARE = 0.2; // of rated speed
+
+const char *const CURRENT_REASON = "the firmware's steps of current";
+
+double hold_current(const MotorSettings &motor, const TuningSettings &tuning)
+{
+    return tuning.startup_current_pct / 100 * continuous_current(motor);
+}
+
+// The rotor in the field of the current I: J/P·δ'' = −1.5·P·φ·I·sin δ.
+double swing_rad_s(const MotorSettings &motor, const TuningSettings &tuning, const Model &m)
+{
+    return std::sqrt(m.torque_acceleration * hold_current(motor, tuning));
+}
+
+uint32_t ticks(double seconds, const Bases &b)
+{
+    return static_cast<uint32_t>(std::clamp(std::ceil(seconds / b.control_period_s), 1.0, 1048576.0));
+}
+
+uint32_t measure_log2(double swing, const Bases &b)
+{
+    const double wanted = MEASURE / swing / b.control_period_s;
+    return static_cast<uint32_t>(std::clamp(std::ceil(std::log2(wanted)), 6.0, 16.0));
+}
+
+void set_voltage_step(align_cfg_t &c, double fall_a, const BoardSettings &board, const Model &m,
+                      const Bases &b)
+{
+    const double largest = STEP_SHARE * board.bus_nominal_v;
+    const double flux = m.inductance_d * fall_a;
+    const double needed = std::ceil(flux / largest / b.control_period_s);
+    c.step_ticks = static_cast<uint32_t>(std::clamp(needed, 2.0, double{STEP_TICKS_MAX}));
+    const double time_s = c.step_ticks * b.control_period_s;
+    const double drop = m.resistance * time_s / (2 * m.inductance_d);
+    const double voltage = std::min(largest, flux / time_s * (1 + drop));
+    const double fall = voltage * time_s / m.inductance_d;
+    c.step_voltage = static_cast<int32_t>(std::lround(voltage / b.voltage_v * Q15));
+    c.step_fall = static_cast<int32_t>(std::lround(fall / b.current_a * Q15));
+    c.step_drop_q14 = static_cast<int32_t>(std::lround(std::min(drop * Q14, Q13)));
+}
+
+align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
+                       const TuningSettings &tuning, const Model &m, const Bases &b)
+{
+    const double current = hold_current(motor, tuning);
+    const double swing = swing_rad_s(motor, tuning, m);
+    const double high = current / b.current_a * Q15;
+    align_cfg_t c{};
+    c.current_high = static_cast<int32_t>(std::lround(high));
+    c.current_low = static_cast<int32_t>(std::lround(high * LOW_SHARE));
+    c.slope = static_cast<int32_t>(std::ceil(high / ticks(RISE / swing, b)));
+    c.sweep_ticks = ticks(SWEEP / swing, b);
+    c.sweep_speed = static_cast<step_t>(std::lround(STEPS_PER_TURN / 2 / c.sweep_ticks));
+    c.pull_ticks = ticks(PULL / swing, b);
+    c.settle_ticks = ticks(SETTLE / swing, b);
+    c.measure_log2 = measure_log2(swing, b);
+    set_voltage_step(c, current * (1 - LOW_SHARE), board, m, b);
+    return c;
+}
+
+catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings &board,
+                                 const Model &m, const Bases &b)
+{
+    const double lsb = board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
+    const double threshold = std::max(CATCH_SHARE * motor.max_current_a, CATCH_LSB * lsb);
+    const double turn = m.max_speed_el * b.control_period_s / TWO_PI;
+    require(turn * TWO_PI * m.flux_current, 0, board.overcurrent_a,
+            {"motor.max_speed_rpm", motor.max_speed_rpm},
+            "a rotor that turns at it, shorted for one PWM period, would trip board.overcurrent_a");
+    catch_spin_cfg_t c{};
+    store(c.current, threshold / b.current_a * Q15, 1, Q14,
+          {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
+    c.pulse_ticks = CATCH_TICKS;
+    c.gap_factor = static_cast<uint32_t>(
+        std::clamp(std::floor(CATCH_TURN / turn) - 1, 1.0, double{CATCH_GAP_MAX}));
+    const double per_step = TWO_PI / STEPS_PER_TURN * m.flux_current / b.current_a * Q15;
+    const Mantissa emf =
+        normalise(std::ldexp(per_step, 16), 0, 30,
+                  {"motor.flux_linkage_wb", motor.flux_linkage_wb}, CURRENT_REASON);
+    c.emf_current = emf.value;
+    c.emf_shift = emf.shift;
+    return c;
+}
+
+} // namespace
+
+ModelHeadroom model_headroom(const TuningSettings &tuning)
+{
+    const double r = tuning.adapt_resistance_pct / 100;
+    const double l = tuning.adapt_inductance_pct / 100;
+    const double f = tuning.adapt_flux_pct / 100;
+    return {(1 + r) / (1 - l), (1 + l) * (1 + l), (1 + f) / (1 - l)};
+}
+
+startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
+                           const TuningSettings &tuning, const Model &m, const Bases &b)
+{
+    startup_cfg_t c{};
+    if (!(tuning.startup_current_pct > 0)) {
+        return c;
+    }
+    const double current = hold_current(motor, tuning) / b.current_a * Q15;
+    const double handover =
+        b.step_from_rpm(motor.rated_speed_rpm * tuning.handover_speed_pct / 100);
+    c.catch_spin = make_catch_spin(motor, board, m, b);
+    c.align = make_align(motor, board, tuning, m, b);
+    store(c.current_hold, current, 1, Q14, {"startup.current_pct", tuning.startup_current_pct},
+          CURRENT_REASON);
+    store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
+          {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
+    c.current_slope = c.align.slope;
+    c.handover_speed = static_cast<step_t>(std::lround(handover));
+    c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));
+    c.hold_speed = static_cast<step_t>(std::lround(handover * HOLD_SHARE));
+    c.residual_max = static_cast<int32_t>(
+        std::lround(RESIDUAL_SHARE * continuous_current(motor) / b.current_a * Q15));
+    c.handover_periods =
+        static_cast<uint32_t>(std::ceil(HANDOVER_TIME_S / b.control_period_s / tuning.slow_ticks));
+    c.attempts = ATTEMPTS;
+    return c;
+}
+
+current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,
+                                  const TuningSettings &tuning, const Model &m, const Bases &b)
+{
+    current_loop_cfg_t c = run_loop;
+    if (tuning.startup_current_pct > 0) {
+        const double swing = swing_rad_s(motor, tuning, m);
+        const double damping = swing * m.flux / (2 * HOLD_DAMPING * hold_current(motor, tuning));
+        const double kp = std::max(0.0, damping - m.resistance);
+        const double ki = (m.resistance + kp) * HOLD_INTEGRAL * swing * b.control_period_s;
+        const double base = b.voltage_v / b.current_a;
+        c.pi_d = make_pi(kp / base, ki / base, 1, "startup.current_pct", tuning.startup_current_pct);
+        c.pi_q = c.pi_d;
+    }
+    return c;
+}
+
+model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tuning, const Model &m,
+                           const Bases &b)
+{
+    const double slow_period = b.control_period_s * tuning.slow_ticks;
+    model_cfg_t c{};
+    c.resistance_limit_q14 =
+        static_cast<int32_t>(std::lround(tuning.adapt_resistance_pct / 100 * Q14));
+    c.inductance_limit_q14 =
+        static_cast<int32_t>(std::lround(tuning.adapt_inductance_pct / 100 * Q14));
+    c.flux_limit_q14 = static_cast<int32_t>(std::lround(tuning.adapt_flux_pct / 100 * Q14));
+    store(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
+          MANTISSA_MAX, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
+          "the firmware's steps of the flux");
+    c.flux_speed_min = static_cast<step_t>(
+        std::lround(b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE)));
+    return c;
+}
+
+double startup_time(const MotorSettings &motor, const BoardSettings &board,
+                    const TuningSettings &tuning)
+{
+    if (!(tuning.startup_current_pct > 0)) {
+        return 0;
+    }
+    const Bases b = make_bases(motor, board);
+    const double swing = swing_rad_s(motor, tuning, make_model(motor, ModelScales()));
+    const double catching = 2 * CATCH_TICKS * (CATCH_GAP_MAX + 2) * b.control_period_s;
+    const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
+    return catching + (PULL + SETTLE) / swing + measuring + STEP_TICKS_MAX * b.control_period_s;
+}
+
+} // namespace nf

@@ -1,0 +1,32 @@
+// The firmware's numbers of what happens below the speed at which the back-EMF tells the angle: one rule
+// for every motor, from its file.
+#pragma once
+
+#include "numbers.h"
+
+namespace nf
+{
+
+// How far the model may be corrected, as the largest factor on a weight of the observer.
+struct ModelHeadroom {
+    double weight; // T·R/L, T/L
+    double rate;   // (L/φ)²
+    double flux;   // φ/L
+};
+ModelHeadroom model_headroom(const TuningSettings &tuning);
+
+startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
+                           const TuningSettings &tuning, const Model &m, const Bases &b);
+
+// Current control of an imposed current, given that of RUN.
+current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,
+                                  const TuningSettings &tuning, const Model &m, const Bases &b);
+
+model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tuning, const Model &m,
+                           const Bases &b);
+
+// How long the start-up takes from the run request to standstill under control, in seconds.
+double startup_time(const MotorSettings &motor, const BoardSettings &board,
+                    const TuningSettings &tuning);
+
+} // namespace nf

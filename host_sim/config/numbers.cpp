@@ -1,0 +1,72 @@
+#include "numbers.h"
+
+#include <algorithm>
+
+namespace nf
+{
+
+double largest_ratio(const BoardSettings &board)
+{
+    return (1 - board.duty_margin_pct / 100) / std::sqrt(3.0);
+}
+
+void require(double number, double lo, double hi, const Source &setting, const char *what)
+{
+    if (number >= lo && number <= hi) {
+        return;
+    }
+    const double bound = number > hi ? hi : lo;
+    const bool at_most = (number > hi) == (setting.power > 0);
+    throw SettingError(setting.key, setting.value,
+                       {at_most, setting.value * std::pow(bound / number, 1 / setting.power)},
+                       what);
+}
+
+Mantissa normalise(double number, int shift_min, int shift_max, const Source &setting,
+                   const char *what)
+{
+    require(number, 0, std::ldexp(MANTISSA_MAX, -shift_min), setting, what);
+    int shift = shift_max;
+    while (shift > shift_min && std::round(std::ldexp(number, shift)) > MANTISSA_MAX) {
+        shift--;
+    }
+    return {static_cast<int32_t>(std::lround(std::ldexp(number, shift))),
+            static_cast<uint32_t>(shift)};
+}
+
+Model make_model(const MotorSettings &motor, const ModelScales &scale)
+{
+    Model m{};
+    const double p = motor.pole_pairs;
+    m.resistance = motor.resistance_ohm * scale.resistance;
+    m.inductance_d = motor.inductance_d_h * scale.inductance;
+    m.inductance_q = motor.inductance_q_h * scale.inductance;
+    m.flux = motor.flux_linkage_wb * scale.flux;
+    m.inertia = motor.inertia_kg_m2 * scale.inertia;
+    m.flux_current = m.flux / m.inductance_d;
+    m.torque_acceleration = 1.5 * p * p * m.flux / m.inertia;
+    m.max_speed_el = rad_s_from_rpm(motor.max_speed_rpm) * p;
+    return m;
+}
+
+pi_cfg_t make_pi(double kp, double ki, double ki_power, const char *key, double bandwidth)
+{
+    const char *const reason = "more is beyond the firmware's gains";
+    const Mantissa p = normalise(kp, 1, 30, {key, bandwidth}, reason);
+    const Mantissa i = normalise(std::ldexp(ki, 11), 1, 30, {key, bandwidth, ki_power}, reason);
+    pi_cfg_t c{};
+    c.kp = p.value;
+    c.kp_shift = p.shift;
+    c.ki = i.value;
+    c.ki_shift = i.shift;
+    return c;
+}
+
+double continuous_current(const MotorSettings &motor)
+{
+    const double rated = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
+    const double current = motor.continuous_current_a > 0 ? motor.continuous_current_a : rated;
+    return std::min(current, motor.max_current_a);
+}
+
+} // namespace nf
