@@ -13,6 +13,7 @@ typedef struct {
     int32_t current_hold;     /* imposed at standstill, Q15 of I_b, 1…16384; 0: no start-up at all, RUN
                                  begins with the rotor taken to be at rest at angle 0 */
     int32_t current_move;     /* imposed while the reference moves, Q15 of I_b */
+    int32_t current_floor;    /* in RUN |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
     int32_t current_slope;    /* change of the imposed current in a tick, Q15 of I_b, 1…16384 */
     step_t track_speed;       /* the observer runs free above this reference, else it follows the vector */
     step_t handover_speed;    /* the observer takes over above it */

@@ -106,16 +106,20 @@ void vector_control_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* i_d* in RUN: the current to be imposed fades in below the speed at which the observer hands back. */
+/*
+ * i_d* in RUN: below the speed at which the observer hands back, the current to be imposed fades in. Above, what
+ * keeps the current vector from getting so small that all legs switch within the dead time's zero crossing.
+ */
 static int32_t next_current_d(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
-    const int32_t present = drive->signals.current_ref.d;
+    const dq_t present = drive->signals.current_ref;
     const bool slow = fx_abs(drive->speed_reference) < cfg->hold_speed;
-    const int32_t wanted = slow ? cfg->current_hold : 0;
+    const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
+    const int32_t wanted = slow ? cfg->current_hold : lacking;
 
-    return present + fx_clamp(wanted - present, -slope, slope);
+    return present.d + fx_clamp(wanted - present.d, -slope, slope);
 }
 
 void vector_control_refine(drive_t *drive)

@@ -136,7 +136,8 @@ ModelHeadroom model_headroom(const TuningSettings &tuning)
 }
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const Model &m, const Bases &b)
+                           const TuningSettings &tuning, const ModelScales &scales,
+                           const Model &m, const Bases &b)
 {
     startup_cfg_t c{};
     if (!(tuning.startup_current_pct > 0)) {
@@ -151,6 +152,10 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
           CURRENT_REASON);
     store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
+    const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
+    const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
+    c.current_floor = static_cast<int32_t>(
+        std::lround(floor * continuous_current(motor) / b.current_a * Q15));
     c.current_slope = c.align.slope;
     c.handover_speed = static_cast<step_t>(std::lround(handover));
     c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));

@@ -368,7 +368,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.position_loop = make_position_loop(motor, tuning, b);
     c.modulator = make_modulator(board, scales, m, b);
     c.hold_loop = make_hold_loop(c.current_loop, motor, tuning, m, b);
-    c.startup = make_startup(motor, board, tuning, m, b);
+    c.startup = make_startup(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);

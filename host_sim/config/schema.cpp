@@ -94,6 +94,7 @@ const std::vector<Field> FIELDS = {
     {"adaptation", "inductance_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_inductance_pct>, "likewise L"},
     {"adaptation", "flux_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_flux_pct>, "likewise φ"},
     {"current_loop", "bandwidth_hz", "Hz", 1, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop"},
+    {"current_loop", "floor_pct", "%", 0, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a, where dead time is compensated"},
     {"speed_loop", "bandwidth_hz", "Hz", 0.01, 1000, NEEDED, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop"},
     {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},
     {"speed_loop", "ramp_rpm_s", "rpm/s", 0.1, 1e7, NEEDED, tuning<&T::speed_ramp_rpm_s>, "how fast the speed reference changes"},

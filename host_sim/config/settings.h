@@ -60,6 +60,7 @@ struct TuningSettings {
     double adapt_inductance_pct = 0;
     double adapt_flux_pct = 0;
     double current_bandwidth_hz = 0;
+    double current_floor_pct = 0; // least current in RUN, of the continuous current, where there is dead time
     double speed_bandwidth_hz = 0;
     double speed_damping = 0; // of the closed speed loop
     double speed_ramp_rpm_s = 0;
