@@ -79,6 +79,7 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measu
 {
     const uint32_t shift = STATE_TO_Q15 - cfg->current_shift;
     const int32_t rho = obs->rho_q13;
+    int32_t flux_error_q;
     dq_t e;
 
     obs->current.d = fx_asr(obs->x_q27 - cfg->flux_q27, shift);
@@ -86,8 +87,9 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measu
     e.d = fx_sat14(measured.d - obs->current.d);
     e.q = fx_sat14(measured.q - obs->current.q);
     obs->error = e;
-    obs->turned.d = fx_sat14(e.d + fx_asr(rho * e.q, 13U));
-    obs->turned.q = fx_sat14(e.q - fx_asr(rho * e.d, 13U));
+    flux_error_q = fx_asr(e.q * cfg->saliency_q13, 13U);
+    obs->turned.d = fx_sat14(e.d + fx_asr(rho * fx_sat16(flux_error_q), 13U));
+    obs->turned.q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U));
 }
 
 /* (19)–(22): train W2 along the descent direction. x, y as in predict(). */

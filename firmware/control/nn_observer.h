@@ -12,7 +12,7 @@
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T
  *                                                              rotation by W2 exact, see below
  *     e_d = i_d − î_d,  e_q = i_q − î_q                        (17)
- *     e' = (1 − jρ)·e                                          static part, ρ = 0 is the paper
+ *     e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)                    flux error, turned; ρ = 0 is the paper
  *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        descent direction of (18)
  *     ΔW2(k) = η·b(k) + α·ΔW2(k−1)                             (19)–(21)
  *     ω̂(k+1) = ω̂(k) − ΔW2(k)/T                                (22)
@@ -54,6 +54,7 @@ typedef struct {
     uint32_t weight_shift;       /* 2…15 */
     int32_t flux_q27;            /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
     int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
+    int32_t saliency_q13;        /* L_q/L_d: an error of i_q as one of y, 1…32767 */
     uint32_t current_shift;      /* s, 0…10 */
     int32_t rate;                /* η: ΔW2 in steps = (b >> 14)·rate / 2^rate_shift */
     uint32_t rate_shift;         /* 0…30 */

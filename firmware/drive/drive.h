@@ -139,10 +139,13 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 /* One control tick, from the control interrupt only. Total: every input frame is allowed. */
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
-/* Speed estimate (22) in steps per tick and position estimate in Q32 electrical turns. */
+/*
+ * Speed estimate in steps per tick: that of the imposed vector while it drags the rotor, else the observer's (22).
+ * Position estimate in Q32 electrical turns.
+ */
 static inline step_t drive_speed(const drive_t *drive)
 {
-    return drive->observer.speed;
+    return (drive->state == DRIVE_STATE_RUN) ? drive->observer.speed : drive->frame_speed;
 }
 
 static inline int64_t drive_position_q32(const drive_t *drive)

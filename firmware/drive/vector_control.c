@@ -13,6 +13,7 @@ typedef struct {
     step_t step;   /* its advance in a tick */
     int32_t speed; /* of the rotor, for the decoupling, Q15 of Ω_b */
     const current_loop_cfg_t *loop;
+    dq_t expected; /* current in the period to come */
 } frame_t;
 
 void vector_control_reset(drive_t *drive)
@@ -169,7 +170,7 @@ static compare_t modulate(drive_t *drive, const frame_t *frame)
     drive->ratio = modulator_ratio(&drive->modulator, s->voltage);
     s->ratio_ab = transforms_park_inverse(drive->ratio, angle);
     return modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab,
-                             transforms_park_inverse(s->current_ref, angle));
+                             transforms_park_inverse(frame->expected, angle));
 }
 
 /* Currents to voltage. */
@@ -189,6 +190,7 @@ void vector_control_close(drive_t *drive, drive_out_t *out)
         .step = drive->observer.speed_out,
         .speed = drive->signals.speed,
         .loop = &drive->model.run_loop,
+        .expected = drive->signals.current_ref, /* free of noise, and the loop is fast */
     };
 
     drive->signals.current_frame = drive->signals.current;
@@ -224,6 +226,7 @@ void vector_control_impose(drive_t *drive, bool track, drive_out_t *out)
         .step = drive->frame_speed,
         .speed = fx_asr(drive->frame_speed, drive->cfg->speed_shift),
         .loop = &drive->model.hold_loop,
+        .expected = drive->signals.current_frame, /* the loop is soft */
     };
     const bool aligning = drive->state == DRIVE_STATE_ALIGN;
 

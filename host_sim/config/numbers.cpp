@@ -62,6 +62,46 @@ pi_cfg_t make_pi(double kp, double ki, double ki_power, const char *key, double 
     return c;
 }
 
+namespace
+{
+
+// The motion loops by what the motor can do: its largest torque T_max = 1.5·P·φ·I_max on its inertia J.
+//
+// Speed: full torque at an error of 1/(2·ζ·4.3) = 12 % of rated speed (ζ = 1). A faster loop turns the ripple of
+// the estimate into torque: with dead time 2 % of ripple is then a fifth of the torque.
+constexpr double SPEED_PER_TORQUE = 4.3;
+// Ramp and profile leave the rest of the torque to the load.
+constexpr double RAMP_TORQUE = 0.27;
+constexpr double PROFILE_TORQUE = 0.2;
+constexpr double PROFILE_SPEED = 0.5; // of rated
+// The position loop below the speed loop, and the soft end of its profile in units of 1/bandwidth.
+constexpr double POSITION_SHARE = 1 / 2.8;
+constexpr double SOFTNESS = 0.3;
+
+void fill(double &setting, double value)
+{
+    if (!(setting > 0)) {
+        setting = value;
+    }
+}
+
+} // namespace
+
+TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor)
+{
+    const double torque = 1.5 * motor.pole_pairs * motor.flux_linkage_wb * motor.max_current_a;
+    const double acceleration = torque / motor.inertia_kg_m2;
+    TuningSettings t = tuning;
+    fill(t.speed_bandwidth_hz,
+         SPEED_PER_TORQUE * acceleration / rad_s_from_rpm(motor.rated_speed_rpm) / TWO_PI);
+    fill(t.speed_ramp_rpm_s, RAMP_TORQUE * acceleration / rad_s_from_rpm(1));
+    fill(t.position_bandwidth_hz, POSITION_SHARE * t.speed_bandwidth_hz);
+    fill(t.position_speed_rpm, PROFILE_SPEED * motor.rated_speed_rpm);
+    fill(t.position_acceleration_rad_s2, PROFILE_TORQUE * acceleration);
+    fill(t.position_softness_s, SOFTNESS / (TWO_PI * t.position_bandwidth_hz));
+    return t;
+}
+
 double continuous_current(const MotorSettings &motor)
 {
     const double rated = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);

@@ -68,6 +68,9 @@ struct Model {
 
 Model make_model(const MotorSettings &motor, const ModelScales &scale);
 
+// The tuning with what it leaves to the motor (0) filled in by one rule for every motor, see numbers.cpp.
+TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor);
+
 // Peak phase current for ever: the motor file's, else that of rated torque.
 double continuous_current(const MotorSettings &motor);
 

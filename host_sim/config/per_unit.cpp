@@ -107,6 +107,8 @@ void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSe
           {"motor.flux_linkage_wb", motor.flux_linkage_wb}, "φ/L_d in the observer's numbers");
     store(c.iq_gain_q14, m.inductance_d / m.inductance_q * Q14, 1, MANTISSA_MAX,
           {"motor.inductance_d_h", motor.inductance_d_h}, "twice motor.inductance_q_h");
+    store(c.saliency_q13, m.inductance_q / m.inductance_d * Q13, 1, MANTISSA_MAX,
+          {"motor.inductance_q_h", motor.inductance_q_h}, "four times motor.inductance_d_h");
 }
 
 // A mantissa that can still grow by `headroom`, as far as there is room: the correction ends there.
@@ -355,8 +357,9 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 }
 
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &scales)
+                           const TuningSettings &as_written, const ModelScales &scales)
 {
+    const TuningSettings tuning = for_motor(as_written, motor);
     const Bases b = make_bases(motor, board);
     const Model m = make_model(motor, scales);
     drive_cfg_t c{};
@@ -367,7 +370,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
     c.position_loop = make_position_loop(motor, tuning, b);
     c.modulator = make_modulator(board, scales, m, b);
-    c.hold_loop = make_hold_loop(c.current_loop, motor, tuning, m, b);
+    c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
