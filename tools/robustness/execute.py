@@ -1,0 +1,92 @@
+"""Runs the missing runs of a campaign on a Dask cluster: that of the local cores, or a given one."""
+
+import contextlib
+import itertools
+import logging
+import os
+
+import cloudpickle
+import dask
+from dask.distributed import Client, LocalCluster, as_completed
+
+from . import results, simulator, worker
+from .campaign import CampaignError
+
+IN_FLIGHT = 4  # runs for each thread: none waits for work, and Ctrl-C has little to drop
+CONNECT_S = 10
+
+cloudpickle.register_pickle_by_value(worker)
+
+
+def local_cluster(jobs):
+    """Threads of this process suffice, as each does nothing but wait for a simulator."""
+    return LocalCluster(n_workers=1, threads_per_worker=jobs or len(os.sched_getaffinity(0)),
+                        processes=False, dashboard_address=None, silence_logs=logging.CRITICAL)
+
+
+@contextlib.contextmanager
+def client_of(scheduler, jobs):
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set({"distributed.admin.tick.limit": "1h"}))
+        if scheduler is None:
+            yield stack.enter_context(Client(stack.enter_context(local_cluster(jobs))))
+            return
+        try:
+            client = Client(scheduler, timeout=CONNECT_S)
+        except (OSError, ValueError) as error:
+            raise CampaignError(f"--scheduler: {scheduler}: {first_line(error)}; expected the "
+                                "address of a Dask scheduler, for instance tcp://host:8786") from error
+        yield stack.enter_context(client)
+
+
+def first_line(error):
+    return str(error).partition("\n")[0] or type(error).__name__
+
+
+def threads_of(client):
+    count = sum(client.nthreads().values())
+    if count == 0:
+        raise CampaignError("--scheduler: it has no workers; expected at least one: dask worker "
+                            "ADDRESS")
+    return count
+
+
+def completed(client, tasks):
+    """The results of all tasks (function and arguments), as they come."""
+    def submit(task):
+        return client.submit(*task, pure=False, retries=0)
+
+    waiting = iter(tasks)
+    first = itertools.islice(waiting, IN_FLIGHT * threads_of(client))
+    flow = as_completed([submit(task) for task in first])
+    for future in flow:
+        yield future.result()
+        for task in itertools.islice(waiting, 1):
+            flow.add(submit(task))
+
+
+def execute(campaign, program, runs, store, scheduler, jobs, progress):
+    """Runs those of `runs` and stores a row each; `progress(row)` after each."""
+    data = simulator.data_files(campaign)
+    expected = simulator.fingerprint(program, campaign)
+    values = {}
+
+    def tasks():
+        for run in runs:
+            values[run] = campaign.values(run)
+            command = [*program.command(campaign, values[run]), "--json", "-"]
+            yield worker.simulate, run, command, data, expected
+
+    with client_of(scheduler, jobs) as client:
+        try:
+            for run, status, output, message in completed(client, tasks()):
+                metrics = simulator.result_of(campaign, status, output, f"run {run}: {message}")
+                row = results.row_of(run, simulator.outcome(metrics), values.pop(run), metrics)
+                store.add(row)
+                progress(row)
+        except RuntimeError as error:
+            raise CampaignError(f"{program.path}: {error}; expected the same simulator and data "
+                                "files on all workers, until the end") from error
+        except OSError as error:
+            raise CampaignError(f"{error.filename or program.path}: {error.strerror}; expected this "
+                                "file on all workers") from error
