@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import distributions
-from .distributions import DistributionError, is_number, text_of
+from .distributions import DistributionError, is_number, shown, text_of
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "host_sim" / "campaigns"
@@ -124,7 +124,7 @@ class Reader:
         return value
 
     def wrong(self, key, value, allowed):
-        found = "is missing" if value is None else f"is {text_of(value)}"
+        found = "is missing" if value is None else f"is {shown(value)}"
         self.fail(key, f"{found}; allowed: {allowed}")
 
     def placed(self, reference):
@@ -160,7 +160,7 @@ class Reader:
             elif isinstance(value, (str, int, float, list)):
                 yield key, value
             else:
-                self.wrong(f"{name}.{key}", str(value), "a string, number or list")
+                self.wrong(f"{name}.{key}", value, "a string, number or list")
 
     def vary(self):
         """Each leaf is KEY.DISTRIBUTION."""

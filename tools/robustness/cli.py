@@ -1,4 +1,7 @@
-"""The command line of robustness campaigns."""
+"""The command line of robustness campaigns.
+
+Dask and matplotlib take seconds to load: only what runs or draws does.
+"""
 
 import argparse
 import subprocess
@@ -8,7 +11,7 @@ from pathlib import Path
 from rich.console import Console
 
 from . import campaign as campaigns
-from . import execute, fail_map, files, progress, results, simulator, summary, tables
+from . import files, progress, results, simulator, summary, tables
 from .campaign import ROOT, CampaignError
 
 HOLDS, NOT_MET, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -76,7 +79,7 @@ def folder_of(args, campaign):
 
 def command_of(args):
     """The command that makes a run again, as text to copy."""
-    words = ["tools/campaign", "rerun", args.campaign]
+    words = [str(ROOT / "tools" / "campaign"), "rerun", args.campaign]
     if args.motorsim != simulator.MOTORSIM:
         words += ["--motorsim", str(args.motorsim)]
     return lambda run: simulator.as_shell([*words, "--run", str(run)])
@@ -84,6 +87,7 @@ def command_of(args):
 
 def finish(args, campaign, rows):
     """Tables, files and map of these rows; the exit status."""
+    from . import fail_map
     console = Console(width=None if sys.stdout.isatty() else 132)
     folder, command = folder_of(args, campaign), command_of(args)
     tables.show(console, campaign, rows, command)
@@ -105,17 +109,20 @@ def run_command(args):
         missing = [run for run in wanted if run not in done]
         try:
             if missing:
-                bar = progress.shown(Console(stderr=True), campaign.name,
-                                     len(done) + len(missing), store.rows)
-                with bar as add:
-                    execute.execute(campaign, program, missing, store, args.scheduler, args.jobs,
-                                    add)
+                run_missing(args, campaign, program, missing, store)
         except KeyboardInterrupt:
             print(f"campaign: stopped after {len(store.rows)} of {campaign.runs} runs; the same "
                   "command goes on", file=sys.stderr)
             return INTERRUPTED
         rows = sorted(store.rows, key=lambda row: row["run"])
     return finish(args, campaign, rows)
+
+
+def run_missing(args, campaign, program, missing, store):
+    from . import execute
+    total = len(store.rows) + len(missing)
+    with progress.shown(Console(stderr=True), campaign.name, total, store.rows) as add:
+        execute.execute(campaign, program, missing, store, args.scheduler, args.jobs, add)
 
 
 def report_command(args):

@@ -19,9 +19,14 @@ class DistributionError(Exception):
     """What was found and what is allowed; the reader adds file and key."""
 
 
+def shown(value):
+    """A value of a campaign file for messages; dates, which it has no use for, are in it too."""
+    return json.dumps(value, ensure_ascii=False, default=str)
+
+
 def text_of(value):
     """A value of a campaign file as the text that `--set KEY=` takes."""
-    return value if isinstance(value, str) else json.dumps(value)
+    return value if isinstance(value, str) else shown(value)
 
 
 def is_number(value):
@@ -97,14 +102,14 @@ def read_range(kind, value):
     good = isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
     good = good and value[0] < value[1] and (kind != "log_uniform" or value[0] > 0)
     if not good or (kind == "integer" and not all(type(end) is int for end in value)):
-        raise DistributionError(f"is {text_of(value)}; allowed: {allowed}")
+        raise DistributionError(f"is {shown(value)}; allowed: {allowed}")
     return Range(kind, *value)
 
 
 def read_choice(_, value):
     texts = [text_of(option) for option in value] if isinstance(value, list) else []
     if len(texts) < 2 or len(set(texts)) < len(texts):
-        raise DistributionError(f"is {text_of(value)}; allowed: a list of two or more values, "
+        raise DistributionError(f"is {shown(value)}; allowed: a list of two or more values, "
                                 "each once")
     return Choice(tuple(texts))
 

@@ -6,8 +6,8 @@ import logging
 import os
 
 import cloudpickle
-import dask
-from dask.distributed import Client, LocalCluster, as_completed
+from dask.distributed import (CancelledError, Client, KilledWorker, LocalCluster,
+                              as_completed)
 
 from . import results, simulator, worker
 from .campaign import CampaignError
@@ -18,6 +18,22 @@ CONNECT_S = 10
 cloudpickle.register_pickle_by_value(worker)
 
 
+class Portable:
+    """A function that arrives at workers as its code; they need no files of the tools.
+
+    Dask by itself sends the name of its module.
+    """
+
+    def __init__(self, function):
+        self.function = function
+
+    def __call__(self, *arguments):
+        return self.function(*arguments)
+
+    def __reduce__(self):
+        return cloudpickle.loads, (cloudpickle.dumps(self.function),)
+
+
 def local_cluster(jobs):
     """Threads of this process suffice, as each does nothing but wait for a simulator."""
     return LocalCluster(n_workers=1, threads_per_worker=jobs or len(os.sched_getaffinity(0)),
@@ -26,8 +42,8 @@ def local_cluster(jobs):
 
 @contextlib.contextmanager
 def client_of(scheduler, jobs):
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # one line of ours says it
     with contextlib.ExitStack() as stack:
-        stack.enter_context(dask.config.set({"distributed.admin.tick.limit": "1h"}))
         if scheduler is None:
             yield stack.enter_context(Client(stack.enter_context(local_cluster(jobs))))
             return
@@ -69,13 +85,13 @@ def execute(campaign, program, runs, store, scheduler, jobs, progress):
     """Runs those of `runs` and stores a row each; `progress(row)` after each."""
     data = simulator.data_files(campaign)
     expected = simulator.fingerprint(program, campaign)
-    values = {}
+    values, function = {}, Portable(worker.simulate)
 
     def tasks():
         for run in runs:
             values[run] = campaign.values(run)
             command = [*program.command(campaign, values[run]), "--json", "-"]
-            yield worker.simulate, run, command, data, expected
+            yield function, run, command, data, expected
 
     with client_of(scheduler, jobs) as client:
         try:
@@ -84,9 +100,7 @@ def execute(campaign, program, runs, store, scheduler, jobs, progress):
                 row = results.row_of(run, simulator.outcome(metrics), values.pop(run), metrics)
                 store.add(row)
                 progress(row)
-        except RuntimeError as error:
-            raise CampaignError(f"{program.path}: {error}; expected the same simulator and data "
-                                "files on all workers, until the end") from error
-        except OSError as error:
-            raise CampaignError(f"{error.filename or program.path}: {error.strerror}; expected this "
-                                "file on all workers") from error
+        except (OSError, RuntimeError, KilledWorker, CancelledError) as error:
+            raise CampaignError(f"a worker: {first_line(error)}; expected workers that last, with "
+                                "the same simulator and data files; the same command goes on"
+                                ) from error

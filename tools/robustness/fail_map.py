@@ -16,21 +16,22 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from report.style import LIGHT, PRINT, settings
 
-from . import summary
+from . import distributions, summary
 from .campaign import CampaignError
 from .distributions import Choice
 from .simulator import FAILED_SAFE, LOCKED, OUTCOMES, UNCONTROLLED
 
 FILE = "map.png"
 DPI = 170
-SLICES = 12           # of the diagonal
+SLICES_MAX = 12       # of the diagonal
+SLICE_RUNS = 8        # on average, at least
 CELL_RUNS = 16        # on average, that a share is shown of
 CELLS_MAX = 10        # a side
 DARKEST, SHADE_MIN = 4.0, 0.1   # times the share of all runs, and no less than this share
 FOOT = ("How the runs of each slice of the range ended.",
         "Diagonal: how the runs of each slice ended.  Below: each run.  Above: share of the runs in "
         "a cell.  The parameter that matters most comes first.")
-PANEL, GAP, SIDE_MIN, SCALE_WIDTH = 1.3, 0.12, 5.0, 1.7  # inches, as the next line
+PANEL, GAP, SIDE_MIN, SCALE_WIDTH = 1.3, 0.12, 7.6, 1.7  # inches, as the next line
 LEFT, BOTTOM, RIGHT, TOP = 0.75, 0.78, 0.75, 0.82
 COLOURS = {LOCKED: LIGHT["actual"], FAILED_SAFE: LIGHT["third"], UNCONTROLLED: LIGHT["estimated"]}
 MARKERS = {LOCKED: ".", FAILED_SAFE: "s", UNCONTROLLED: "x"}
@@ -40,9 +41,11 @@ POINTS_AREA = 9000      # of all markers of a panel
 CHOICE_LETTERS = 10
 EDGE = 0.08             # of an axis: nearer to its end a number would reach over it
 LOG_STEPS = (1, 2, 3, 5)
-GOLDEN, SLOT = 0.6180339887, 0.7
+LOG_FROM = 2.5         # ends of a range this far apart hold two of these steps
+SLOT = 0.7              # of its width that the points of a choice spread over
 SHADES = LinearSegmentedColormap.from_list("not locked", (LIGHT["paper"], "#f6c9ae",
                                                           LIGHT["estimated"], "#6a2403"))
+SHADES = SHADES.with_extremes(bad=LIGHT["grid"])    # a cell without runs
 UNITS = {"deg": "°", "lsb": "LSB", "pct": "%", "rpm": "rpm", "nm": "N·m", "s": "s", "v": "V",
          "a": "A", "hz": "Hz", "ohm": "Ω", "h": "H", "wb": "Wb"}
 HALF_TURN_DEG = 180
@@ -61,7 +64,7 @@ def ticks(key, distribution):
         values = [text[:CHOICE_LETTERS] for text in distribution.options]
         return [distribution.place(option) for option in distribution.options], values
     low, high = distribution.low, distribution.high
-    if distribution.log:
+    if distribution.log and high / low > LOG_FROM:
         decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         values = [step * 10.0**decade for decade in decades for step in LOG_STEPS]
     elif key.endswith("_deg") and high - low >= HALF_TURN_DEG:
@@ -76,7 +79,7 @@ def ticks(key, distribution):
 def keep_inside(axis, sides, align):
     """Numbers at the ends of an axis stay off those of the next panel."""
     for tick in axis.get_major_ticks():
-        place = tick.get_loc()
+        place = tick.get_loc() / axis.get_view_interval()[1]
         side = sides[0] if place < EDGE else sides[2] if place > 1 - EDGE else sides[1]
         for text in (tick.label1, tick.label2):
             getattr(text, align)(side)
@@ -91,6 +94,7 @@ class Map:
         self.places = {key: self.places_of(key) for key in self.keys}
         failed = np.mean(self.outcomes != LOCKED)
         self.darkest = float(np.clip(DARKEST * failed, SHADE_MIN, 1.0))
+        self.slices = int(np.clip(len(rows) / SLICE_RUNS, 2, SLICES_MAX))
         self.cells = int(np.clip(np.sqrt(len(rows) / CELL_RUNS), 2, CELLS_MAX))
 
     def places_of(self, key):
@@ -98,8 +102,9 @@ class Map:
         distribution = self.campaign.vary[key]
         places = np.array([distribution.place(row["values"][key]) for row in self.rows])
         if isinstance(distribution, Choice):
-            runs = np.array([row["run"] for row in self.rows])
-            places += (runs * GOLDEN % 1.0 - 0.5) * SLOT / len(distribution.options)
+            spread = [distributions.share(self.campaign.seed, row["run"], f"{key} within its slot")
+                      for row in self.rows]
+            places += (np.array(spread) - 0.5) * SLOT / len(distribution.options)
         return places
 
     def figure(self):
@@ -128,14 +133,15 @@ class Map:
         self.name_x(ax, row, column)
         self.name_y(ax, row, column)
 
-    def slices(self, key):
-        """Edges of the diagonal's slices: of a choice one each."""
+    def edges(self, key, count):
+        """Of `count` equal parts of an axis; of a choice, one part for each option."""
         distribution = self.campaign.vary[key]
-        count = len(distribution.options) if isinstance(distribution, Choice) else SLICES
+        if isinstance(distribution, Choice):
+            count = len(distribution.options)
         return np.linspace(0, 1, count + 1)
 
     def draw_slices(self, ax, key):
-        edges = self.slices(key)
+        edges = self.edges(key, self.slices)
         total = np.histogram(self.places[key], edges)[0]
         base = np.zeros(len(total))
         for outcome in reversed(OUTCOMES):
@@ -157,12 +163,12 @@ class Map:
                     alpha=0.55 if outcome == LOCKED else 0.9)
 
     def draw_shares(self, ax, key_x, key_y):
-        edges = np.linspace(0, 1, self.cells + 1)
+        edges = self.edges(key_x, self.cells), self.edges(key_y, self.cells)
         x, y, failed = self.places[key_x], self.places[key_y], self.outcomes != LOCKED
-        total = np.histogram2d(x, y, (edges, edges))[0].T
-        hits = np.histogram2d(x[failed], y[failed], (edges, edges))[0].T
+        total = np.histogram2d(x, y, edges)[0].T
+        hits = np.histogram2d(x[failed], y[failed], edges)[0].T
         share = np.divide(hits, total, out=np.full(total.shape, np.nan), where=total > 0)
-        ax.pcolormesh(edges, edges, share, cmap=SHADES, vmin=0, vmax=self.darkest,
+        ax.pcolormesh(*edges, share, cmap=SHADES, vmin=0, vmax=self.darkest,
                       linewidth=0)
         ax.grid(False)
 
@@ -222,6 +228,7 @@ class Map:
         ax.set_title("not locked, %", fontsize=PRINT.font - 1)
         ax.set(yticks=())
         ax.set_xticks((0, most), ("0", f"{most:.3g}{'' if self.darkest == 1.0 else ' or more'}"))
+        keep_inside(ax.xaxis, ("left", "center", "right"), "set_ha")
         ax.grid(False)
 
 

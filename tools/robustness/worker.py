@@ -6,19 +6,24 @@ Travels to the workers by value, so it needs nothing but Python there.
 import hashlib
 import os
 import subprocess
-from functools import lru_cache
+import sys
+import types
 from pathlib import Path
 
 
-@lru_cache(maxsize=64)
-def digest_of_version(path, modified_ns, size):
-    """Of a file as it was at a time; the time is what makes the cache true."""
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+def digests():
+    """Those known in this process; code that travels has no module of its own to keep them in."""
+    name = "neurofoc_digests"
+    return vars(sys.modules.setdefault(name, types.ModuleType(name)))
 
 
 def digest(path):
+    """Of a file; read again only if it was written to."""
     status = os.stat(path)
-    return digest_of_version(str(path), status.st_mtime_ns, status.st_size)
+    known, key = digests(), f"{path} {status.st_mtime_ns} {status.st_size}"
+    if key not in known:
+        known[key] = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    return known[key]
 
 
 def fingerprint(motorsim, data_files):
