@@ -1,7 +1,8 @@
 """What a campaign varies: distributions, and the values of a run as texts for `--set`.
 
 A value depends on the campaign's seed, the number of the run and the parameter's name alone. So any
-run can be made again by itself, on any machine, and one more parameter leaves the others as they were.
+run can be made again by itself, on any machine, and one more parameter leaves the others as they
+were.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Runs the missing runs of a campaign on a Dask cluster: that of the local cores, or a given one."""
+"""Runs of a campaign on a Dask cluster: that of the local cores, or a given one."""
 
 import contextlib
 import itertools

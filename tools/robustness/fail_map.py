@@ -1,7 +1,7 @@
 """The map of a campaign: which runs hold and where the others gather, for each pair of parameters.
 
-On the diagonal, how the runs of each slice of a parameter's range ended. Below it, each run as a point.
-Above it, the share of runs that do not hold in each cell of the plane.
+On the diagonal, how the runs of each slice of a parameter's range ended. Below it, each run as a
+point. Above it, the share of runs that do not hold in each cell of the plane.
 """
 
 import itertools
@@ -40,6 +40,7 @@ PALE = 0.35             # the locked part of a slice: it is the ground
 POINTS_AREA = 9000      # of all markers of a panel
 CHOICE_LETTERS = 10
 EDGE = 0.08             # of an axis: nearer to its end a number would reach over it
+ROUNDING = 1e-9         # of an end that is a round value itself
 LOG_STEPS = (1, 2, 3, 5)
 LOG_FROM = 2.5         # ends of a range this far apart hold two of these steps
 SLOT = 0.7              # of its width that the points of a choice spread over
@@ -71,9 +72,10 @@ def ticks(key, distribution):
         values = MultipleLocator(HALF_TURN_DEG).tick_values(low, high)
     else:
         values = MaxNLocator(3, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-    inside = [value for value in values if low * (1 - 1e-9) <= value <= high * (1 + 1e-9)
-              or low <= value <= high]
-    return [distribution.place(value) for value in inside], [f"{value:g}".replace("-", "−") for value in inside]
+    places = [(distribution.place(value), value) for value in values if value > 0 or not
+              distribution.log]
+    inside = [(place, value) for place, value in places if -ROUNDING < place < 1 + ROUNDING]
+    return [place for place, _ in inside], [f"{value:g}".replace("-", "−") for _, value in inside]
 
 
 def keep_inside(axis, sides, align):

@@ -1,4 +1,4 @@
-"""The files that a campaign leaves beside its results: all runs as CSV, the failures as commands."""
+"""Files that a campaign leaves beside its results: all runs as CSV, the failures as commands."""
 
 import csv
 
