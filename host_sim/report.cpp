@@ -1,5 +1,7 @@
 #include "report.h"
 
+#include "names.h"
+
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -64,6 +66,8 @@ std::string json_text(const Config &config, const RunResult &result)
     }
     json["locked"] = result.metrics.locked;
     json["faults"] = result.faults;
+    json["state_final"] = state_name(result.state_final);
+    json["gates_enabled_final"] = result.gates_enabled_final;
     json["saturations"] = nlohmann::ordered_json::object();
     for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
         json["saturations"][signal_name(k)] = result.saturations.ticks()[k];

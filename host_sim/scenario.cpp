@@ -16,6 +16,14 @@ constexpr double RPM_PER_RAD_S = 30.0 / 3.14159265358979323846;
 constexpr double Q15 = 32768.0;
 constexpr int64_t PROGRESS_TICKS = 1 << 14;
 
+std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
+{
+    for (TimedValue &step : steps) {
+        step.value *= factor;
+    }
+    return steps;
+}
+
 class Run
 {
 public:
@@ -57,7 +65,7 @@ Run::Run(const Config &config, const RunOptions &options)
       evaluate_from_(zero_ + ticks_in(scenario_.evaluate_from_s)),
       end_(zero_ + ticks_in(scenario_.duration_s)),
       command_(scenario_.command, sim_.bases().control_period_s, zero_),
-      load_(scenario_.load, sim_.bases().control_period_s, zero_),
+      load_(scaled(scenario_.load, scenario_.load_scale), sim_.bases().control_period_s, zero_),
       metrics_(scenario_.mode, sim_.bases().control_period_s, config.motor.rated_speed_rpm),
       rpm_per_step_(sim_.bases().rpm_from_step(1)), ampere_per_bit_(sim_.bases().current_a / Q15)
 {
@@ -177,6 +185,8 @@ RunResult Run::all()
     }
     result_.metrics = metrics_.finish();
     result_.ticks = end_;
+    result_.state_final = sim_.drive().state;
+    result_.gates_enabled_final = sim_.plant().gates_on;
     return result_;
 }
 

@@ -28,6 +28,8 @@ struct RunResult {
     Saturations saturations;         // over the evaluation, while running
     std::vector<std::string> faults; // "OVERCURRENT@1234": name and tick since the first
     int64_t ticks = 0;
+    drive_state_t state_final = DRIVE_STATE_INIT; // after the last tick
+    bool gates_enabled_final = false;             // whether the power stage still switches then
 };
 
 // Throws ConfigError, and what the sink throws.

@@ -50,6 +50,7 @@ struct ScenarioSettings {
     unsigned seed = 1;          // of the sensor noise
     double initial_angle_el_deg = 0;
     double initial_speed_rpm = 0;
+    double load_scale = 1;           // on every torque of the load
     std::vector<TimedValue> command; // rpm, or mechanical rad in position mode; times rise
     std::vector<TimedValue> load;    // N·m; times rise
     std::map<std::string, AcceptLimits> accept; // by selection, see selection_name()

@@ -135,6 +135,7 @@ const std::vector<Field> FIELDS = {
     {"scenario", "seed", "", 0, SEED_MAX, OPTIONAL, scenario<&S::seed>, "of the random numbers"},
     {"scenario", "initial_angle_el_deg", "°", -360, 360, OPTIONAL, scenario<&S::initial_angle_el_deg>, "electrical rotor angle at the start of the prelude"},
     {"scenario", "initial_speed_rpm", "rpm", -200000, 200000, OPTIONAL, scenario<&S::initial_speed_rpm>, "speed at the start of the prelude"},
+    {"scenario", "load_scale", "", -10, 10, OPTIONAL, scenario<&S::load_scale>, "factor on every torque of the load"},
 };
 // clang-format on
 

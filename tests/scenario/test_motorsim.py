@@ -15,8 +15,8 @@ RATED_RPM = 1800
 METRICS = """
 scenario with seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
-speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults saturations
-saturation_internal_count accepted failed_limits""".split()
+speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults state_final
+gates_enabled_final saturations saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
 time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm
 position_command_rad position_rad position_estimated_rad angle_el_deg angle_estimated_el_deg
@@ -90,6 +90,12 @@ class Metrics(MotorsimTest):
         metrics = self.metrics("s1", "--with", "hot", "--with", "adc", "--set", "scenario.seed=7")
         self.assertEqual((metrics["scenario"], metrics["seed"]), ("s1", 7))
         self.assertEqual(metrics["with"], ["hot", "adc"])
+
+    def test_the_end_of_a_run_is_told(self):
+        held = self.metrics("s1")
+        self.assertEqual((held["state_final"], held["gates_enabled_final"]), ("RUN", True))
+        tripped = self.metrics("s1", "--set", "plant.bus_ripple_pct=40")
+        self.assertEqual((tripped["state_final"], tripped["gates_enabled_final"]), ("FAULT", False))
 
     def test_only_json_goes_to_standard_output(self):
         done = self.assert_status(BROKEN, "run", self.short(angle=0), "--json", "-")

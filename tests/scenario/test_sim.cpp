@@ -3,6 +3,7 @@
 #include "scenario.h"
 #include "tick.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <unity.h>
@@ -97,6 +98,28 @@ void test_angle_error_wraps()
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 2.0, nf::angle_error_deg(tick));
 }
 
+// What the plant is loaded with, not what the file says.
+class LargestLoad : public nf::TickSink
+{
+public:
+    void add(const nf::Tick &tick) override
+    {
+        largest_nm = std::max(largest_nm, tick.load_nm);
+    }
+    double largest_nm = 0;
+};
+
+void test_load_scale_applies_to_every_torque_of_the_load()
+{
+    Config config = load({"scenario.load_scale=0.5", "scenario.duration_s=0.05"});
+    config.scenario.load = {{0.01, 2.0}, {0.02, 3.0}};
+    LargestLoad load_seen;
+    nf::RunOptions options;
+    options.sink = &load_seen;
+    (void)nf::run_scenario(config, options);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5, load_seen.largest_nm);
+}
+
 // The first evaluated tick of a scenario that does not say how long its prelude is.
 void test_the_drive_runs_from_t_0_on()
 {
@@ -113,6 +136,8 @@ void test_faults_are_listed()
     TEST_ASSERT_EQUAL_INT(0, static_cast<int>(result.faults.front().rfind("OVERVOLTAGE@", 0)));
     TEST_ASSERT_FALSE(result.metrics.locked);
     TEST_ASSERT_FALSE(nf::violations(config, result).empty());
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, result.state_final);
+    TEST_ASSERT_FALSE(result.gates_enabled_final);
 }
 
 void test_limits_name_what_does_not_hold()
@@ -145,6 +170,7 @@ int main()
     RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
     RUN_TEST(test_profile_acts_at_the_nearest_tick);
     RUN_TEST(test_angle_error_wraps);
+    RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);
     RUN_TEST(test_the_drive_runs_from_t_0_on);
     RUN_TEST(test_faults_are_listed);
     RUN_TEST(test_limits_name_what_does_not_hold);

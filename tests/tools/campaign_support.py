@@ -1,0 +1,67 @@
+"""What the tests of campaigns share: campaign files, and the command line in this process."""
+
+import contextlib
+import io
+import os
+from pathlib import Path
+
+from support import FolderTest
+from robustness import campaign, cli, results
+
+MOTORSIM = Path(os.environ["NF_MOTORSIM"])
+RUNS = 6
+# Some of the runs hold; the others end with the over-voltage of a ripple that no board allows.
+MINE = """
+title = "a few runs"
+scenario = "campaign"
+runs = 6
+seed = 3
+
+[set]
+plant.adc_noise_lsb = 1
+scenario.duration_s = 0.2
+
+[vary]
+plant.resistance_scale = { uniform = [0.9, 1.1] }
+plant.inertia_scale = { log_uniform = [0.5, 2] }
+plant.bus_ripple_pct = { choice = [0, 40] }
+scenario.seed = { integer = [0, 4294967295] }
+"""
+
+
+class CampaignTest(FolderTest):
+    def file(self, text=MINE, **replaced):
+        """A campaign file; `replaced` gives top-level keys other values."""
+        for key, value in replaced.items():
+            text = "\n".join(f"{key} = {value}" if line.startswith(f"{key} =") else line
+                             for line in text.splitlines())
+        return self.write("mine.toml", text)
+
+    def load(self, text=MINE):
+        return campaign.load(str(self.file(text)))
+
+    def called(self, *words):
+        """Exit status, standard output and standard error."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                status = cli.main([str(word) for word in words])
+            except SystemExit as ended:
+                status = ended.code
+        return status, out.getvalue(), err.getvalue()
+
+    def run_mine(self, *words, out="out"):
+        return self.called("run", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
+                           self.folder / out, *words)
+
+    def rows(self, out="out"):
+        return results.read(self.folder / out)[1]
+
+    def lines(self, out="out"):
+        return (self.folder / out / results.FILE).read_text(encoding="utf-8").splitlines()
+
+    def assert_refused(self, done, says):
+        status, out, err = done
+        self.assertEqual((status, out), (2, ""))
+        self.assertRegex(err, says)
+        self.assertEqual(err.count("\n"), 1, err)

@@ -1,0 +1,1 @@
+"""Robustness campaigns: thousands of seeded runs of the simulator, counted and drawn."""

@@ -1,0 +1,193 @@
+"""A campaign file: what is run, how often, what varies, and what is accepted."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import distributions
+from .distributions import DistributionError, is_number, shown, text_of
+
+ROOT = Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "host_sim" / "campaigns"
+RUNS_MAX = 10_000_000
+SEED_MAX = 2**63 - 1  # TOML's largest whole number
+
+
+class CampaignError(Exception):
+    """One line for the user: what, where, what was found, what is allowed."""
+
+
+@dataclass(frozen=True)
+class Accept:
+    """What the campaign as a whole has to reach; None is no demand."""
+
+    locked_pct: float | None = None  # at least
+    uncontrolled: int | None = None  # runs, at most
+
+
+@dataclass(frozen=True)
+class Campaign:
+    name: str
+    path: Path
+    title: str
+    scenario: str  # as motorsim takes it
+    sets: tuple    # imperfection sets, likewise
+    runs: int
+    seed: int
+    fixed: dict    # texts by key, the same in all runs
+    vary: dict     # distributions by key
+    accept: Accept
+
+    def values(self, run):
+        """What varies, as texts by key; a function of the seed and the run's number alone."""
+        return distributions.values(self.vary, self.seed, run)
+
+    def corners(self):
+        """Values of trial runs that reach both ends of every range, and every choice."""
+        count = max((distribution.corners for distribution in self.vary.values()), default=0)
+        return [{key: distribution.corner(number) for key, distribution in self.vary.items()}
+                for number in range(count)]
+
+    def arguments(self, values):
+        """The arguments of motorsim for a run with these values."""
+        words = ["run", self.scenario]
+        for name in self.sets:
+            words += ["--with", name]
+        for key, text in {**self.fixed, **values}.items():
+            words += ["--set", f"{key}={text}"]
+        return words
+
+    def settings(self):
+        """All that decides the result of a run of a given number, as texts by name."""
+        named = {"scenario": self.scenario, "with": ", ".join(self.sets), "seed": str(self.seed)}
+        named |= {f"set.{key}": text for key, text in self.fixed.items()}
+        return named | {f"vary.{key}": str(found) for key, found in self.vary.items()}
+
+
+def names():
+    """The campaigns that come with the project."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def find(reference):
+    """The file of a name or path."""
+    if "/" in reference or reference.endswith(".toml"):
+        return Path(reference)
+    if reference not in names():
+        raise CampaignError(f"no campaign '{reference}'; allowed: {', '.join(names())}, "
+                            "or the path of a .toml file")
+    return FOLDER / f"{reference}.toml"
+
+
+def load(reference):
+    path = find(reference)
+    try:
+        with open(path, "rb") as file:
+            document = tomllib.load(file)
+    except OSError as error:
+        raise CampaignError(f"{path}: {error.strerror}; expected a campaign file") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise CampaignError(f"{path}: {error}; expected TOML") from error
+    return Reader(path, document).campaign()
+
+
+class Reader:
+    """Checks a file's document key by key."""
+
+    KEYS = ("title", "scenario", "with", "runs", "seed", "set", "vary", "accept")
+
+    def __init__(self, path, document):
+        self.path, self.document = path, document
+
+    def fail(self, key, text):
+        raise CampaignError(f"{self.path}: {key}: {text}")
+
+    def campaign(self):
+        for key in self.document:
+            if key not in self.KEYS:
+                self.fail(key, f"unknown key; allowed: {', '.join(self.KEYS)}")
+        fixed = {key: text_of(value) for key, value in self.flat("set", self.table("set"))}
+        vary = self.vary()
+        for key in vary:
+            if key in fixed:
+                self.fail(f"vary.{key}", "is also in [set]; allowed: one of both")
+        return Campaign(
+            name=self.path.stem, path=self.path, title=self.text("title"),
+            scenario=self.placed(self.text("scenario")), sets=self.sets(),
+            runs=self.whole("runs", 1, RUNS_MAX), seed=self.whole("seed", 0, SEED_MAX),
+            fixed=fixed, vary=vary, accept=self.accept())
+
+    def text(self, key):
+        value = self.document.get(key)
+        if not isinstance(value, str) or not value:
+            self.wrong(key, value, "a string")
+        return value
+
+    def wrong(self, key, value, allowed):
+        found = "is missing" if value is None else f"is {shown(value)}"
+        self.fail(key, f"{found}; allowed: {allowed}")
+
+    def placed(self, reference):
+        """A path in the file is relative to it; a name stays."""
+        if "/" in reference or reference.endswith(".toml"):
+            return str((self.path.parent / reference).resolve())
+        return reference
+
+    def sets(self):
+        value = self.document.get("with", [])
+        if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+            self.wrong("with", value, "a list of imperfection sets")
+        return tuple(self.placed(name) for name in value)
+
+    def whole(self, key, low, high):
+        value = self.document.get(key)
+        if type(value) is not int or not low <= value <= high:
+            self.wrong(key, value, f"a whole number, {low} to {high}")
+        return value
+
+    def table(self, key):
+        value = self.document.get(key, {})
+        if not isinstance(value, dict):
+            self.wrong(key, value, "a table")
+        return value
+
+    def flat(self, name, table):
+        """The values of nested tables by dotted keys."""
+        for key, value in table.items():
+            if isinstance(value, dict):
+                yield from ((f"{key}.{inner}", found)
+                            for inner, found in self.flat(f"{name}.{key}", value))
+            elif isinstance(value, (str, int, float, list)):
+                yield key, value
+            else:
+                self.wrong(f"{name}.{key}", value, "a string, number or list")
+
+    def vary(self):
+        """Each leaf is KEY.DISTRIBUTION."""
+        found = {}
+        for leaf, value in self.flat("vary", self.table("vary")):
+            key, _, kind = leaf.rpartition(".")
+            if not key or kind not in distributions.READERS:
+                self.fail(f"vary.{leaf}", f"'{kind}' is no distribution; allowed: KEY = "
+                          f"{{ DISTRIBUTION = … }}, one of {', '.join(distributions.READERS)}")
+            if key in found:
+                self.fail(f"vary.{key}", "has two distributions; allowed: one")
+            try:
+                found[key] = distributions.read(kind, value)
+            except DistributionError as error:
+                self.fail(f"vary.{leaf}", str(error))
+        return found
+
+    def accept(self):
+        table = self.table("accept")
+        checks = {
+            "locked_pct": (lambda x: is_number(x) and 0 <= x <= 100, "a number, 0 to 100 %"),
+            "uncontrolled": (lambda x: type(x) is int and x >= 0, "a whole number, 0 or more"),
+        }
+        for key, value in table.items():
+            if key not in checks:
+                self.fail(f"accept.{key}", f"unknown key; allowed: {', '.join(checks)}")
+            good, allowed = checks[key]
+            if not good(value):
+                self.wrong(f"accept.{key}", value, allowed)
+        return Accept(**table)
