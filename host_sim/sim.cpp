@@ -46,6 +46,8 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
         cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
     }
+    cfg.temperature_zero_c = board.temperature_at_zero_c;
+    cfg.temperature_full_scale_c = board.temperature_full_scale_c;
     cfg.seed = config.scenario.seed;
     return cfg;
 }

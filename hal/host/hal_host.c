@@ -19,6 +19,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ia = adc.ia;
     in->adc_ib = adc.ib;
     in->adc_bus = adc.bus;
+    in->adc_temperature = adc.temperature;
     in->flags = 0U;
 }
 

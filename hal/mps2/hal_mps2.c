@@ -11,6 +11,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ia = hal->measured.adc_ia;
     in->adc_ib = hal->measured.adc_ib;
     in->adc_bus = hal->measured.adc_bus;
+    in->adc_temperature = hal->measured.adc_temperature;
     in->flags = hal->measured.flags;
 }
 

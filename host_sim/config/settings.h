@@ -40,9 +40,12 @@ struct BoardSettings {
     double bus_min_v = 0; // under-voltage fault while running
     double bus_max_v = 0; // over-voltage fault
     double overcurrent_a = 0;
-    double offset_max_a = 0;     // largest sensor offset that calibration accepts
-    double duty_margin_pct = 0;  // share of the period kept free for sampling and dead time
-    int offset_samples_log2 = 0; // calibration averages 2^n samples
+    double offset_max_a = 0;            // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
+    int offset_samples_log2 = 0;        // calibration averages 2^n samples
+    double temperature_at_zero_c = -50; // of the power stage where its sensor reads 0
+    double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
+    double temperature_max_c = 100;        // the drive stops above it
 };
 
 // [observer], [current_loop], [speed_loop], [position_loop]

@@ -182,6 +182,12 @@ void settings_that_contradict_each_other_name_both()
          "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which is "
          "board.overcurrent_a (boards/b.toml:11)"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
+        {"boards/b.toml", "", "temperature_max_c = 150\n",
+         "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; allowed: "
+         "between board.temperature_at_zero_c = -50 and board.temperature_full_scale_c = 150"},
+        {"boards/b.toml", "", "temperature_at_zero_c = 80\ntemperature_full_scale_c = 80\n",
+         "boards/b.toml:2: board.temperature_max_c = 100: is beyond what the sensor sees; allowed: "
+         "between board.temperature_at_zero_c = 80 and board.temperature_full_scale_c = 80"},
          "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
          "which is scenario.duration_s (scenarios/s.toml:7)"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nprelude_s = 0.02",
