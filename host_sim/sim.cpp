@@ -71,6 +71,8 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.ripple_fraction = config.plant.bus_ripple_pct / 100.0;
     cfg.supply.ripple_hz = config.plant.bus_ripple_hz;
     cfg.supply.device_drop_v = config.plant.device_drop_v;
+    cfg.supply.capacitance_f = config.plant.bus_capacitance_f;
+    cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
     return cfg;
 }

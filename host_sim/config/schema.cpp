@@ -111,6 +111,8 @@ const std::vector<Field> FIELDS = {
     {"plant", "device_drop_v", "V", 0, 10, OPTIONAL, plant<&P::device_drop_v>, "voltage across a conducting switch or diode"},
     {"plant", "bus_ripple_pct", "%", 0, 50, OPTIONAL, plant<&P::bus_ripple_pct>, "peak of the bus ripple, of the nominal voltage"},
     {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple"},
+    {"plant", "bus_capacitance_f", "F", 0, 1, OPTIONAL, plant<&P::bus_capacitance_f>, "capacitor of the bus behind a rectifier; 0: a stiff bus that takes current back"},
+    {"plant", "bus_source_resistance_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::bus_source_resistance_ohm>, "between rectifier and capacitor"},
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},

@@ -85,7 +85,9 @@ struct PlantSettings {
     double device_drop_v = 0;
     double bus_ripple_pct = 0; // peak, of the nominal bus voltage
     double bus_ripple_hz = 300;
-    double adc_noise_lsb = 0; // rms
+    double bus_capacitance_f = 0;         // 0: the bus is the supply, stiff both ways
+    double bus_source_resistance_ohm = 0; // between supply and capacitor
+    double adc_noise_lsb = 0;             // rms
     std::array<double, 2> adc_offset_lsb = {0, 0};
     std::array<double, 2> adc_gain_error_pct = {0, 0};
 };

@@ -59,7 +59,8 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "imperfections/hot.toml:4: plant.xyz = 1: unknown key; allowed: plant.resistance_scale, "
          "plant.inductance_scale, plant.flux_scale, plant.inertia_scale, "
          "plant.coulomb_friction_nm, plant.dead_time_s, plant.device_drop_v, "
-         "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.adc_noise_lsb, plant.adc_offset_lsb, "
+         "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "
+         "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "
          "plant.adc_gain_error_pct"},
         {"motors/m.toml", "[motor]", "xyz = 1\n[motor]",
          "motors/m.toml:1: xyz = 1: unknown key; allowed: motor"},
@@ -181,13 +182,13 @@ void settings_that_contradict_each_other_name_both()
         {"motors/m.toml", "max_current_a = 10", "max_current_a = 19",
          "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which is "
          "board.overcurrent_a (boards/b.toml:11)"},
-        {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
         {"boards/b.toml", "", "temperature_max_c = 150\n",
          "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; allowed: "
          "between board.temperature_at_zero_c = -50 and board.temperature_full_scale_c = 150"},
         {"boards/b.toml", "", "temperature_at_zero_c = 80\ntemperature_full_scale_c = 80\n",
          "boards/b.toml:2: board.temperature_max_c = 100: is beyond what the sensor sees; allowed: "
          "between board.temperature_at_zero_c = 80 and board.temperature_full_scale_c = 80"},
+        {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
          "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
          "which is scenario.duration_s (scenarios/s.toml:7)"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nprelude_s = 0.02",
