@@ -92,11 +92,6 @@ Simulation::Simulation(const Config &config)
     }
 }
 
-void Simulation::request_run()
-{
-    app_.command.request = DRIVE_REQUEST_RUN;
-}
-
 void Simulation::command_speed_rpm(double rpm)
 {
     app_.command.mode = DRIVE_MODE_SPEED;

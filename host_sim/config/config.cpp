@@ -215,8 +215,10 @@ Config assemble(const Sources &sources)
     for (const auto &[kind, home] : homes) {
         check_complete(kind, home, config);
     }
-    for (const Layer &layer : sources.scenario) {
-        apply_scenario(layer, config);
+    for (const auto *layers : {&sources.scenario, &sources.overrides}) {
+        for (const Layer &layer : *layers) {
+            apply_scenario(layer, config);
+        }
     }
     if (!sources.scenario.empty()) {
         check_complete(FileKind::scenario, sources.scenario.back(), config);

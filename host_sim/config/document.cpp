@@ -192,6 +192,18 @@ Node parse_document(const std::string &name, const std::string &text)
     return convert(result.table(), name);
 }
 
+// An override has no lines, nor has what is in it.
+void set_origin(Node &node, const Origin &origin)
+{
+    node.origin = origin;
+    for (Node &item : node.items) {
+        set_origin(item, origin);
+    }
+    for (auto &[key, value] : node.members) {
+        set_origin(value, origin);
+    }
+}
+
 Node parse_override(const std::string &key, const std::string &value)
 {
     const Origin origin = {"--set", 0};
@@ -207,7 +219,7 @@ Node parse_override(const std::string &key, const std::string &value)
             node = convert(*result.table().get("value"), origin.file);
         }
     }
-    node.origin = origin;
+    set_origin(node, origin);
     return node;
 }
 
