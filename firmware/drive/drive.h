@@ -59,9 +59,10 @@ typedef struct {
     uint16_t adc_ia;
     uint16_t adc_ib;
     uint16_t adc_bus;
-    uint16_t adc_temperature;
     uint16_t flags;
     drive_command_t command;
+    uint16_t
+        adc_temperature; /* last: before the command it would cost a Cortex-M0+ 57 instructions */
 } drive_in_t;
 
 /* One output frame. */

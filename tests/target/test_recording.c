@@ -57,7 +57,7 @@ static void test_header_is_refused(void)
 
 static void test_frame_bytes(void)
 {
-    const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0807U, 0x0A09U, {-2, 0x0FU, 0x10U}};
+    const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0A09U, {-2, 0x0FU, 0x10U}, 0x0807U};
     const uint8_t expected[RECORDING_FRAME_BYTES] = {
         1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U, 10U, 0xFEU, 0xFFU, 0xFFU, 0xFFU, 0x0FU, 0x10U};
     uint8_t bytes[RECORDING_FRAME_BYTES];
