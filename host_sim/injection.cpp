@@ -53,7 +53,7 @@ uint16_t Injection::bus_count(double volt) const
 }
 
 // What happens once.
-void Injection::strike(const Fault &fault, const Seam &seam) const
+void Injection::strike(const Fault &fault, const Seam &seam)
 {
     const double value = fault.entry.value.value_or(0);
     if (fault.entry.kind == FaultKind::rotor_jump) {
@@ -64,63 +64,69 @@ void Injection::strike(const Fault &fault, const Seam &seam) const
     }
 }
 
-// What is so as long as it lasts, on top of what the faults before it in the list do.
-void Injection::impose_one(const Fault &fault, const Seam &seam) const
+// What the drive is told as long as a fault lasts, on top of the faults before it in the list.
+void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const
 {
-    hal_host_faults_t &hal = seam.hal;
     const std::optional<double> &value = fault.entry.value;
+    const double ampere = value.value_or(0);
+    const double beyond_a = 2 * board_.current_full_scale_a;
     switch (fault.entry.kind) {
     case FaultKind::adc_a_stuck:
-        force(hal.ia, value ? current_count(*value) : fault.last.adc_ia);
+        force(hal.ia, value ? current_count(ampere) : fault.last.adc_ia);
         break;
     case FaultKind::adc_a_high:
-        force(hal.ia, current_count(2 * board_.current_full_scale_a));
+        force(hal.ia, current_count(beyond_a));
         break;
     case FaultKind::adc_a_low:
-        force(hal.ia, 0);
+        force(hal.ia, current_count(-beyond_a));
         break;
     case FaultKind::adc_b_stuck:
-        force(hal.ib, value ? current_count(*value) : fault.last.adc_ib);
+        force(hal.ib, value ? current_count(ampere) : fault.last.adc_ib);
         break;
     case FaultKind::adc_b_high:
-        force(hal.ib, current_count(2 * board_.current_full_scale_a));
+        force(hal.ib, current_count(beyond_a));
         break;
     case FaultKind::adc_b_low:
-        force(hal.ib, 0);
+        force(hal.ib, current_count(-beyond_a));
         break;
     case FaultKind::adc_bus_stuck:
         force(hal.bus, value ? bus_count(*value) : fault.last.adc_bus);
         break;
     case FaultKind::overcurrent:
-        force(hal.ia, current_count(*value));
-        force(hal.ib, current_count(-*value));
+        force(hal.ia, current_count(ampere));
+        force(hal.ib, current_count(-ampere));
         break;
+    default:
+        hal.broken = hal.broken || fault.entry.kind == FaultKind::break_input;
+        hal.late = hal.late || fault.entry.kind == FaultKind::late_isr;
+        break;
+    }
+}
+
+// What is so in the power stage and the motor, likewise.
+void Injection::impose_on_plant(const Fault &fault, plant_t &plant)
+{
+    const double value = fault.entry.value.value_or(0);
+    switch (fault.entry.kind) {
     case FaultKind::phase_a_open:
-        plant_break_phases(&seam.plant, seam.plant.broken | PHASE_A);
+        plant_break_phases(&plant, plant.broken | PHASE_A);
         break;
     case FaultKind::phase_b_open:
-        plant_break_phases(&seam.plant, seam.plant.broken | PHASE_B);
+        plant_break_phases(&plant, plant.broken | PHASE_B);
         break;
     case FaultKind::phase_c_open:
-        plant_break_phases(&seam.plant, seam.plant.broken | PHASE_C);
+        plant_break_phases(&plant, plant.broken | PHASE_C);
         break;
     case FaultKind::bus_voltage:
-        plant_set_supply(&seam.plant, *value);
+        plant_set_supply(&plant, value);
         break;
     case FaultKind::temperature:
-        plant_set_temperature(&seam.plant, *value);
+        plant_set_temperature(&plant, value);
         break;
     case FaultKind::rotor_blocked:
-        plant_block_rotor(&seam.plant, true);
+        plant_block_rotor(&plant, true);
         break;
-    case FaultKind::break_input:
-        hal.broken = true;
-        break;
-    case FaultKind::late_isr:
-        hal.late = true;
-        break;
-    case FaultKind::rotor_jump:
-    case FaultKind::config_corrupt:
+    default:
         break;
     }
 }
@@ -135,7 +141,8 @@ void Injection::impose(int64_t tick, const Seam &seam) const
     plant_block_rotor(&seam.plant, false);
     for (const Fault &fault : faults_) {
         if (fault.begun && tick < fault.until) {
-            impose_one(fault, seam);
+            impose_on_binding(fault, seam.hal);
+            impose_on_plant(fault, seam.plant);
         }
     }
 }

@@ -37,9 +37,10 @@ private:
     };
 
     void change(int64_t tick, Simulation &sim);
-    void strike(const Fault &fault, const Seam &seam) const;
+    static void strike(const Fault &fault, const Seam &seam);
     void impose(int64_t tick, const Seam &seam) const;
-    void impose_one(const Fault &fault, const Seam &seam) const;
+    void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
+    static void impose_on_plant(const Fault &fault, plant_t &plant);
     uint16_t current_count(double ampere) const;
     uint16_t bus_count(double volt) const;
     uint16_t count(double value) const;

@@ -168,6 +168,18 @@ toml::parse_result parse(std::string text)
     return result;
 }
 
+// An override has no lines, nor has what is in it.
+void set_origin(Node &node, const Origin &origin)
+{
+    node.origin = origin;
+    for (Node &item : node.items) {
+        set_origin(item, origin);
+    }
+    for (auto &[key, value] : node.members) {
+        set_origin(value, origin);
+    }
+}
+
 } // namespace
 
 bool Node::is_number() const
@@ -190,18 +202,6 @@ Node parse_document(const std::string &name, const std::string &text)
              "TOML syntax: " + std::string(error.description()), "");
     }
     return convert(result.table(), name);
-}
-
-// An override has no lines, nor has what is in it.
-void set_origin(Node &node, const Origin &origin)
-{
-    node.origin = origin;
-    for (Node &item : node.items) {
-        set_origin(item, origin);
-    }
-    for (auto &[key, value] : node.members) {
-        set_origin(value, origin);
-    }
 }
 
 Node parse_override(const std::string &key, const std::string &value)

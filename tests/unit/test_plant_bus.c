@@ -303,7 +303,7 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
     TEST_ASSERT_EQUAL_STRING("supply.capacitance_f", bad);
     cfg = LOSSLESS;
-    cfg.supply.resistance_ohm = INFINITY;
+    cfg.supply.resistance_ohm = HUGE_VAL;
     TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
     TEST_ASSERT_EQUAL_STRING("supply.resistance_ohm", bad);
 }

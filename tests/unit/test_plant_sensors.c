@@ -256,10 +256,10 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg.gain_error[1] = -1.0;
     check_rejected(&cfg, "sensor.gain_error[1]");
     cfg = CLEAN;
-    cfg.temperature_zero_c = INFINITY;
+    cfg.temperature_zero_c = HUGE_VAL;
     check_rejected(&cfg, "sensor.temperature_zero_c");
     cfg = CLEAN;
-    cfg.temperature_full_scale_c = NAN;
+    cfg.temperature_full_scale_c = -HUGE_VAL;
     check_rejected(&cfg, "sensor.temperature_full_scale_c");
 }
 
