@@ -19,7 +19,8 @@
 typedef struct hal hal_t;
 
 /*
- * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, flags) with the conversions of t_k.
+ * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, flags) with the
+ * conversions of t_k; the temperature may be an older one.
  * Context: control interrupt, first. Does not wait: the conversions are complete when it is called.
  */
 void hal_sample(hal_t *hal, drive_in_t *in);
@@ -27,7 +28,8 @@ void hal_sample(hal_t *hal, drive_in_t *in);
 /*
  * Preload the three compare values, and open or enable the gates. Opening acts at once, by hardware
  * where there is a main output enable; enabling acts no later than t_k+1.
- * Context: control interrupt, last. Must finish before t_k+1.
+ * Context: control interrupt, last. Must finish before t_k+1: a tick that does not leaves equal duty on
+ * all phases from t_k+1 to t_k+2, thus no voltage, and the next frame has DRIVE_FLAG_LATE.
  */
 void hal_apply(hal_t *hal, const drive_out_t *out);
 

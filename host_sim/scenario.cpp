@@ -1,6 +1,8 @@
 #include "scenario.h"
 
+#include "injection.h"
 #include "names.h"
+#include "operator.h"
 #include "profile.h"
 
 #include <cmath>
@@ -50,6 +52,8 @@ private:
     int64_t end_;
     Profile command_;
     Profile load_;
+    Injection injection_;
+    Operator operator_;
     Metrics metrics_;
     double rpm_per_step_;
     double ampere_per_bit_;
@@ -66,6 +70,8 @@ Run::Run(const Config &config, const RunOptions &options)
       end_(zero_ + ticks_in(scenario_.duration_s)),
       command_(scenario_.command, sim_.bases().control_period_s, zero_),
       load_(scaled(scenario_.load, scenario_.load_scale), sim_.bases().control_period_s, zero_),
+      injection_(config, sim_.bases().control_period_s, zero_),
+      operator_(scenario_.requests, sim_.bases().control_period_s, zero_),
       metrics_(scenario_.mode, sim_.bases().control_period_s, config.motor.rated_speed_rpm),
       rpm_per_step_(sim_.bases().rpm_from_step(1)), ampere_per_bit_(sim_.bases().current_a / Q15)
 {
@@ -137,9 +143,6 @@ void Run::watch_state()
     if (state == state_) {
         return;
     }
-    if (state == DRIVE_STATE_READY) {
-        sim_.request_run();
-    }
     if (state == DRIVE_STATE_FAULT) {
         result_.faults.push_back(fmt::format("{}@{}", fault_name(sim_.drive().fault.id), tick_));
     }
@@ -149,6 +152,8 @@ void Run::watch_state()
 void Run::one()
 {
     drive_profiles();
+    injection_.act(tick_, sim_);
+    operator_.act(tick_, sim_);
     Tick tick{};
     tick.sim = &sim_;
     tick.speed_estimate = drive_speed(&sim_.drive());

@@ -1,8 +1,9 @@
 // Runs a configuration from the start of its prelude to its end and judges it.
 //
 // The first tick is at t = −prelude_s, with the rotor as the scenario says and the drive in INIT. RUN
-// is requested as soon as the drive is READY; the prelude has to be long enough for that. Steps of
-// command and load act from the tick nearest to their time, before t = 0 as well.
+// is requested as soon as the drive is READY (operator.h); the prelude has to be long enough for that.
+// Steps of command and load, requests and faults act from the tick nearest to their time, before t = 0
+// as well.
 #pragma once
 
 #include "metrics.h"

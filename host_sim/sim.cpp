@@ -46,6 +46,8 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
         cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
     }
+    cfg.temperature_zero_c = board.temperature_at_zero_c;
+    cfg.temperature_full_scale_c = board.temperature_full_scale_c;
     cfg.seed = config.scenario.seed;
     return cfg;
 }
@@ -69,6 +71,8 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.ripple_fraction = config.plant.bus_ripple_pct / 100.0;
     cfg.supply.ripple_hz = config.plant.bus_ripple_hz;
     cfg.supply.device_drop_v = config.plant.device_drop_v;
+    cfg.supply.capacitance_f = config.plant.bus_capacitance_f;
+    cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
     return cfg;
 }
@@ -86,11 +90,6 @@ Simulation::Simulation(const Config &config)
     if (bad != nullptr) {
         throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
     }
-}
-
-void Simulation::request_run()
-{
-    app_.command.request = DRIVE_REQUEST_RUN;
 }
 
 void Simulation::command_speed_rpm(double rpm)

@@ -19,6 +19,13 @@ namespace nf
 // is the one that the drive's compare values are meant for.
 plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive);
 
+// Where faults get at a simulation.
+struct Seam {
+    plant_t &plant;
+    hal_host_faults_t &hal;
+    drive_cfg_t &cfg; // the one that the drive works with
+};
+
 class Simulation
 {
 public:
@@ -47,11 +54,19 @@ public:
     }
 
     // Requests of the user, from the next control() on.
-    void request_run();
+    void request(uint8_t drive_request)
+    {
+        app_.command.request = drive_request;
+    }
     void command_speed_rpm(double rpm);
     void command_position_rad(double mech_rad);
     // From the present instant.
     void set_load_nm(double torque_nm);
+
+    Seam seam()
+    {
+        return {plant_, hal_.faults, cfg_};
+    }
 
     const drive_t &drive() const
     {

@@ -4,6 +4,9 @@
  * Time stands still between two calls of hal_host_step(), so the control interrupt of tick k sees the
  * plant exactly at t_k, however long it takes. The plant keeps the preload registers: compare values
  * act from t_k+1; opening and enabling the gates act at once.
+ *
+ * What can go wrong between the plant and the control interrupt is put into hal_t.faults, before the
+ * tick that shall see it; a field stays in force until it is changed.
  */
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
@@ -11,11 +14,29 @@
 #include "hal.h"
 #include "plant.h"
 
+#include <stdbool.h>
 #include <stdint.h>
+
+/* A converter's channel that does not read what it should. */
+typedef struct {
+    bool forced;
+    uint16_t count;
+} hal_host_channel_t;
+
+typedef struct {
+    hal_host_channel_t ia;
+    hal_host_channel_t ib;
+    hal_host_channel_t bus;
+    bool broken; /* the power stage opens the gates by itself, and says so */
+    bool
+        late; /* ticks end too late: a rest duty acts in place of their demand, and the next knows */
+} hal_host_faults_t;
 
 struct hal {
     plant_t *plant;
-    uint32_t ticks; /* PWM periods since the binding */
+    hal_host_faults_t faults; /* all false: none */
+    bool late;                /* the last tick was */
+    uint32_t ticks;           /* PWM periods since the binding */
 };
 
 /* Bind to a plant that plant_init() has accepted and that outlives the binding. */

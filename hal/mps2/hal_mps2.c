@@ -8,10 +8,7 @@ void hal_mps2_feed(hal_t *hal, const drive_in_t *in)
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
-    in->adc_ia = hal->measured.adc_ia;
-    in->adc_ib = hal->measured.adc_ib;
-    in->adc_bus = hal->measured.adc_bus;
-    in->flags = hal->measured.flags;
+    *in = hal->measured;
 }
 
 void hal_apply(hal_t *hal, const drive_out_t *out)

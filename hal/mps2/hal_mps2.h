@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 struct hal {
-    drive_in_t measured; /* of this tick; its command is not used */
+    drive_in_t measured; /* of this tick; the interrupt puts its own command in place of this one */
     drive_out_t applied; /* of this tick */
     uint32_t ticks;
 };

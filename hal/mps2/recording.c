@@ -109,6 +109,7 @@ void recording_put_frame(uint8_t *to, const drive_in_t *in)
     put16(&at, in->adc_ia);
     put16(&at, in->adc_ib);
     put16(&at, in->adc_bus);
+    put16(&at, in->adc_temperature);
     put16(&at, in->flags);
     put32(&at, (uint32_t)in->command.target);
     put8(&at, in->command.mode);
@@ -123,6 +124,7 @@ drive_in_t recording_get_frame(const uint8_t *from)
     in.adc_ia = get16(&at);
     in.adc_ib = get16(&at);
     in.adc_bus = get16(&at);
+    in.adc_temperature = get16(&at);
     in.flags = get16(&at);
     in.command.target = (int32_t)get32(&at);
     in.command.mode = get8(&at);

@@ -24,9 +24,8 @@ const board_t BOARD = {
     .bus_full_scale_mv = HAL_BUS_FULL_SCALE_MV,
     .step_per_rpm_q16 = HAL_STEP_PER_RPM_Q16,
     .speed_max_rpm = HAL_SPEED_MAX_RPM,
-    .adc_reference_mv = HAL_ADC_REFERENCE_MV,
-    .temperature_25c_mv = HAL_TEMPERATURE_25C_MV,
-    .temperature_uv_per_c = HAL_TEMPERATURE_UV_PER_C,
+    .temperature_zero_mc = HAL_TEMPERATURE_ZERO_MC,
+    .temperature_span_mc = HAL_TEMPERATURE_SPAN_MC,
     .temperature_max_c = HAL_TEMPERATURE_MAX_C,
 };
 

@@ -23,10 +23,9 @@ typedef struct {
     uint32_t bus_full_scale_mv;
     uint32_t step_per_rpm_q16; /* advance of the electrical angle in a tick, 2^32 = one turn */
     int32_t speed_max_rpm;
-    uint32_t adc_reference_mv;
-    int32_t temperature_25c_mv; /* of the sensor at 25 °C */
-    int32_t temperature_uv_per_c;
-    int32_t temperature_max_c; /* above it the drive stops */
+    int32_t temperature_zero_mc; /* m°C at count 0 */
+    int32_t temperature_span_mc; /* from there to full scale, 4096 counts; within ±500 °C */
+    int32_t temperature_max_c;   /* above it the drive stops */
 } board_t;
 
 extern const board_t BOARD;

@@ -20,7 +20,7 @@ const char *hal_g431_init(hal_t *hal)
         why = "the trip level's DAC does not become ready";
     } else {
         pwm_init();
-        if (!sensing_init()) {
+        if (!sensing_init(&hal->temperature)) {
             why = "a converter does not become ready";
         }
     }
@@ -49,12 +49,13 @@ static uint16_t take_flags(hal_t *hal)
 {
     const uint32_t seen = reg_read(TIM1_SR) & (TIM_SR_UIF | TIM_SR_BIF);
     const bool broken = (seen & TIM_SR_BIF) != 0U;
+    const uint32_t late = hal->late ? DRIVE_FLAG_LATE : 0U;
 
     reg_write(TIM1_SR, ~seen);
     if (broken) {
         hal->gates_on = false;
     }
-    return (broken || hal->tick_lost) ? DRIVE_FLAG_BREAK : 0U;
+    return (uint16_t)((broken || hal->tick_lost) ? (late | DRIVE_FLAG_BREAK) : late);
 }
 
 void hal_sample(hal_t *hal, drive_in_t *in)
@@ -66,6 +67,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ia = sensing_current(reg_read(ADC1 + ADC_JDR1));
     in->adc_ib = sensing_current(reg_read(ADC2 + ADC_JDR1));
     in->adc_bus = (uint16_t)reg_read(ADC1 + ADC_JDR2);
+    in->adc_temperature = hal->temperature;
     hal->phase_c = sensing_current(reg_read(ADC2 + ADC_JDR2));
 }
 
@@ -101,7 +103,8 @@ void hal_apply(hal_t *hal, const drive_out_t *out)
 {
     const uint32_t elapsed = pwm_elapsed();
 
-    if (is_late(elapsed)) {
+    hal->late = is_late(elapsed);
+    if (hal->late) {
         hal->overruns++;
     } else {
         pwm_write(out->compare.phase[0], out->compare.phase[1], out->compare.phase[2]);
@@ -120,6 +123,11 @@ void hal_open_gates(hal_t *hal)
 uint32_t hal_ticks(const hal_t *hal)
 {
     return hal->ticks;
+}
+
+void hal_g431_set_temperature(hal_t *hal, uint16_t count)
+{
+    hal->temperature = count;
 }
 
 void hal_g431_tick_lost(hal_t *hal)

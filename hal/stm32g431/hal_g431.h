@@ -3,7 +3,8 @@
  *
  * Order in a control tick: hal_sample() acknowledges the interrupt, restarts the tick guard and puts a
  * rest duty into the preload registers; hal_apply() replaces it by the drive's demand. So a tick that
- * ends too late leaves the rest duty behind, and not the demand of a tick before. Such a tick is counted.
+ * ends too late leaves the rest duty behind, and not the demand of a tick before. Such a tick is counted,
+ * and the next frame says so.
  */
 #ifndef HAL_G431_H
 #define HAL_G431_H
@@ -19,7 +20,9 @@ struct hal {
     uint32_t longest;        /* timer ticks from the sampling instant to the end of a tick */
     bool gates_on;           /* asked for and not broken since */
     volatile bool tick_lost; /* set by the tick guard: gates stay open, the watchdog starves */
+    bool late;               /* the last tick ended too late */
     uint16_t phase_c;        /* the third shunt, as the other two; the drive does without it */
+    uint16_t temperature;    /* raw counts, the last that was converted */
 };
 
 /*
@@ -30,6 +33,9 @@ const char *hal_g431_init(hal_t *hal);
 
 /* Start the first tick. NULL, or what does not work. */
 const char *hal_g431_start(void);
+
+/* The frames to come have this temperature, raw counts. Context: background. */
+void hal_g431_set_temperature(hal_t *hal, uint16_t count);
 
 /* A tick was skipped or hangs. Context: tick guard's exception. */
 void hal_g431_tick_lost(hal_t *hal);

@@ -40,19 +40,20 @@ void SysTick_Handler(void)
     hal_g431_tick_lost(&hardware);
 }
 
-static int32_t temperature_of(uint32_t count)
+static int32_t temperature_of(uint16_t count)
 {
-    const uint32_t millivolts = (count * BOARD.adc_reference_mv) / (SENSING_COUNT_MAX + 1U);
-    const int32_t above = (int32_t)millivolts - BOARD.temperature_25c_mv;
+    const int32_t above_mc =
+        ((int32_t)count * BOARD.temperature_span_mc) / ((int32_t)SENSING_COUNT_MAX + 1);
 
-    return 25 + ((above * 1000) / BOARD.temperature_uv_per_c);
+    return (BOARD.temperature_zero_mc + above_mc) / 1000;
 }
 
 static void watch_temperature(uint32_t tick)
 {
-    uint32_t count = 0U;
+    uint16_t count = 0U;
 
     if (sensing_get_temperature(&count)) {
+        hal_g431_set_temperature(&hardware, count);
         console_set_temperature(&console, temperature_of(count));
     }
     if ((tick % TEMPERATURE_TICKS) == 0U) {

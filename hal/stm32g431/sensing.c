@@ -79,7 +79,23 @@ static void set_sequence(uint32_t adc, uint32_t second, uint32_t shunt_code)
                                   (second << ADC_JSQR_SQ2_SHIFT));
 }
 
-bool sensing_init(void)
+/* Bits of the control register that are not meant are written as 0, which changes nothing. */
+void sensing_start_temperature(void)
+{
+    reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+}
+
+bool sensing_get_temperature(uint16_t *count)
+{
+    const bool ended = reg_any(ADC1 + ADC_ISR, ADC_ISR_EOC);
+
+    if (ended) {
+        *count = (uint16_t)reg_read(ADC1 + ADC_DR); /* clears the flag */
+    }
+    return ended;
+}
+
+bool sensing_init(uint16_t *temperature)
 {
     const uint32_t shunt_code = sampling_code(BOARD.adc_sampling_ns);
 
@@ -91,6 +107,11 @@ bool sensing_init(void)
     set_sequence(ADC1, CHANNEL_BUS, shunt_code);
     set_sequence(ADC2, CHANNEL_AMPLIFIER_3, shunt_code);
     reg_write(ADC1 + ADC_SQR1, CHANNEL_TEMPERATURE << ADC_SQR1_SQ1_SHIFT);
+    sensing_start_temperature();
+    if (!reg_wait(ADC1 + ADC_ISR, ADC_ISR_EOC, ADC_ISR_EOC)) {
+        return false;
+    }
+    (void)sensing_get_temperature(temperature);
     reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
     reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
     return true;
@@ -100,20 +121,4 @@ void sensing_start(void)
 {
     reg_write(ADC1 + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
     reg_write(ADC1 + ADC_IER, ADC_IER_JEOSIE);
-}
-
-/* Bits of the control register that are not meant are written as 0, which changes nothing. */
-void sensing_start_temperature(void)
-{
-    reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
-}
-
-bool sensing_get_temperature(uint32_t *count)
-{
-    const bool ended = reg_any(ADC1 + ADC_ISR, ADC_ISR_EOC);
-
-    if (ended) {
-        *count = reg_read(ADC1 + ADC_DR); /* clears the flag */
-    }
-    return ended;
 }

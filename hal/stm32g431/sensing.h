@@ -19,8 +19,9 @@
 #define SENSING_COUNT_MAX (4095U)
 #define SENSING_MIDDLE (2048U)
 
-/* All but the interrupt. False when a converter does not become ready. */
-bool sensing_init(void);
+/* All but the interrupt, and a first temperature in raw counts. False when a converter does not become
+ * ready. */
+bool sensing_init(uint16_t *temperature);
 
 /* From now on the end of each sequence is a control interrupt; what was converted before is forgotten. */
 void sensing_start(void);
@@ -29,7 +30,7 @@ void sensing_start(void);
 void sensing_start_temperature(void);
 
 /* True once a conversion has ended; then its counts. Context: background. */
-bool sensing_get_temperature(uint32_t *count);
+bool sensing_get_temperature(uint16_t *count);
 
 /*
  * Raw counts of a shunt amplifier to the form that the drive takes: zero current at mid-scale, current

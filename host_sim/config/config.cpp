@@ -145,6 +145,24 @@ void check_orders(Config &config)
     }
 }
 
+// The sensor sees the temperature at which the drive stops, whichever way it counts.
+void check_temperature(const Config &config)
+{
+    const BoardSettings &board = config.board;
+    const auto ends = std::minmax(board.temperature_at_zero_c, board.temperature_full_scale_c);
+    if (ends.first < board.temperature_max_c && board.temperature_max_c < ends.second) {
+        return;
+    }
+    const auto written = config.origins.find("board.temperature_max_c");
+    const Origin origin =
+        written == config.origins.end() ? config.origins.at("board.name") : written->second;
+    fail(origin, "board.temperature_max_c", fmt::format("{}", board.temperature_max_c),
+         "is beyond what the sensor sees",
+         fmt::format("between board.temperature_at_zero_c = {} and board.temperature_full_scale_c "
+                     "= {}",
+                     board.temperature_at_zero_c, board.temperature_full_scale_c));
+}
+
 // The drive runs from t = 0 on at the latest, or from where the metrics start.
 void check_prelude(Config &config)
 {
@@ -199,14 +217,17 @@ Config assemble(const Sources &sources)
     for (const auto &[kind, home] : homes) {
         check_complete(kind, home, config);
     }
-    for (const Layer &layer : sources.scenario) {
-        apply_scenario(layer, config);
+    for (const auto *layers : {&sources.scenario, &sources.overrides}) {
+        for (const Layer &layer : *layers) {
+            apply_scenario(layer, config);
+        }
     }
     if (!sources.scenario.empty()) {
         check_complete(FileKind::scenario, sources.scenario.back(), config);
         check_prelude(config);
     }
     check_orders(config);
+    check_temperature(config);
     return config;
 }
 

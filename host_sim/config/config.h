@@ -31,6 +31,51 @@ struct TimedValue {
     double value;
 };
 
+// What can go wrong in a run: the words of scenario.fault.what.
+enum class FaultKind {
+    adc_a_stuck, // a channel's counts: those of a value in SI, or what it read last
+    adc_a_high,  // at the converter's end
+    adc_a_low,
+    adc_b_stuck,
+    adc_b_high,
+    adc_b_low,
+    adc_bus_stuck,
+    overcurrent,  // as if it flowed into phase a and back out of b
+    phase_a_open, // the wire to the motor
+    phase_b_open,
+    phase_c_open,
+    bus_voltage,    // of the supply
+    temperature,    // of the power stage
+    rotor_blocked,  // stands at once and cannot move
+    rotor_jump,     // by an electrical angle
+    break_input,    // the power stage opens the gates by itself
+    late_isr,       // ticks end too late for their compare values
+    config_corrupt, // a bit of the drive's configuration: the lowest of a byte
+};
+
+// How long a fault is there without `until_s`.
+enum class FaultSpan {
+    lasting, // to the end of the run
+    tick,    // for one control tick
+    instant  // it has no end
+};
+
+struct FaultEntry {
+    double time_s;
+    FaultKind kind;
+    FaultSpan span;
+    std::optional<double> value;
+    std::optional<double> until_s;
+};
+
+// What the user asks for. RUN is wanted from the start on, until an entry says otherwise; a clear ends
+// the wish unless its entry says run = true.
+struct RequestEntry {
+    double time_s;
+    std::optional<bool> run;
+    bool clear;
+};
+
 // One [accept.SELECTION] table.
 struct AcceptLimits {
     std::map<std::string, double> upper; // metric name to its largest accepted value
@@ -53,6 +98,8 @@ struct ScenarioSettings {
     double load_scale = 1;           // on every torque of the load
     std::vector<TimedValue> command; // rpm, or mechanical rad in position mode; times rise
     std::vector<TimedValue> load;    // N·m; times rise
+    std::vector<FaultEntry> faults;
+    std::vector<RequestEntry> requests;         // times rise
     std::map<std::string, AcceptLimits> accept; // by selection, see selection_name()
 
     // The limits for a selection: those under its name, else those under `any`, else none.

@@ -168,6 +168,18 @@ toml::parse_result parse(std::string text)
     return result;
 }
 
+// An override has no lines, nor has what is in it.
+void set_origin(Node &node, const Origin &origin)
+{
+    node.origin = origin;
+    for (Node &item : node.items) {
+        set_origin(item, origin);
+    }
+    for (auto &[key, value] : node.members) {
+        set_origin(value, origin);
+    }
+}
+
 } // namespace
 
 bool Node::is_number() const
@@ -207,7 +219,7 @@ Node parse_override(const std::string &key, const std::string &value)
             node = convert(*result.table().get("value"), origin.file);
         }
     }
-    node.origin = origin;
+    set_origin(node, origin);
     return node;
 }
 

@@ -14,7 +14,6 @@ namespace
 
 constexpr double NS = 1e-9;
 constexpr double MILLI = 1e-3;
-constexpr double MICRO = 1e-6;
 constexpr double Q16 = 65536.0;
 constexpr double DAC_COUNTS = 4096.0;
 // Two statements of one scale, each rounded by hand, agree within this share.
@@ -46,10 +45,17 @@ void need(bool holds, const Config &config, const std::string &key, double value
     }
 }
 
+// The defaults of the temperature sensor are for simulated power stages.
+bool is_needed(const Field &field)
+{
+    return std::strcmp(field.section, "hal") == 0 ||
+           field.name().rfind("board.temperature_", 0) == 0;
+}
+
 void check_complete(const Config &config)
 {
     for (const Field &field : schema()) {
-        if (std::strcmp(field.section, "hal") == 0 && config.origins.count(field.name()) == 0) {
+        if (is_needed(field) && config.origins.count(field.name()) == 0) {
             refuse(config, field.name(), "", "is missing, and a hardware binding needs it",
                    field.name() == "hal.break_polarity"
                        ? fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW)
@@ -69,8 +75,6 @@ void check_choices(const Config &config)
          "is no gain of the amplifier", "2, 4, 8, 16, 32 or 64");
     need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
          "a positive or negative number");
-    need(hal.temperature_slope_v_c != 0, config, "hal.temperature_slope_v_c",
-         hal.temperature_slope_v_c, "is no slope", "a positive or negative number");
 }
 
 void check_timing(const Config &config)
@@ -181,7 +185,6 @@ std::string sensing_lines(const Config &config)
     const double counts = std::ldexp(1.0, config.board.adc_bits);
     const double zero = hal.amplifier_zero_v / hal.adc_reference_v * counts;
     return define("ADC_BITS", config.board.adc_bits, "U", "board.adc_bits") +
-           define("ADC_REFERENCE_MV", hal.adc_reference_v / MILLI, "", "hal.adc_reference_v") +
            define("ADC_SAMPLING_NS", std::ceil(hal.adc_sampling_ns), "U", "at least") +
            define("AMPLIFIER_ZERO", zero, "U",
                   fmt::format("counts without current, {:g} V", hal.amplifier_zero_v)) +
@@ -201,13 +204,14 @@ std::string trip_lines(const HalSettings &hal)
            flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
 }
 
-std::string temperature_lines(const HalSettings &hal)
+std::string temperature_lines(const BoardSettings &board)
 {
-    return define("TEMPERATURE_25C_MV", hal.temperature_25c_v / MILLI, "",
-                  "hal.temperature_25c_v") +
-           define("TEMPERATURE_UV_PER_C", hal.temperature_slope_v_c / MICRO, "",
-                  "hal.temperature_slope_v_c") +
-           define("TEMPERATURE_MAX_C", hal.temperature_max_c, "", "hal.temperature_max_c");
+    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
+    return define("TEMPERATURE_ZERO_MC", board.temperature_at_zero_c / MILLI, "",
+                  "board.temperature_at_zero_c") +
+           define("TEMPERATURE_SPAN_MC", span_c / MILLI, "",
+                  "from there to board.temperature_full_scale_c") +
+           define("TEMPERATURE_MAX_C", board.temperature_max_c, "", "board.temperature_max_c");
 }
 
 std::string speed_lines(const Config &config)
@@ -250,7 +254,7 @@ std::string make_hal_header(const Config &config)
         quoted(fmt::format("neurofoc: {}, {}, {}", config.motor.name, config.board.name,
                            config.tuning.name)),
         timer_lines(config), sensing_lines(config), trip_lines(config.hal),
-        temperature_lines(config.hal), speed_lines(config));
+        temperature_lines(config.board), speed_lines(config));
 }
 
 } // namespace nf

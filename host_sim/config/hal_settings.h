@@ -19,9 +19,6 @@ struct HalSettings {
     double adc_reference_v = 0;
     double bus_divider = 0; // bus to converter
     double trip_a = 0;
-    double temperature_25c_v = 0; // at the converter
-    double temperature_slope_v_c = 0;
-    int temperature_max_c = 0;
 };
 
 } // namespace nf

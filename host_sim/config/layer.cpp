@@ -26,12 +26,23 @@ bool has_top(FileKind kind, const std::string &key)
            (kind == FileKind::imperfection && key == "include");
 }
 
+bool is_list(const std::string &section, const std::string &key)
+{
+    const std::vector<std::string> &lists = scenario_lists();
+    return section == "scenario" && std::count(lists.begin(), lists.end(), key) != 0;
+}
+
 std::vector<std::string> keys_of(const std::vector<std::string> &sections)
 {
     std::vector<std::string> keys;
     for (const Field &field : schema()) {
         if (std::count(sections.begin(), sections.end(), field.section) != 0) {
             keys.push_back(field.name());
+        }
+    }
+    if (std::count(sections.begin(), sections.end(), "scenario") != 0) {
+        for (const std::string &list : scenario_lists()) {
+            keys.push_back("scenario." + list);
         }
     }
     return keys;
@@ -76,7 +87,7 @@ void read_section(FileKind kind, const std::string &section, const Node &table, 
     for (const auto &[key, value] : table.members) {
         const std::string name = fmt::format("{}.{}", section, key);
         const Field *field = find_field(name);
-        if (section == "scenario" && (key == "command" || key == "load")) {
+        if (is_list(section, key)) {
             layer.extra[key] = value;
         } else if (field == nullptr) {
             unknown_key(name, value, sections_of(kind));
@@ -157,6 +168,11 @@ Layer read_override(const std::string &text)
     if (is_part(name)) {
         layer.top[name] = value;
         layer.top[name].text = is_text(value) ? value.text : written;
+        return layer;
+    }
+    const std::size_t dot = std::min(name.find('.'), name.size());
+    if (dot < name.size() && is_list(name.substr(0, dot), name.substr(dot + 1))) {
+        layer.extra[name.substr(dot + 1)] = value;
         return layer;
     }
     const Field *field = find_field(name);

@@ -22,7 +22,7 @@ struct Layer {
     std::filesystem::path path;      // empty for an override
     std::vector<Setting> settings;   // checked
     std::map<std::string, Node> top; // of a scenario `base`, `motor`, `board`, `tuning`; `include`
-    std::map<std::string, Node> extra;    // of a scenario: "command", "load", "accept"
+    std::map<std::string, Node> extra;    // of a scenario: its lists, "accept"
     std::map<std::string, Origin> tables; // where each section starts
 };
 

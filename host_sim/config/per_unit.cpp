@@ -339,6 +339,12 @@ double calibration_time(const BoardSettings &board)
     return (std::exp2(board.offset_samples_log2) + 1) / board.pwm_frequency_hz;
 }
 
+double temperature_count(const BoardSettings &board, double temperature_c)
+{
+    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
+    return std::ldexp((temperature_c - board.temperature_at_zero_c) / span_c, board.adc_bits);
+}
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 {
     Bases b{};

@@ -46,6 +46,10 @@ struct Bases {
 // From the first tick until the drive can run: INIT, then 2^offset_samples_log2 ticks of calibration.
 double calibration_time(const BoardSettings &board);
 
+// Counts of the power stage's temperature sensor, not rounded; beyond the converter's ends where the
+// temperature is.
+double temperature_count(const BoardSettings &board, double temperature_c);
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
 // Throws SettingError naming the offending key; the result passes params_check.

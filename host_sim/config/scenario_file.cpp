@@ -1,5 +1,6 @@
 #include "scenario_file.h"
 
+#include "event_file.h"
 #include "files.h"
 #include "suggest.h"
 
@@ -37,54 +38,23 @@ struct TimedKey {
     const char *unit;
     double largest; // either sign
 };
-constexpr TimedKey TIME = {"time_s", "s", 3600};
 constexpr TimedKey SPEED = {"speed_rpm", "rpm", 200000};
 constexpr TimedKey POSITION = {"position_rad", "rad", 10000};
 constexpr TimedKey TORQUE = {"torque_nm", "N·m", 10000};
 
-double read_timed(const std::string &list, const TimedKey &wanted, const Node &entry)
-{
-    const std::string name = fmt::format("{}.{}", list, wanted.key);
-    const std::string allowed = range_text(-wanted.largest, wanted.largest, wanted.unit);
-    for (const auto &[key, value] : entry.members) {
-        if (key == wanted.key) {
-            check_number(name, value, -wanted.largest, wanted.largest, allowed);
-            return value.number();
-        }
-    }
-    fail(entry.origin, name, "", "is missing", allowed);
-}
-
-void check_entry_keys(const std::string &list, const TimedKey &value_key, const Node &entry)
-{
-    if (entry.kind != Node::Kind::table) {
-        fail(entry.origin, list, shown(entry), std::string("is ") + kind_name(entry),
-             fmt::format("tables [[{}]]", list));
-    }
-    for (const auto &[key, value] : entry.members) {
-        if (key != TIME.key && key != value_key.key) {
-            fail(value.origin, fmt::format("{}.{}", list, key), shown(value), "unknown key",
-                 fmt::format("{}, {}", TIME.key, value_key.key));
-        }
-    }
-}
-
 std::vector<TimedValue> read_list(const std::string &list, const TimedKey &value_key,
                                   const Node &node)
 {
-    if (node.kind != Node::Kind::list) {
-        fail(node.origin, list, shown(node), std::string("is ") + kind_name(node),
-             fmt::format("tables [[{}]]", list));
-    }
+    const auto &[key, unit, largest] = value_key;
+    check_list(list, {"time_s", key}, node);
     std::vector<TimedValue> values;
     for (const Node &entry : node.items) {
-        check_entry_keys(list, value_key, entry);
-        const double time = read_timed(list, TIME, entry);
+        const double time = read_time(list, entry);
         if (!values.empty() && time <= values.back().time_s) {
             fail(entry.origin, list + ".time_s", fmt::format("{}", time), "does not rise",
                  fmt::format("more than {} s", values.back().time_s));
         }
-        values.push_back({time, read_timed(list, value_key, entry)});
+        values.push_back({time, needed_number(list, entry, key, -largest, largest, unit)});
     }
     return values;
 }
@@ -162,6 +132,10 @@ void read_extra(const Layer &layer, ScenarioSettings &scenario)
             read_accept(node, scenario.accept);
         } else if (name == "load") {
             scenario.load = read_list("scenario.load", TORQUE, node);
+        } else if (name == "fault") {
+            scenario.faults = read_faults(node);
+        } else if (name == "request") {
+            scenario.requests = read_requests(node);
         } else {
             scenario.command = read_list("scenario.command", command, node);
         }
@@ -192,6 +166,12 @@ std::string selection_name(const std::vector<std::string> &with)
         names.erase(std::remove(names.begin(), names.end(), IDEAL), names.end());
     }
     return names.empty() ? IDEAL : fmt::format("{}", fmt::join(names, "+"));
+}
+
+const std::vector<std::string> &scenario_lists()
+{
+    static const std::vector<std::string> lists = {"command", "load", "fault", "request"};
+    return lists;
 }
 
 void check_scenario(const Layer &layer)

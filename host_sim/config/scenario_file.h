@@ -1,10 +1,13 @@
-// The parts of a scenario file that are no single settings: command, load and accepted limits.
+// The parts of a scenario file that are no single settings: its lists and the accepted limits.
 #pragma once
 
 #include "layer.h"
 
 namespace nf
 {
+
+// The keys of [scenario] that hold a list of tables.
+const std::vector<std::string> &scenario_lists();
 
 // Checks them on their own, with the mode that the file itself states.
 void check_scenario(const Layer &layer);

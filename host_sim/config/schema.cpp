@@ -67,6 +67,9 @@ const std::vector<Field> FIELDS = {
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
+    {"board", "temperature_at_zero_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_at_zero_c>, "temperature of the power stage at count 0 of its sensor"},
+    {"board", "temperature_full_scale_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_full_scale_c>, "temperature at full scale, linear in between; may be the lower one"},
+    {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
 
     {"hal", "dead_time_ns", "ns", 10, 20000, OPTIONAL, hal<&H::dead_time_ns>, "both switches of a leg off at each edge"},
     {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
@@ -79,9 +82,6 @@ const std::vector<Field> FIELDS = {
     {"hal", "adc_reference_v", "V", 1, 5, OPTIONAL, hal<&H::adc_reference_v>, "full scale of the converters"},
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
     {"hal", "trip_a", "A", 0.01, 5000, OPTIONAL, hal<&H::trip_a>, "comparators open the gates at this current"},
-    {"hal", "temperature_25c_v", "V", 0, 5, OPTIONAL, hal<&H::temperature_25c_v>, "temperature sensor at 25 °C, at the converter"},
-    {"hal", "temperature_slope_v_c", "V/°C", -1, 1, OPTIONAL, hal<&H::temperature_slope_v_c>, "change of it with the temperature"},
-    {"hal", "temperature_max_c", "°C", 0, 200, OPTIONAL, hal<&H::temperature_max_c>, "the drive stops above it"},
 
     {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},
@@ -122,6 +122,8 @@ const std::vector<Field> FIELDS = {
     {"plant", "device_drop_v", "V", 0, 10, OPTIONAL, plant<&P::device_drop_v>, "voltage across a conducting switch or diode"},
     {"plant", "bus_ripple_pct", "%", 0, 50, OPTIONAL, plant<&P::bus_ripple_pct>, "peak of the bus ripple, of the nominal voltage"},
     {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple"},
+    {"plant", "bus_capacitance_f", "F", 0, 1, OPTIONAL, plant<&P::bus_capacitance_f>, "capacitor of the bus behind a rectifier; 0: a stiff bus that takes current back"},
+    {"plant", "bus_source_resistance_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::bus_source_resistance_ohm>, "between rectifier and capacitor"},
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},

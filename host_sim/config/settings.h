@@ -41,9 +41,12 @@ struct BoardSettings {
     double bus_min_v = 0; // under-voltage fault while running
     double bus_max_v = 0; // over-voltage fault
     double overcurrent_a = 0;
-    double offset_max_a = 0;     // largest sensor offset that calibration accepts
-    double duty_margin_pct = 0;  // share of the period kept free for sampling and dead time
-    int offset_samples_log2 = 0; // calibration averages 2^n samples
+    double offset_max_a = 0;            // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
+    int offset_samples_log2 = 0;        // calibration averages 2^n samples
+    double temperature_at_zero_c = -50; // of the power stage where its sensor reads 0
+    double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
+    double temperature_max_c = 100;        // the drive stops above it
 };
 
 // [observer], [current_loop], [speed_loop], [position_loop]
@@ -96,7 +99,9 @@ struct PlantSettings {
     double device_drop_v = 0;
     double bus_ripple_pct = 0; // peak, of the nominal bus voltage
     double bus_ripple_hz = 300;
-    double adc_noise_lsb = 0; // rms
+    double bus_capacitance_f = 0;         // 0: the bus is the supply, stiff both ways
+    double bus_source_resistance_ohm = 0; // between supply and capacitor
+    double adc_noise_lsb = 0;             // rms
     std::array<double, 2> adc_offset_lsb = {0, 0};
     std::array<double, 2> adc_gain_error_pct = {0, 0};
 };

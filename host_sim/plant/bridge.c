@@ -1,5 +1,7 @@
 #include "bridge.h"
 
+#include <stddef.h>
+
 /* Events handled in one segment before the rest of it is run without looking for more. A real
  * segment has at most a few; the bound only keeps a degenerate case from going on for ever. */
 #define EVENTS_MAX 64
@@ -33,14 +35,21 @@ typedef struct {
     double potential[PLANT_LEGS]; /* of the conducting legs */
 } state_t;
 
-static limits_t leg_limits(const plant_segment_t *segment, double bus_v, double drop_v)
+static bool is_in(uint32_t mask, unsigned leg)
+{
+    return ((mask >> leg) & 1U) != 0U;
+}
+
+static limits_t leg_limits(const plant_segment_t *segment, const plant_rails_t *rails)
 {
     limits_t limits;
     for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
-        const bool high = ((segment->high >> leg) & 1U) != 0U;
-        const bool low = ((segment->low >> leg) & 1U) != 0U;
-        limits.lower[leg] = (high ? bus_v : 0.0) - drop_v;
-        limits.upper[leg] = (low ? 0.0 : bus_v) + drop_v;
+        limits.lower[leg] = (is_in(segment->high, leg) ? rails->bus_v : 0.0) - rails->drop_v;
+        limits.upper[leg] = (is_in(segment->low, leg) ? 0.0 : rails->bus_v) + rails->drop_v;
+        if (is_in(rails->broken, leg)) {
+            limits.lower[leg] = -HUGE_VAL;
+            limits.upper[leg] = HUGE_VAL;
+        }
     }
     return limits;
 }
@@ -241,22 +250,57 @@ static double step_to_event(plant_motor_t *motor, const limits_t *limits, const 
     return gone_s;
 }
 
-void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment, double bus_v,
-                      double drop_v)
+/* Current out of the positive rail: of the legs whose high side is closed, and back through the upper
+ * diodes of open ones. */
+static double rail_current(const plant_motor_t *motor, const plant_segment_t *segment,
+                           const state_t *state)
 {
-    const limits_t limits = leg_limits(segment, bus_v, drop_v);
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(motor), current);
+    double sum = 0.0;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        const bool diode = !is_in(segment->low, leg) && state->direction[leg] < 0;
+        if (is_in(segment->high, leg) || diode) {
+            sum += current[leg];
+        }
+    }
+    return sum;
+}
+
+void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment,
+                      const plant_rails_t *rails, double *charge_c)
+{
+    const limits_t limits = leg_limits(segment, rails);
     double left_s = segment->duration_s;
     for (int event = 0; left_s > 0.0; event++) {
         const double effort = left_s * plant_motor_rate(motor);
         const double steps = (effort > PLANT_MOTOR_STEP) ? ceil(effort / PLANT_MOTOR_STEP) : 1.0;
-        const double step_s = (steps > 1.0) ? left_s / steps : left_s;
+        double step_s = (steps > 1.0) ? left_s / steps : left_s;
         state_t state = {0};
         resolve(motor, &limits, &state);
+        const double before_a = (charge_c != NULL) ? rail_current(motor, segment, &state) : 0.0;
         if (event < EVENTS_MAX + (int)steps) {
-            left_s -= step_to_event(motor, &limits, &state, step_s);
+            step_s = step_to_event(motor, &limits, &state, step_s);
         } else {
             step(motor, &state, step_s);
-            left_s -= step_s;
         }
+        left_s -= step_s;
+        if (charge_c != NULL) {
+            *charge_c += 0.5 * step_s * (before_a + rail_current(motor, segment, &state));
+        }
+    }
+}
+
+/* What is left by one open wire is the loop through the other two; by two, nothing. */
+void plant_bridge_break(plant_motor_t *motor, uint32_t broken)
+{
+    const bool one = (broken & (broken - 1U)) == 0U;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        if (one && is_in(broken, leg)) {
+            plant_motor_clear_phase(motor, phase_axis[leg]);
+        }
+    }
+    if (!one) {
+        plant_motor_step_open(motor, 0.0);
     }
 }

@@ -209,6 +209,8 @@ static void derive_constants(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     motor->acceleration = pairs / cfg->inertia_kg_m2;
     motor->decay_shaft = cfg->viscous_friction_nm_s / cfg->inertia_kg_m2;
     motor->coulomb_nm = cfg->coulomb_friction_nm;
+    motor->free_acceleration = motor->acceleration;
+    motor->free_decay_shaft = motor->decay_shaft;
     motor->rate_constant = cfg->resistance_ohm / l_min + motor->decay_shaft +
                            sqrt(motor->torque_magnet * motor->acceleration * motor->emf_q);
     motor->rate_speed = fmax(motor->cross_d, motor->cross_q);
@@ -257,6 +259,26 @@ plant_vector_t plant_motor_emf(const plant_motor_t *motor)
 double plant_motor_angle_mech(const plant_motor_t *motor)
 {
     return (motor->now.theta_el_rad + PLANT_TWO_PI * (double)motor->turns_el) / motor->pole_pairs;
+}
+
+/* A shaft of infinite inertia that stands: the steps need no look at a flag. */
+void plant_motor_block(plant_motor_t *motor, bool blocked)
+{
+    motor->acceleration = blocked ? 0.0 : motor->free_acceleration;
+    motor->decay_shaft = blocked ? 0.0 : motor->free_decay_shaft;
+    motor->now.omega_el_rad_s = blocked ? 0.0 : motor->now.omega_el_rad_s;
+}
+
+void plant_motor_turn(plant_motor_t *motor, double angle_el_rad)
+{
+    core_t core = load(motor);
+    const plant_rotation_t r = plant_rotation_from_angle(angle_el_rad);
+    const pair_t by = {r.cosine, r.sine};
+    core.flux = flux_of(motor, turned_back(by, current_of(motor, core.flux)));
+    core.axis = turned(by, core.axis);
+    core.theta += angle_el_rad;
+    store(motor, &core);
+    plant_motor_wrap(motor);
 }
 
 void plant_motor_wrap(plant_motor_t *motor)

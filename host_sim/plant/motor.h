@@ -79,6 +79,8 @@ typedef struct {
     double acceleration;   /* P/J, electrical */
     double decay_shaft;    /* B/J, 1/s */
     double coulomb_nm;
+    double free_acceleration; /* acceleration and decay_shaft of a shaft that is not blocked */
+    double free_decay_shaft;
     double rate_constant; /* part of the step bound that does not depend on speed, 1/s */
     double rate_speed;    /* and the factor of |w| */
     /* State and input. */
@@ -131,6 +133,12 @@ plant_vector_t plant_motor_emf(const plant_motor_t *motor);
 
 /* Multi-turn mechanical angle, rad. */
 double plant_motor_angle_mech(const plant_motor_t *motor);
+
+/* Stops the shaft dead and holds it against every torque, or lets it go. */
+void plant_motor_block(plant_motor_t *motor, bool blocked);
+
+/* Puts the rotor elsewhere, electrical rad, |x| < 1e6: the phase currents and the speed stay. */
+void plant_motor_turn(plant_motor_t *motor, double angle_el_rad);
 
 /* Brings theta_el_rad back into -pi ... pi and counts the turn. Call at least once per turn. */
 void plant_motor_wrap(plant_motor_t *motor);

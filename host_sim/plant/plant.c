@@ -14,6 +14,8 @@ static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
         {"supply.ripple_hz", plant_is_not_negative(cfg->ripple_hz)},
         {"supply.device_drop_v",
          plant_is_not_negative(cfg->device_drop_v) && 2.0 * cfg->device_drop_v < lowest_v},
+        {"supply.capacitance_f", plant_is_not_negative(cfg->capacitance_f)},
+        {"supply.resistance_ohm", plant_is_not_negative(cfg->resistance_ohm)},
     };
     return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
 }
@@ -23,7 +25,7 @@ static double present_time_s(const plant_t *plant)
     return (double)plant->periods * plant->inverter.period_s;
 }
 
-static double bus_now_v(const plant_t *plant)
+static double supply_now_v(const plant_t *plant)
 {
     const plant_supply_cfg_t *supply = &plant->supply;
     if (!(supply->ripple_fraction > 0.0)) {
@@ -33,6 +35,35 @@ static double bus_now_v(const plant_t *plant)
     const double phase_rad = PLANT_TWO_PI * (cycles - floor(cycles));
     const double ripple = supply->ripple_fraction * plant_rotation_from_angle(phase_rad).sine;
     return supply->voltage_v * (1.0 + ripple);
+}
+
+static bool has_capacitor(const plant_t *plant)
+{
+    return plant->supply.capacitance_f > 0.0;
+}
+
+/* The supply's voltage on the bus: at once, or as far as it charges the capacitor in a time. */
+static double fed_bus_v(const plant_t *plant, double duration_s)
+{
+    const double supply_v = supply_now_v(plant);
+    const double series_s = plant->supply.resistance_ohm * plant->supply.capacitance_f;
+    if (!has_capacitor(plant)) {
+        return supply_v;
+    }
+    if (!(plant->bus_v < supply_v)) {
+        return plant->bus_v;
+    }
+    if (!(series_s > 0.0)) {
+        return supply_v;
+    }
+    const double part = duration_s / series_s;
+    return (plant->bus_v + part * supply_v) / (1.0 + part);
+}
+
+static void choose_legs(plant_t *plant)
+{
+    plant->ideal_legs =
+        !(plant->supply.device_drop_v > 0.0) && !has_capacitor(plant) && plant->broken == 0U;
 }
 
 bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
@@ -48,7 +79,9 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
         return false;
     }
     plant->supply = cfg->supply;
-    plant->bus_v = bus_now_v(plant);
+    plant->bus_v = supply_now_v(plant);
+    plant_set_temperature(plant, PLANT_AMBIENT_C);
+    choose_legs(plant);
     return true;
 }
 
@@ -69,6 +102,34 @@ void plant_set_load_torque(plant_t *plant, double torque_nm)
     plant->motor.load_torque_nm = torque_nm;
 }
 
+void plant_set_supply(plant_t *plant, double voltage_v)
+{
+    plant->supply.voltage_v = voltage_v;
+    plant->bus_v = fed_bus_v(plant, 0.0);
+}
+
+void plant_break_phases(plant_t *plant, uint32_t broken)
+{
+    plant->broken = broken & PLANT_ALL_LEGS;
+    plant_bridge_break(&plant->motor, plant->broken);
+    choose_legs(plant);
+}
+
+void plant_block_rotor(plant_t *plant, bool blocked)
+{
+    plant_motor_block(&plant->motor, blocked);
+}
+
+void plant_turn_rotor(plant_t *plant, double angle_el_rad)
+{
+    plant_motor_turn(&plant->motor, angle_el_rad);
+}
+
+void plant_set_temperature(plant_t *plant, double temperature_c)
+{
+    plant_sensors_set_temperature(&plant->sensors, temperature_c);
+}
+
 void plant_sample(plant_t *plant, plant_adc_t *adc)
 {
     double current[PLANT_LEGS];
@@ -79,7 +140,7 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
 /* Ideal legs need no look at the currents: their potentials are the rails. */
 static bool is_ideal(const plant_t *plant, const plant_segment_t *segment)
 {
-    return (segment->high | segment->low) == PLANT_ALL_LEGS && !(plant->supply.device_drop_v > 0.0);
+    return plant->ideal_legs && (segment->high | segment->low) == PLANT_ALL_LEGS;
 }
 
 /* Voltage vector of each mask of high legs, in units of the bus. */
@@ -98,9 +159,13 @@ static const plant_vector_t unit_vector[PLANT_ALL_LEGS + 1U] = {
     {0.0, 0.0},
 };
 
-/* Ideal segments go to the motor in runs as long as possible. */
-static void run_pattern(plant_t *plant, const plant_pattern_t *pattern)
+/* Ideal segments go to the motor in runs as long as possible. Returns the charge that the bridge has
+ * taken from the capacitor, if there is one. */
+static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
 {
+    const plant_rails_t rails = {plant->bus_v, plant->supply.device_drop_v, plant->broken};
+    double charge_c = 0.0;
+    double *const meter = has_capacitor(plant) ? &charge_c : NULL;
     plant_interval_t run[PLANT_SEGMENTS_MAX];
     unsigned pending = 0;
     for (unsigned k = 0; k < pattern->count; k++) {
@@ -114,10 +179,22 @@ static void run_pattern(plant_t *plant, const plant_pattern_t *pattern)
         } else {
             plant_motor_run_driven(&plant->motor, pending, run);
             pending = 0;
-            plant_bridge_run(&plant->motor, segment, plant->bus_v, plant->supply.device_drop_v);
+            plant_bridge_run(&plant->motor, segment, &rails, meter);
         }
     }
     plant_motor_run_driven(&plant->motor, pending, run);
+    return charge_c;
+}
+
+/* The capacitor gives what the bridge has taken, then takes what the supply gives. */
+static void settle_bus(plant_t *plant, double charge_c)
+{
+    if (has_capacitor(plant)) {
+        const double v = plant->bus_v;
+        const double square = v * v - 2.0 * v * charge_c / plant->supply.capacitance_f;
+        plant->bus_v = (square > 0.0) ? sqrt(square) : 0.0;
+    }
+    plant->bus_v = fed_bus_v(plant, plant->inverter.period_s);
 }
 
 void plant_step(plant_t *plant)
@@ -128,10 +205,10 @@ void plant_step(plant_t *plant)
     } else {
         plant_inverter_off(&plant->inverter, &pattern);
     }
-    run_pattern(plant, &pattern);
+    const double charge_c = run_pattern(plant, &pattern);
     plant_motor_wrap(&plant->motor);
     plant->periods++;
-    plant->bus_v = bus_now_v(plant);
+    settle_bus(plant, charge_c);
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
         plant->compare[leg] = plant->compare_next[leg];
     }

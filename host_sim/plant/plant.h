@@ -9,8 +9,13 @@
  * compare value written at tick k is preloaded and acts from tick k+1 to tick k+2, as in a timer
  * with its preload register on. The gate enable and the load act at once, from the present instant.
  *
- * Bus: v(t) = bus_v * (1 + bus_ripple_fraction * sin(2 pi bus_ripple_hz * t)), taken at the start
- * of a period and held for it. The source is stiff both ways: current flowing back does not lift it.
+ * Supply: s(t) = voltage_v * (1 + ripple_fraction * sin(2 pi ripple_hz * t)). The bus voltage is held
+ * for a period. Without a capacitor it is the supply's at the start of the period: stiff both ways,
+ * current flowing back does not lift it. With one, at the end of each period of length T
+ *   C/2 v^2 -= v * (charge that has left the positive rail)      the energy that the bridge has taken
+ *   v = (v + a s) / (1 + a) if v < s, a = T / (R_s C);  v = s for R_s = 0
+ * so the rectifier charges like a diode, in backward Euler steps, and energy fed back stays in the
+ * capacitor exactly.
  *
  * A plant is one plain struct without pointers: assigning it is a snapshot, and the copy goes on
  * exactly as the original does. Nothing depends on global state or on the machine's libm (only
@@ -18,7 +23,7 @@
  * bytes. Compile without floating-point contraction for that to hold between machines.
  *
  * Not modelled: thermal drift, saturation of the iron, iron loss, switching transients other than
- * the dead time, bandwidth and delay of the sensors, voltage sag of the bus under load.
+ * the dead time, bandwidth and delay of the sensors, ripple of the bus within a period.
  */
 #ifndef PLANT_PLANT_H
 #define PLANT_PLANT_H
@@ -39,7 +44,9 @@ typedef struct {
     double ripple_fraction; /* peak ripple amplitude / voltage_v, 0 ... below 1 */
     double ripple_hz;       /* Hz, >= 0 */
     double device_drop_v;   /* V, >= 0, of each conducting switch or diode, independent of current;
-                               below half the lowest bus voltage */
+                               below half the lowest supply voltage */
+    double capacitance_f;   /* F, >= 0, of the bus; 0: stiff */
+    double resistance_ohm; /* Ohm, >= 0, between supply and capacitor; without one it is not used */
 } plant_supply_cfg_t;
 
 typedef struct {
@@ -58,8 +65,14 @@ typedef struct {
     uint64_t periods;                  /* completed so far */
     uint32_t compare_next[PLANT_LEGS]; /* preload registers */
     uint32_t compare[PLANT_LEGS];      /* active in the period that starts now */
+    uint32_t broken;                   /* mask of the phases whose wire is open */
+    bool
+        ideal_legs; /* a leg's potential is that of its rail, and nobody asks for the bus current */
     bool gates_on;
 } plant_t;
+
+/* Temperature of the power stage until it is set, degrees C. */
+#define PLANT_AMBIENT_C 25.0
 
 /* The truth at the present instant. */
 typedef struct {
@@ -90,7 +103,23 @@ void plant_set_gates(plant_t *plant, bool on);
  * torque and does not turn with the speed. From the present instant. */
 void plant_set_load_torque(plant_t *plant, double torque_nm);
 
-/* Converts the currents of phases a and b and the bus at the present instant. */
+/* Mean supply voltage, V, > 0. From the present instant; a charged capacitor keeps what it has. */
+void plant_set_supply(plant_t *plant, double voltage_v);
+
+/* Opens the wires of the phases in a mask (bit k is phase k), closes the others. From the present
+ * instant; the current of a wire that opens is gone at once, with its energy. */
+void plant_break_phases(plant_t *plant, uint32_t broken);
+
+/* Stops the shaft dead and holds it, or lets it go. From the present instant. */
+void plant_block_rotor(plant_t *plant, bool blocked);
+
+/* Turns the rotor by an electrical angle, rad, |x| < 1e6; currents and speed stay as they are. */
+void plant_turn_rotor(plant_t *plant, double angle_el_rad);
+
+/* Temperature of the power stage, degrees C. */
+void plant_set_temperature(plant_t *plant, double temperature_c);
+
+/* Converts the currents of phases a and b, bus and temperature at the present instant. */
 void plant_sample(plant_t *plant, plant_adc_t *adc);
 
 /* Lets one PWM period pass, then takes over the preloaded compare values. */

@@ -18,6 +18,8 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.offset_lsb[1]", isfinite(cfg->offset_lsb[1])},
         {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
+        {"sensor.temperature_zero_c", isfinite(cfg->temperature_zero_c)},
+        {"sensor.temperature_full_scale_c", isfinite(cfg->temperature_full_scale_c)},
     };
     return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
 }
@@ -37,6 +39,9 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
         sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
     }
     sensors->bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
+    const double span_c = cfg->temperature_full_scale_c - cfg->temperature_zero_c;
+    sensors->temperature_gain = (fabs(span_c) > 0.0) ? 2.0 * half_scale / span_c : 0.0;
+    sensors->temperature_zero_c = cfg->temperature_zero_c;
     sensors->noise_lsb_rms = cfg->noise_lsb_rms;
     plant_random_init(&sensors->random, cfg->seed);
     return true;
@@ -53,6 +58,12 @@ static uint16_t quantise(double counts, double count_max)
     return (uint16_t)(counts + 0.5);
 }
 
+void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c)
+{
+    const double counts = (temperature_c - sensors->temperature_zero_c) * sensors->temperature_gain;
+    sensors->temperature = quantise(counts, sensors->count_max);
+}
+
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc)
 {
@@ -67,4 +78,5 @@ void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, dou
     adc->ia = quantise(counts_a, sensors->count_max);
     adc->ib = quantise(counts_b, sensors->count_max);
     adc->bus = quantise(counts_bus, sensors->count_max);
+    adc->temperature = sensors->temperature;
 }

@@ -5,6 +5,8 @@
  *
  * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
+ * Temperature:      linear from temperature_zero_c at count 0 to temperature_full_scale_c at 2^bits, no
+ *                   noise: it is slow and filtered.
  * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
  * bases take it for, which turn counts into per unit by a shift.
  * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
@@ -26,10 +28,13 @@ typedef struct {
     unsigned adc_bits;           /* 6 ... 16 */
     double current_full_scale_a; /* A, > 0: range is -full scale ... +full scale - 1 LSB */
     double bus_full_scale_v;     /* V, > 0: range is 0 ... full scale - 1 LSB */
-    double noise_lsb_rms;        /* LSB, >= 0, all three channels; 0 switches the source off */
+    double noise_lsb_rms;        /* LSB, >= 0, currents and bus; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
     double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
-    uint64_t seed;               /* of the noise */
+    double temperature_zero_c;   /* degrees C at count 0 */
+    double
+        temperature_full_scale_c; /* at 2^bits, above or below; equal to it: no sensor, reads 0 */
+    uint64_t seed;                /* of the noise */
 } plant_sensor_cfg_t;
 
 /* Straight binary. Zero current reads half scale, 2^(bits-1). */
@@ -37,22 +42,30 @@ typedef struct {
     uint16_t ia;
     uint16_t ib;
     uint16_t bus;
+    uint16_t temperature;
 } plant_adc_t;
 
 typedef struct {
-    double current_gain[2]; /* counts per ampere, gain error included */
-    double current_zero[2]; /* counts, offset included */
-    double bus_gain;        /* counts per volt */
+    double current_gain[2];  /* counts per ampere, gain error included */
+    double current_zero[2];  /* counts, offset included */
+    double bus_gain;         /* counts per volt */
+    double temperature_gain; /* counts per degree */
+    double temperature_zero_c;
     double count_max;
     double noise_lsb_rms;
     plant_random_t random;
+    uint16_t temperature; /* what its channel converts to */
 } plant_sensors_t;
 
 /* Returns false and names the offending field in *bad_field when a value is out of range. */
 bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
                         const char **bad_field);
 
-/* One conversion of both currents [A] and the bus [V]. With noise it draws three deviates. */
+/* The temperature that the conversions to come see, degrees C. */
+void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c);
+
+/* One conversion of both currents [A], the bus [V] and the temperature. With noise it draws three
+ * deviates. */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);
 

@@ -30,10 +30,11 @@ struct Asked {
     std::uint16_t adc_ia;
     std::uint16_t adc_ib;
     std::uint16_t adc_bus;
-    std::uint16_t run;
+    std::uint16_t adc_temperature;
+    std::int32_t run;
     std::int32_t speed_rpm;
 };
-static_assert(sizeof(Asked) == 12, "no padding");
+static_assert(sizeof(Asked) == 16, "no padding");
 
 struct Done {
     std::uint16_t compare[PLANT_LEGS];
@@ -74,8 +75,8 @@ public:
     {
         const drive_in_t &in = tick.sim->in();
         const drive_out_t &host = tick.sim->out();
-        put({in.adc_ia, in.adc_ib, in.adc_bus,
-             static_cast<std::uint16_t>(in.command.request == DRIVE_REQUEST_RUN),
+        put({in.adc_ia, in.adc_ib, in.adc_bus, in.adc_temperature,
+             in.command.request == DRIVE_REQUEST_RUN ? 1 : 0,
              static_cast<std::int32_t>(tick.command)});
         const Done done = get();
         drive_out_t out{};

@@ -201,11 +201,12 @@ class Board:
         """To the first sleep."""
         self.core.run()
 
-    def set_inputs(self, phase_a, phase_b, bus):
+    def set_inputs(self, phase_a, phase_b, bus, temperature=COLD_ROOM_COUNT):
         """What flows into phases a and b comes back out of phase c."""
         phases = (phase_a, phase_b, 3 * 2048 - phase_a - phase_b)
         volts = [(self.zero + self.sign * (count - 2048)) / self.gain for count in phases]
-        self.chip.set_pins(**dict(zip(analogue.SHUNT_PINS.values(), volts)), PA0=bus)
+        self.chip.set_pins(**dict(zip(analogue.SHUNT_PINS.values(), volts)), PA0=bus,
+                           PB14=temperature)
 
     def handle_next(self):
         """Sleeps until an exception comes, and runs it and the background back to sleep. Its number."""

@@ -11,13 +11,13 @@ from pathlib import Path
 
 from board import Board
 
-ASKED = struct.Struct("<HHHHi")  # bil_plant.cpp
+ASKED = struct.Struct("<HHHHii")  # bil_plant.cpp
+MEASURED = 4  # of what is asked
 DONE = struct.Struct("<HHHH")
 
 
 def answer(plant, board, asked):
-    phase_a, phase_b, bus, *_ = asked
-    board.set_inputs(phase_a, phase_b, bus)
+    board.set_inputs(*asked[:MEASURED])
     board.tick()
     timer = board.chip.timer
     plant.stdin.write(DONE.pack(*timer.preloaded(), timer.gates_on()))
@@ -37,7 +37,7 @@ def loop(plant, board):
     while record := plant.stdout.read(ASKED.size):
         asked = ASKED.unpack(record)
         if before is None:
-            board.set_inputs(*asked[:3])
+            board.set_inputs(*asked[:MEASURED])
             board.boot()
             before = (0,) * len(asked)
         type_changes(board, before, asked)

@@ -59,7 +59,8 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "imperfections/hot.toml:4: plant.xyz = 1: unknown key; allowed: plant.resistance_scale, "
          "plant.inductance_scale, plant.flux_scale, plant.inertia_scale, "
          "plant.coulomb_friction_nm, plant.dead_time_s, plant.device_drop_v, "
-         "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.adc_noise_lsb, plant.adc_offset_lsb, "
+         "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "
+         "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "
          "plant.adc_gain_error_pct"},
         {"motors/m.toml", "[motor]", "xyz = 1\n[motor]",
          "motors/m.toml:1: xyz = 1: unknown key; allowed: motor"},
@@ -181,6 +182,12 @@ void settings_that_contradict_each_other_name_both()
         {"motors/m.toml", "max_current_a = 10", "max_current_a = 19",
          "motors/m.toml:11: motor.max_current_a = 19: is too large; allowed: at most 18 A, which is "
          "board.overcurrent_a (boards/b.toml:11)"},
+        {"boards/b.toml", "", "temperature_max_c = 150\n",
+         "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; allowed: "
+         "between board.temperature_at_zero_c = -50 and board.temperature_full_scale_c = 150"},
+        {"boards/b.toml", "", "temperature_at_zero_c = 80\ntemperature_full_scale_c = 80\n",
+         "boards/b.toml:2: board.temperature_max_c = 100: is beyond what the sensor sees; allowed: "
+         "between board.temperature_at_zero_c = 80 and board.temperature_full_scale_c = 80"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
          "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
          "which is scenario.duration_s (scenarios/s.toml:7)"},
@@ -405,6 +412,83 @@ void command_and_load_are_checked_entry_by_entry()
     expect_all(cases);
 }
 
+void faults_are_checked_word_by_word()
+{
+    const std::string list = "--set: scenario.fault";
+    const struct {
+        const char *entry;
+        const char *message; // after the list's name
+    } cases[] = {
+        {"3", " = 3: is a whole number; allowed: tables [[scenario.fault]]"},
+        {"{what = 'adc_a_high'}", ".time_s: is missing; allowed: -3600 to 3600 s"},
+        {"{time_s = 1, what = 'adc_a_hihg'}",
+         ".what = \"adc_a_hihg\": unknown fault, did you mean adc_a_high?"},
+        {"{time_s = 1, what = 5}",
+         ".what = 5: is a whole number; allowed: adc_a_stuck, adc_a_high, "},
+        {"{time_s = 1}", ".what: is missing; allowed: adc_a_stuck, adc_a_high, "},
+        {"{time_s = 1, what = 'adc_a_high', value = 3}", ".value = 3: adc_a_high takes no value"},
+        {"{time_s = 1, what = 'bus_voltage'}", ".value: is missing; allowed: 0.001 to 2000 V"},
+        {"{time_s = 1, what = 'temperature', value = 999}",
+         ".value = 999: is too large; allowed: -250 to 250 °C"},
+        {"{time_s = 1, what = 'temperature', value = 'hot'}",
+         ".value = \"hot\": is a string; allowed: -250 to 250 °C"},
+        {"{time_s = 1, what = 'config_corrupt', value = 1.5}",
+         ".value = 1.5: is a number with a fraction; allowed: a whole number, 0 to "},
+        {"{time_s = 1, what = 'config_corrupt', value = 100000}", ".value = 100000: is too large"},
+        {"{time_s = 1, what = 'late_isr', until_s = 1}",
+         ".until_s = 1: is too small; allowed: more than 1 s, which is scenario.fault.time_s"},
+        {"{time_s = 1, what = 'rotor_jump', value = 90, until_s = 2}",
+         ".until_s = 2: rotor_jump does not last"},
+        {"{time_s = 1, what = 'late_isr', how = 2}",
+         ".how = 2: unknown key; allowed: time_s, what, value, until_s"},
+    };
+    const Folder folder;
+    for (const auto &[entry, message] : cases) {
+        const std::string refused = refusal({}, {std::string("scenario.fault=[") + entry + "]"});
+        const std::string expected = list + message;
+        TEST_ASSERT_EQUAL_STRING(expected.c_str(), refused.substr(0, expected.size()).c_str());
+    }
+}
+
+void requests_are_checked_word_by_word()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "[accept.ideal]", "[[scenario.request]]\ntime_s = 0\n[accept.ideal]",
+         "scenarios/s.toml:9: scenario.request: asks for nothing; allowed: run = true or false, "
+         "clear = true"},
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.request]]\ntime_s = 0\nrun = 1\n[accept.ideal]",
+         "scenarios/s.toml:11: scenario.request.run = 1: is a whole number; allowed: true or false"},
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.request]]\ntime_s = 0\nclear = false\n[accept.ideal]",
+         "scenarios/s.toml:11: scenario.request.clear = false: asks for nothing; allowed: true"},
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.request]]\ntime_s = 1\nrun = true\n[[scenario.request]]\ntime_s = 1\nrun = "
+         "false\n[accept.ideal]",
+         "scenarios/s.toml:12: scenario.request.time_s = 1: does not rise; allowed: more than 1 s"},
+    };
+    expect_all(cases);
+}
+
+void lists_can_be_overridden()
+{
+    const Folder folder;
+    const nf::Config config =
+        nf::load_scenario("s", {},
+                          {"scenario.fault=[{time_s = 0.5, what = 'late_isr', until_s = 0.6}]",
+                           "scenario.request=[{time_s = 0.1, clear = true}]", "scenario.command=[]",
+                           "scenario.load=[{time_s = 0.25, torque_nm = 2}]"});
+    TEST_ASSERT_EQUAL_size_t(1, config.scenario.faults.size());
+    TEST_ASSERT_TRUE(config.scenario.faults[0].kind == nf::FaultKind::late_isr);
+    TEST_ASSERT_EQUAL_DOUBLE(0.6, config.scenario.faults[0].until_s.value());
+    TEST_ASSERT_TRUE(config.scenario.requests.at(0).clear);
+    TEST_ASSERT_FALSE(config.scenario.requests.at(0).run.has_value());
+    TEST_ASSERT_TRUE(config.scenario.command.empty());
+    TEST_ASSERT_EQUAL_DOUBLE(2, config.scenario.load.at(0).value);
+    expect_override("scenario.faults=[]",
+                    "--set: scenario.faults = []: unknown key, did you mean scenario.fault?");
+}
+
 void accepted_limits_name_known_metrics_and_sets()
 {
     const Case cases[] = {
@@ -505,6 +589,9 @@ int main()
     RUN_TEST(a_folder_without_files_leaves_the_path);
     RUN_TEST(a_file_that_cannot_be_read_is_named);
     RUN_TEST(command_and_load_are_checked_entry_by_entry);
+    RUN_TEST(faults_are_checked_word_by_word);
+    RUN_TEST(requests_are_checked_word_by_word);
+    RUN_TEST(lists_can_be_overridden);
     RUN_TEST(accepted_limits_name_known_metrics_and_sets);
     RUN_TEST(a_base_is_checked_like_the_scenario_itself);
     RUN_TEST(overrides_are_refused_like_lines_of_files);

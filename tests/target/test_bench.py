@@ -256,7 +256,7 @@ class Replays(unittest.TestCase):
             replay.replay("cortex-m3", cls.image, "s1", cls.recording, lambda size: None),))
 
     def test_every_tick_is_counted_under_its_state(self):
-        ticks = (len(self.recording["frames.nfr"]) - 16) // 14
+        ticks = (len(self.recording["frames.nfr"]) - 16) // 16
         ways = self.bench.replays[0].ways
         self.assertEqual(ways.total(), ticks)
         by_state = Counter(replay.states_of(self.recording["results.nfr"]))

@@ -55,8 +55,9 @@ static void start_with_current(double i_a)
 static void run_with(double duration_s, unsigned high, unsigned low, double drop_v)
 {
     const plant_segment_t segment = {duration_s, (uint8_t)high, (uint8_t)low};
+    const plant_rails_t rails = {.bus_v = BUS_V, .drop_v = drop_v};
 
-    plant_bridge_run(&motor, &segment, BUS_V, drop_v);
+    plant_bridge_run(&motor, &segment, &rails, NULL);
     plant_motor_wrap(&motor);
     plant_bridge_phases(plant_motor_current(&motor), current);
 }

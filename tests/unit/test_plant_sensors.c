@@ -14,6 +14,8 @@ static const plant_sensor_cfg_t CLEAN = {
     .adc_bits = 12,
     .current_full_scale_a = 20.0,
     .bus_full_scale_v = 409.6, /* 0.1 V per count */
+    .temperature_zero_c = -50.0,
+    .temperature_full_scale_c = 154.8, /* 0.05 degrees per count */
     .seed = 1,
 };
 
@@ -203,6 +205,42 @@ static void check_rejected(const plant_sensor_cfg_t *cfg, const char *field)
     TEST_ASSERT_EQUAL_STRING(field, bad);
 }
 
+static void check_temperature(double temperature_c, uint16_t expected)
+{
+    plant_sensors_set_temperature(&sensors, temperature_c);
+    convert(0.0, 0.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(expected, adc.temperature);
+}
+
+static void test_temperature_is_linear_between_its_ends_and_clipped_beyond(void)
+{
+    check_temperature(-50.0, 0);
+    check_temperature(25.0, 1500);
+    check_temperature(25.024, 1500); /* just below half a count more */
+    check_temperature(25.026, 1501);
+    check_temperature(-60.0, 0);
+    check_temperature(200.0, 4095);
+}
+
+static void test_temperature_may_count_down(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    cfg.temperature_zero_c = 154.8;
+    cfg.temperature_full_scale_c = -50.0;
+    start(&cfg);
+    check_temperature(154.8, 0);
+    check_temperature(79.8, 1500);
+    check_temperature(-50.0, 4095);
+}
+
+static void test_without_a_temperature_sensor_its_channel_reads_0(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    cfg.temperature_full_scale_c = cfg.temperature_zero_c;
+    start(&cfg);
+    check_temperature(25.0, 0);
+}
+
 static void test_init_names_the_field_that_is_out_of_range(void)
 {
     plant_sensor_cfg_t cfg = CLEAN;
@@ -217,6 +255,12 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = CLEAN;
     cfg.gain_error[1] = -1.0;
     check_rejected(&cfg, "sensor.gain_error[1]");
+    cfg = CLEAN;
+    cfg.temperature_zero_c = HUGE_VAL;
+    check_rejected(&cfg, "sensor.temperature_zero_c");
+    cfg = CLEAN;
+    cfg.temperature_full_scale_c = -HUGE_VAL;
+    check_rejected(&cfg, "sensor.temperature_full_scale_c");
 }
 
 int main(void)
@@ -232,6 +276,9 @@ int main(void)
     RUN_TEST(test_without_noise_the_generator_stands_still);
     RUN_TEST(test_deviates_are_bell_shaped);
     RUN_TEST(test_same_seed_repeats_and_another_does_not);
+    RUN_TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond);
+    RUN_TEST(test_temperature_may_count_down);
+    RUN_TEST(test_without_a_temperature_sensor_its_channel_reads_0);
     RUN_TEST(test_init_names_the_field_that_is_out_of_range);
     return UNITY_END();
 }

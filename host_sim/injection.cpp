@@ -1,0 +1,168 @@
+#include "injection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
+constexpr unsigned PHASE_A = 1;
+constexpr unsigned PHASE_B = 2;
+constexpr unsigned PHASE_C = 4;
+
+void force(hal_host_channel_t &channel, uint16_t count)
+{
+    channel = {true, count};
+}
+
+} // namespace
+
+Injection::Injection(const Config &config, double period_s, int64_t zero) : board_(config.board)
+{
+    const auto tick_of = [&](double time_s) {
+        return std::max<int64_t>(zero + std::llround(time_s / period_s), 0);
+    };
+    for (const FaultEntry &entry : config.scenario.faults) {
+        const int64_t from = tick_of(entry.time_s);
+        const int64_t short_end = entry.span == FaultSpan::lasting ? NEVER : from + 1;
+        const int64_t until =
+            entry.until_s ? std::max(tick_of(*entry.until_s), from + 1) : short_end;
+        faults_.push_back({entry, from, until, false, {}});
+        next_ = std::min(next_, from);
+    }
+}
+
+uint16_t Injection::count(double value) const
+{
+    const double largest = std::ldexp(1.0, board_.adc_bits) - 1.0;
+    return static_cast<uint16_t>(std::clamp(std::floor(value + 0.5), 0.0, largest));
+}
+
+// As an ideal sensor would read it.
+uint16_t Injection::current_count(double ampere) const
+{
+    return count(std::ldexp(1.0 + ampere / board_.current_full_scale_a, board_.adc_bits - 1));
+}
+
+uint16_t Injection::bus_count(double volt) const
+{
+    return count(std::ldexp(volt / board_.bus_full_scale_v, board_.adc_bits));
+}
+
+// What happens once.
+void Injection::strike(const Fault &fault, const Seam &seam)
+{
+    const double value = fault.entry.value.value_or(0);
+    if (fault.entry.kind == FaultKind::rotor_jump) {
+        plant_turn_rotor(&seam.plant, value * RAD_PER_DEG);
+    }
+    if (fault.entry.kind == FaultKind::config_corrupt) {
+        reinterpret_cast<unsigned char *>(&seam.cfg)[static_cast<std::size_t>(value)] ^= 1U;
+    }
+}
+
+// What the drive is told as long as a fault lasts, on top of the faults before it in the list.
+void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const
+{
+    const std::optional<double> &value = fault.entry.value;
+    const double ampere = value.value_or(0);
+    const double beyond_a = 2 * board_.current_full_scale_a;
+    switch (fault.entry.kind) {
+    case FaultKind::adc_a_stuck:
+        force(hal.ia, value ? current_count(ampere) : fault.last.adc_ia);
+        break;
+    case FaultKind::adc_a_high:
+        force(hal.ia, current_count(beyond_a));
+        break;
+    case FaultKind::adc_a_low:
+        force(hal.ia, current_count(-beyond_a));
+        break;
+    case FaultKind::adc_b_stuck:
+        force(hal.ib, value ? current_count(ampere) : fault.last.adc_ib);
+        break;
+    case FaultKind::adc_b_high:
+        force(hal.ib, current_count(beyond_a));
+        break;
+    case FaultKind::adc_b_low:
+        force(hal.ib, current_count(-beyond_a));
+        break;
+    case FaultKind::adc_bus_stuck:
+        force(hal.bus, value ? bus_count(*value) : fault.last.adc_bus);
+        break;
+    case FaultKind::overcurrent:
+        force(hal.ia, current_count(ampere));
+        force(hal.ib, current_count(-ampere));
+        break;
+    default:
+        hal.broken = hal.broken || fault.entry.kind == FaultKind::break_input;
+        hal.late = hal.late || fault.entry.kind == FaultKind::late_isr;
+        break;
+    }
+}
+
+// What is so in the power stage and the motor, likewise.
+void Injection::impose_on_plant(const Fault &fault, plant_t &plant)
+{
+    const double value = fault.entry.value.value_or(0);
+    switch (fault.entry.kind) {
+    case FaultKind::phase_a_open:
+        plant_break_phases(&plant, plant.broken | PHASE_A);
+        break;
+    case FaultKind::phase_b_open:
+        plant_break_phases(&plant, plant.broken | PHASE_B);
+        break;
+    case FaultKind::phase_c_open:
+        plant_break_phases(&plant, plant.broken | PHASE_C);
+        break;
+    case FaultKind::bus_voltage:
+        plant_set_supply(&plant, value);
+        break;
+    case FaultKind::temperature:
+        plant_set_temperature(&plant, value);
+        break;
+    case FaultKind::rotor_blocked:
+        plant_block_rotor(&plant, true);
+        break;
+    default:
+        break;
+    }
+}
+
+// All that lasts, from a healthy state anew.
+void Injection::impose(int64_t tick, const Seam &seam) const
+{
+    seam.hal = {};
+    plant_break_phases(&seam.plant, 0);
+    plant_set_supply(&seam.plant, board_.bus_nominal_v);
+    plant_set_temperature(&seam.plant, PLANT_AMBIENT_C);
+    plant_block_rotor(&seam.plant, false);
+    for (const Fault &fault : faults_) {
+        if (fault.begun && tick < fault.until) {
+            impose_on_binding(fault, seam.hal);
+            impose_on_plant(fault, seam.plant);
+        }
+    }
+}
+
+void Injection::change(int64_t tick, Simulation &sim)
+{
+    const Seam seam = sim.seam();
+    next_ = NEVER;
+    for (Fault &fault : faults_) {
+        if (!fault.begun && tick >= fault.from) {
+            fault.begun = true;
+            fault.last = sim.in();
+            strike(fault, seam);
+        }
+        const int64_t coming = fault.begun ? fault.until : fault.from;
+        if (coming > tick) {
+            next_ = std::min(next_, coming);
+        }
+    }
+    impose(tick, seam);
+}
+
+} // namespace nf

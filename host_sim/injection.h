@@ -1,0 +1,53 @@
+// What goes wrong in a run: [[scenario.fault]] put into the plant, the hardware binding and the drive's
+// memory at its time. Where no fault is listed nothing is touched.
+#pragma once
+
+#include "sim.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace nf
+{
+
+class Injection
+{
+public:
+    // Times count from tick `zero`. Faults before tick 0 begin there.
+    Injection(const Config &config, double period_s, int64_t zero);
+
+    // Before control() of each tick, which sees it. Call with ticks that rise.
+    void act(int64_t tick, Simulation &sim)
+    {
+        if (tick >= next_) {
+            change(tick, sim);
+        }
+    }
+
+private:
+    static constexpr int64_t NEVER = std::numeric_limits<int64_t>::max();
+
+    struct Fault {
+        FaultEntry entry;
+        int64_t from;
+        int64_t until;
+        bool begun;
+        drive_in_t last; // what the drive saw before it began
+    };
+
+    void change(int64_t tick, Simulation &sim);
+    static void strike(const Fault &fault, const Seam &seam);
+    void impose(int64_t tick, const Seam &seam) const;
+    void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
+    static void impose_on_plant(const Fault &fault, plant_t &plant);
+    uint16_t current_count(double ampere) const;
+    uint16_t bus_count(double volt) const;
+    uint16_t count(double value) const;
+
+    std::vector<Fault> faults_;
+    int64_t next_ = NEVER; // tick at which one begins or ends
+    BoardSettings board_;
+};
+
+} // namespace nf

@@ -1,0 +1,326 @@
+/* The bus with a capacitor: what the bridge takes and gives back, what the rectifier feeds. */
+#include "plant.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#define COUNTS 4250U
+#define PERIOD_S 1.0e-4
+#define BUS_V 310.0
+#define CAPACITANCE_F 470.0e-6
+#define INERTIA 0.003
+#define INDUCTANCE_H 0.0116
+#define FLUX_WB 0.387
+#define PAIRS 2.0
+#define START_RAD_S 150.0
+#define BRAKING_A (-5.0)
+#define BRAKING_PERIODS 300
+
+/* The trapezoidal rule is within 5e-5 of the leg currents (bridge.h), which are up to 1/0.4 of their
+ * share in the bus current at the modulation that this speed asks for. */
+#define CHARGE_ERROR (5.0e-5 / 0.4)
+
+static const plant_cfg_t LOSSLESS = {
+    .motor = {.pole_pairs = 2,
+              .inductance_d_h = INDUCTANCE_H,
+              .inductance_q_h = INDUCTANCE_H,
+              .flux_linkage_wb = FLUX_WB,
+              .inertia_kg_m2 = INERTIA,
+              .initial_speed_mech_rad_s = START_RAD_S},
+    .inverter = {.pwm_frequency_hz = 1.0 / PERIOD_S, .timer_counts = COUNTS},
+    .supply = {.voltage_v = BUS_V, .capacitance_f = CAPACITANCE_F},
+    .sensor = {.adc_bits = 12, .current_full_scale_a = 20.0, .bus_full_scale_v = 450.0, .seed = 1},
+};
+
+static plant_t plant;
+static plant_view_t view;
+
+static void start(const plant_cfg_t *cfg)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
+    plant_set_gates(&plant, true);
+    plant_view(&plant, &view);
+}
+
+static uint32_t compare_of(double phase_v)
+{
+    return (uint32_t)((0.5 + phase_v / view.bus_v) * COUNTS + 0.5);
+}
+
+/* A controller of doubles: proportional, with the EMF fed forward, for the middle of the next period. */
+static void control(double i_q_wanted_a)
+{
+    const double omega = PAIRS * view.omega_mech_rad_s;
+    const double gain = 0.2 * INDUCTANCE_H / PERIOD_S;
+    const double v_d = -gain * view.i_d_a - omega * INDUCTANCE_H * view.i_q_a;
+    const double v_q =
+        gain * (i_q_wanted_a - view.i_q_a) + omega * (INDUCTANCE_H * view.i_d_a + FLUX_WB);
+    const double angle = view.theta_el_rad + 1.5 * PERIOD_S * omega;
+    const double alpha = v_d * cos(angle) - v_q * sin(angle);
+    const double beta = v_d * sin(angle) + v_q * cos(angle);
+    const uint32_t compare[PLANT_LEGS] = {
+        compare_of(alpha),
+        compare_of(0.5 * (sqrt(3.0) * beta - alpha)),
+        compare_of(-0.5 * (sqrt(3.0) * beta + alpha)),
+    };
+
+    plant_write_compare(&plant, compare);
+    plant_step(&plant);
+    plant_view(&plant, &view);
+}
+
+static double capacitor_j(void)
+{
+    return 0.5 * CAPACITANCE_F * view.bus_v * view.bus_v;
+}
+
+static double machine_j(void)
+{
+    const double magnetic =
+        0.75 * INDUCTANCE_H * (view.i_d_a * view.i_d_a + view.i_q_a * view.i_q_a);
+
+    return magnetic + 0.5 * INERTIA * view.omega_mech_rad_s * view.omega_mech_rad_s;
+}
+
+/* What braking does, in J. */
+typedef struct {
+    double taken;  /* from rotor and coils */
+    double stored; /* in the capacitor */
+    double heat;   /* in the resistance, from the currents at the ends of the periods */
+    double drops;  /* in switches and diodes of 1 V drop, likewise */
+} balance_t;
+
+static balance_t brake(const plant_cfg_t *cfg)
+{
+    balance_t balance = {0.0, 0.0, 0.0, 0.0};
+
+    start(cfg);
+    balance.taken = machine_j();
+    balance.stored = -capacitor_j();
+    for (int k = 0; k < BRAKING_PERIODS; k++) {
+        const plant_view_t before = view;
+        control(BRAKING_A);
+        for (int leg = 0; leg < PLANT_LEGS; leg++) {
+            const double a = before.i_abc_a[leg];
+            const double b = view.i_abc_a[leg];
+            balance.heat += PERIOD_S * cfg->motor.resistance_ohm * (a * a + a * b + b * b) / 3.0;
+            balance.drops += PERIOD_S * 0.5 * (fabs(a) + fabs(b));
+        }
+    }
+    balance.taken -= machine_j();
+    balance.stored += capacitor_j();
+    return balance;
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_braking_without_losses_lifts_the_capacitor_by_all_the_energy(void)
+{
+    const balance_t balance = brake(&LOSSLESS);
+
+    TEST_ASSERT_TRUE(balance.taken > 15.0); /* of 34 J */
+    TEST_ASSERT_TRUE(view.bus_v > 390.0);
+    TEST_ASSERT_DOUBLE_WITHIN(CHARGE_ERROR * balance.taken, balance.taken, balance.stored);
+}
+
+/* Ripple of the current within a period, some 0.3 A at 5 A, is not in the heat as added up here. */
+static void test_what_the_resistance_heats_does_not_come_back(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.motor.resistance_ohm = 2.125;
+    const balance_t balance = brake(&cfg);
+    const double ripple = 0.3 * 0.3 / (5.0 * 5.0);
+    TEST_ASSERT_TRUE(balance.heat > 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(ripple * balance.heat + CHARGE_ERROR * balance.taken,
+                              balance.taken - balance.heat, balance.stored);
+}
+
+/* Current flows back through the diodes of the dead time too; a leg's current that passes through zero
+ * within a period is not in the loss as added up here. */
+static void test_what_switches_and_diodes_drop_does_not_come_back(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.supply.device_drop_v = 1.0;
+    cfg.inverter.dead_time_s = 2.0e-6;
+    const balance_t balance = brake(&cfg);
+    TEST_ASSERT_TRUE(balance.drops > 0.25);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * balance.drops + CHARGE_ERROR * balance.taken,
+                              balance.taken - balance.drops, balance.stored);
+}
+
+static void test_without_a_capacitor_the_bus_takes_current_back_and_stays(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.supply.capacitance_f = 0.0;
+    (void)brake(&cfg);
+    TEST_ASSERT_TRUE(view.bus_v == BUS_V);
+}
+
+/* EMF above the bus behind open gates: the diodes rectify into the capacitor. */
+static void test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.motor.initial_speed_mech_rad_s = 300.0; /* line to line 402 V peak */
+    start(&cfg);
+    plant_set_gates(&plant, false);
+    const double before_j = capacitor_j() + machine_j();
+    for (int k = 0; k < 2000; k++) {
+        plant_step(&plant);
+        plant_view(&plant, &view);
+    }
+    TEST_ASSERT_TRUE(view.bus_v > 370.0);
+    TEST_ASSERT_DOUBLE_WITHIN(CHARGE_ERROR * before_j, before_j, capacitor_j() + machine_j());
+}
+
+/* A coil in steady state: i_a = (2/3) d v / R, and the bus gives d i_a, so v = s - R_s (2/3) d^2 v / R. */
+static void test_the_source_resistance_drops_its_voltage_under_load(void)
+{
+    const double ohm = 10.0;
+    const double source_ohm = 4.0;
+    const uint32_t compare[PLANT_LEGS] = {3187U, 1062U, 1062U}; /* d = 1/2 */
+    const double share = 2125.0 / COUNTS;
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.motor = (plant_motor_cfg_t){.pole_pairs = 1,
+                                    .resistance_ohm = ohm,
+                                    .inductance_d_h = 0.1,
+                                    .inductance_q_h = 0.1,
+                                    .inertia_kg_m2 = 1.0e9};
+    cfg.supply.resistance_ohm = source_ohm;
+    start(&cfg);
+    for (int k = 0; k < 5000; k++) { /* 50 L/R, 266 R_s C */
+        plant_write_compare(&plant, compare);
+        plant_step(&plant);
+    }
+    plant_view(&plant, &view);
+    const double expected = BUS_V / (1.0 + source_ohm * 2.0 / 3.0 * share * share / ohm);
+    /* Ripple of the coil: T R / L of the current, squared. The energy of a period is given while the bus
+     * sags within it, by a charge that is larger by sag / 2 v; the source makes up for it. */
+    const double ripple = PERIOD_S * ohm / 0.1 * PERIOD_S * ohm / 0.1;
+    const double sag_v = PERIOD_S * (BUS_V - expected) / source_ohm / CAPACITANCE_F;
+    const double tolerance_v = ripple * BUS_V + 0.5 * sag_v / expected * (BUS_V - expected);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance_v, expected, view.bus_v);
+}
+
+/* No load: the capacitor keeps the highest voltage that the supply had at the start of a period. */
+static void test_the_rectifier_holds_the_peak_of_the_ripple(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+    const double nearest = 1.0 - cos(3.14159265358979 * 300.0 * PERIOD_S);
+
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    cfg.supply.ripple_fraction = 0.05;
+    cfg.supply.ripple_hz = 300.0;
+    start(&cfg);
+    plant_set_gates(&plant, false);
+    double last_v = view.bus_v;
+    for (int k = 0; k < 100; k++) {
+        plant_step(&plant);
+        plant_view(&plant, &view);
+        TEST_ASSERT_TRUE(view.bus_v >= last_v);
+        last_v = view.bus_v;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * BUS_V * nearest, 1.05 * BUS_V, view.bus_v);
+}
+
+static void test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fills_it(void)
+{
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    start(&cfg);
+    plant_set_gates(&plant, false);
+    plant_set_supply(&plant, 200.0);
+    plant_step(&plant);
+    plant_view(&plant, &view);
+    TEST_ASSERT_TRUE(view.bus_v == BUS_V);
+    plant_set_supply(&plant, 350.0);
+    plant_view(&plant, &view);
+    TEST_ASSERT_TRUE(view.bus_v == 350.0);
+    cfg.supply.capacitance_f = 0.0;
+    start(&cfg);
+    plant_set_supply(&plant, 200.0);
+    plant_view(&plant, &view);
+    TEST_ASSERT_TRUE(view.bus_v == 200.0);
+}
+
+/* A capacitor far too small for a period: its energy is gone, and no more than that. */
+static void test_a_bus_that_is_drained_stays_at_zero_or_above(void)
+{
+    const uint32_t compare[PLANT_LEGS] = {COUNTS, 0U, 0U};
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.supply.capacitance_f = 1.0e-9;
+    cfg.supply.resistance_ohm = 1000.0;
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    start(&cfg);
+    for (int k = 0; k < 1000; k++) {
+        plant_write_compare(&plant, compare);
+        plant_step(&plant);
+        plant_view(&plant, &view);
+        TEST_ASSERT_TRUE(view.bus_v >= 0.0 && view.bus_v < 2.0 * BUS_V);
+    }
+}
+
+static void test_a_copy_goes_on_as_the_original(void)
+{
+    start(&LOSSLESS);
+    for (int k = 0; k < 50; k++) {
+        control(BRAKING_A);
+    }
+    const plant_t copy = plant;
+    for (int k = 0; k < 50; k++) {
+        control(BRAKING_A);
+    }
+    const plant_t first = plant;
+    plant = copy;
+    plant_view(&plant, &view);
+    for (int k = 0; k < 50; k++) {
+        control(BRAKING_A);
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&first, &plant, sizeof plant);
+}
+
+static void test_init_names_the_field_that_is_out_of_range(void)
+{
+    const char *bad = NULL;
+    plant_cfg_t cfg = LOSSLESS;
+
+    cfg.supply.capacitance_f = -1.0;
+    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
+    TEST_ASSERT_EQUAL_STRING("supply.capacitance_f", bad);
+    cfg = LOSSLESS;
+    cfg.supply.resistance_ohm = HUGE_VAL;
+    TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
+    TEST_ASSERT_EQUAL_STRING("supply.resistance_ohm", bad);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_braking_without_losses_lifts_the_capacitor_by_all_the_energy);
+    RUN_TEST(test_what_the_resistance_heats_does_not_come_back);
+    RUN_TEST(test_what_switches_and_diodes_drop_does_not_come_back);
+    RUN_TEST(test_without_a_capacitor_the_bus_takes_current_back_and_stays);
+    RUN_TEST(test_an_open_bridge_charges_the_capacitor_until_it_meets_the_emf);
+    RUN_TEST(test_the_source_resistance_drops_its_voltage_under_load);
+    RUN_TEST(test_the_rectifier_holds_the_peak_of_the_ripple);
+    RUN_TEST(test_a_supply_that_falls_leaves_the_capacitor_charged_and_one_that_rises_fills_it);
+    RUN_TEST(test_a_bus_that_is_drained_stays_at_zero_or_above);
+    RUN_TEST(test_a_copy_goes_on_as_the_original);
+    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
+    return UNITY_END();
+}

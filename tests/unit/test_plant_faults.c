@@ -1,0 +1,211 @@
+/* What can be broken at run time: wires, shaft, the rotor's place, the temperature. */
+#include "plant.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#define COUNTS 4250U
+#define PERIOD_S 1.0e-4
+#define BUS_V 310.0
+#define RESISTANCE_OHM 2.125
+#define ALL_PHASES 3
+
+/* A: currents of some amperes with roundings of 2^-53 in each of some hundred steps. */
+#define ROUNDING_A 1.0e-11
+
+static const plant_cfg_t DRIVE = {
+    .motor = {.pole_pairs = 2,
+              .resistance_ohm = RESISTANCE_OHM,
+              .inductance_d_h = 0.0116,
+              .inductance_q_h = 0.02,
+              .flux_linkage_wb = 0.387,
+              .inertia_kg_m2 = 0.003,
+              .viscous_friction_nm_s = 0.001,
+              .initial_speed_mech_rad_s = 40.0},
+    .inverter = {.pwm_frequency_hz = 1.0 / PERIOD_S, .timer_counts = COUNTS},
+    .supply = {.voltage_v = BUS_V},
+    .sensor = {.adc_bits = 12,
+               .current_full_scale_a = 20.0,
+               .bus_full_scale_v = 400.0,
+               .temperature_zero_c = -50.0,
+               .temperature_full_scale_c = 154.8,
+               .seed = 1},
+};
+
+static plant_t plant;
+static plant_view_t view;
+
+static void start(const plant_cfg_t *cfg)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, cfg, &bad), bad);
+    plant_set_gates(&plant, true);
+}
+
+static void run(int periods, uint32_t a, uint32_t b, uint32_t c)
+{
+    const uint32_t compare[PLANT_LEGS] = {a, b, c};
+
+    plant_write_compare(&plant, compare);
+    for (int k = 0; k < periods; k++) {
+        plant_step(&plant);
+    }
+    plant_view(&plant, &view);
+}
+
+void setUp(void)
+{
+    start(&DRIVE);
+}
+
+void tearDown(void)
+{
+}
+
+static void test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop(void)
+{
+    for (int phase = 0; phase < ALL_PHASES; phase++) {
+        start(&DRIVE);
+        run(20, 2400, 2125, 2000);
+        TEST_ASSERT_TRUE(fabs(view.i_abc_a[phase]) > 0.5);
+        plant_break_phases(&plant, 1U << (unsigned)phase);
+        plant_view(&plant, &view);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[phase]);
+        for (int k = 0; k < 50; k++) {
+            run(1, 2400, 2125, 2000);
+            TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[phase]);
+        }
+        TEST_ASSERT_TRUE(fabs(view.i_abc_a[(phase + 1) % ALL_PHASES]) > 0.1);
+    }
+}
+
+/* Standing: two phases in series take (d_a - d_b) * bus over 2 R. */
+static void test_the_loop_of_two_phases_has_both_resistances(void)
+{
+    plant_cfg_t cfg = DRIVE;
+
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    cfg.motor.inertia_kg_m2 = 1.0e9;
+    start(&cfg);
+    plant_break_phases(&plant, 4U);
+    run(3000, 2225, 2125, 0); /* 20 L/R and more */
+    const double expected = 100.0 / COUNTS * BUS_V / (2.0 * RESISTANCE_OHM);
+    /* The sample in the middle of the low sides sees the mean of the ripple. */
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-3 * expected, expected, view.i_abc_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, -view.i_abc_a[0], view.i_abc_a[1]);
+}
+
+static void test_two_open_wires_leave_no_current_at_all(void)
+{
+    run(20, 2400, 2125, 2000);
+    plant_break_phases(&plant, 5U);
+    for (int k = 0; k < 50; k++) {
+        run(1, 2400, 2125, 2000);
+        for (int leg = 0; leg < PLANT_LEGS; leg++) {
+            TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[leg]);
+        }
+    }
+}
+
+static void test_a_wire_that_is_closed_again_carries_current_again(void)
+{
+    plant_break_phases(&plant, 1U);
+    run(20, 2400, 2125, 2000);
+    plant_break_phases(&plant, 0U);
+    run(20, 2400, 2125, 2000);
+    TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) > 0.5);
+}
+
+static void test_an_open_wire_holds_with_dead_time_drop_and_open_gates(void)
+{
+    plant_cfg_t cfg = DRIVE;
+
+    cfg.inverter.dead_time_s = 2.0e-6;
+    cfg.supply.device_drop_v = 1.2;
+    cfg.motor.initial_speed_mech_rad_s = 300.0;
+    start(&cfg);
+    plant_break_phases(&plant, 2U);
+    for (int k = 0; k < 400; k++) {
+        plant_set_gates(&plant, (k % 100) < 50);
+        run(1, 2400, 2125, 2000);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[1]);
+    }
+}
+
+static void test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns(void)
+{
+    run(20, 2400, 2125, 2000);
+    plant_block_rotor(&plant, true);
+    plant_set_load_torque(&plant, -50.0);
+    plant_view(&plant, &view);
+    const double held_rad = view.theta_mech_rad;
+    run(100, 2400, 2125, 2000);
+    TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
+    TEST_ASSERT_TRUE(view.theta_mech_rad == held_rad);
+    TEST_ASSERT_TRUE(fabs(view.i_abc_a[0]) > 1.0);
+    plant_block_rotor(&plant, false);
+    plant_set_gates(&plant, false);
+    run(200, 2125, 2125, 2125);
+    /* 50 N m on 0.003 kg m2 for 20 ms; the currents' torque, some N m, decays within the first. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 333.0, 333.0, view.omega_mech_rad_s);
+}
+
+static void test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too(void)
+{
+    plant_cfg_t cfg = DRIVE;
+
+    cfg.motor.coulomb_friction_nm = 0.05;
+    start(&cfg);
+    plant_block_rotor(&plant, true);
+    plant_break_phases(&plant, 1U);
+    run(100, 2400, 2125, 2000);
+    plant_set_gates(&plant, false);
+    run(100, 2400, 2125, 2000);
+    TEST_ASSERT_TRUE(view.omega_mech_rad_s == 0.0);
+}
+
+static void test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere(void)
+{
+    const double turn_rad = 1.25;
+    plant_view_t before;
+
+    run(20, 2400, 2125, 2000);
+    before = view;
+    plant_turn_rotor(&plant, turn_rad);
+    plant_view(&plant, &view);
+    for (int leg = 0; leg < PLANT_LEGS; leg++) {
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, before.i_abc_a[leg], view.i_abc_a[leg]);
+    }
+    TEST_ASSERT_TRUE(view.omega_mech_rad_s == before.omega_mech_rad_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-12, turn_rad / 2.0, view.theta_mech_rad - before.theta_mech_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        ROUNDING_A, before.i_d_a * cos(turn_rad) + before.i_q_a * sin(turn_rad), view.i_d_a);
+}
+
+static void test_temperature_is_that_of_the_room_until_it_is_set(void)
+{
+    plant_adc_t adc;
+
+    plant_sample(&plant, &adc);
+    TEST_ASSERT_EQUAL_UINT16(1500, adc.temperature); /* 75 degrees above -50, 0.05 a count */
+    plant_set_temperature(&plant, 100.0);
+    plant_sample(&plant, &adc);
+    TEST_ASSERT_EQUAL_UINT16(3000, adc.temperature);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_an_open_wire_carries_no_current_and_the_other_two_are_a_loop);
+    RUN_TEST(test_the_loop_of_two_phases_has_both_resistances);
+    RUN_TEST(test_two_open_wires_leave_no_current_at_all);
+    RUN_TEST(test_a_wire_that_is_closed_again_carries_current_again);
+    RUN_TEST(test_an_open_wire_holds_with_dead_time_drop_and_open_gates);
+    RUN_TEST(test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns);
+    RUN_TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too);
+    RUN_TEST(test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere);
+    RUN_TEST(test_temperature_is_that_of_the_room_until_it_is_set);
+    return UNITY_END();
+}
