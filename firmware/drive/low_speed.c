@@ -146,7 +146,9 @@ static void next_state(drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const step_t speed = fx_abs(drive->frame_speed);
 
-    if (speed == 0) {
+    if (drive->residual > cfg->residual_lost) {
+        repeat_start(drive);
+    } else if (speed == 0) {
         drive_enter(drive, DRIVE_STATE_HOLD);
     } else if (speed < cfg->handover_speed) {
         drive_enter(drive, DRIVE_STATE_IF_RAMP);
@@ -158,6 +160,19 @@ static void next_state(drive_t *drive)
     }
 }
 
+/* The vector does not wait for a rotor that cannot follow: it starts with torque to spare for load and inertia. */
+static void plan(drive_t *drive, const drive_command_t *command)
+{
+    const step_t ramp = drive->cfg->startup.ramp;
+
+    vector_control_plan(drive, command);
+    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
+        drive->speed_reference =
+            drive->frame_speed +
+            fx_clamp(drive->speed_reference - drive->frame_speed, -ramp, ramp);
+    }
+}
+
 static void drag(drive_t *drive, const drive_command_t *command)
 {
     drive_signals_t *const s = &drive->signals;
@@ -165,7 +180,7 @@ static void drag(drive_t *drive, const drive_command_t *command)
     s->current_ref.d = next_current_d(drive);
     drive->slow_count--;
     if (drive->slow_count == 1U) {
-        vector_control_plan(drive, command);
+        plan(drive, command);
     } else if (drive->slow_count == 0U) {
         s->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
                                                  drive->speed_reference);

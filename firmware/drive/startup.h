@@ -15,10 +15,12 @@ typedef struct {
     int32_t current_move;     /* imposed while the reference moves, Q15 of I_b */
     int32_t current_floor;    /* in RUN |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
     int32_t current_slope;    /* change of the imposed current in a tick, Q15 of I_b, 1…16384 */
+    step_t ramp;              /* in speed mode the vector's speed changes no faster in a slow period */
     step_t track_speed;       /* the observer runs free above this reference, else it follows the vector */
     step_t handover_speed;    /* the observer takes over above it */
     step_t hold_speed;        /* and hands back below it, less than handover_speed */
     int32_t residual_max;     /* the observer's |e_d| + |e_q| at hand-over, filtered, Q15 of I_b */
+    int32_t residual_lost;    /* above it the vector has lost the rotor: the start is repeated */
     uint32_t handover_periods;  /* slow periods within which it must fall below, 1…60000 */
     uint32_t attempts;        /* starts before it is a fault, 1…100 */
 } startup_cfg_t;

@@ -36,6 +36,10 @@ constexpr double CATCH_TURN = 0.4; // turns between two pulses at the highest sp
 constexpr double TRACK_SHARE = 0.5;
 constexpr double HOLD_SHARE = 0.7;
 constexpr double RESIDUAL_SHARE = 0.25; // of the continuous current
+constexpr double LOST_SHARE = 0.75;
+// The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
+// inertia still follow.
+constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 constexpr uint32_t ATTEMPTS = 5;
 
@@ -161,10 +165,16 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
         std::lround(floor * continuous_current(motor) / b.current_a * Q15));
     c.current_slope = c.align.slope;
     c.handover_speed = static_cast<step_t>(std::lround(handover));
+    const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
+    c.ramp = static_cast<step_t>(std::ceil(acceleration * tuning.slow_ticks *
+                                           std::pow(b.control_period_s, 2) / TWO_PI *
+                                           STEPS_PER_TURN));
     c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));
     c.hold_speed = static_cast<step_t>(std::lround(handover * HOLD_SHARE));
     c.residual_max = static_cast<int32_t>(
         std::lround(RESIDUAL_SHARE * continuous_current(motor) / b.current_a * Q15));
+    c.residual_lost = static_cast<int32_t>(
+        std::lround(LOST_SHARE * continuous_current(motor) / b.current_a * Q15));
     c.handover_periods =
         static_cast<uint32_t>(std::ceil(HANDOVER_TIME_S / b.control_period_s / tuning.slow_ticks));
     c.attempts = ATTEMPTS;
