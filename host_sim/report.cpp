@@ -68,6 +68,10 @@ std::string json_text(const Config &config, const RunResult &result)
     json["faults"] = result.faults;
     json["state_final"] = state_name(result.state_final);
     json["gates_enabled_final"] = result.gates_enabled_final;
+    for (const Parameter &p : result.parameters) {
+        json["parameters"][p.name] = {
+            {"configured", p.configured}, {"estimated", p.estimated}, {"actual", p.actual}};
+    }
     json["saturations"] = nlohmann::ordered_json::object();
     for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
         json["saturations"][signal_name(k)] = result.saturations.ticks()[k];
@@ -109,6 +113,12 @@ std::string table_text(const Config &config, const RunResult &result)
     text += saturation_lines(result.saturations);
     for (const std::string &fault : result.faults) {
         text += line("fault", fault, "", true);
+    }
+    text += fmt::format("\n  {:<28}{:>10}  {:>10}  {:>10}\n", "motor", "estimated", "actual",
+                        "configured");
+    for (const Parameter &p : result.parameters) {
+        text += fmt::format("  {:<28}{:>10.4g}  {:>10.4g}  {:>10.4g}\n", p.name, p.estimated,
+                            p.actual, p.configured);
     }
     return text;
 }

@@ -26,6 +26,24 @@ std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
     return steps;
 }
 
+std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
+{
+    constexpr double ratio_q14 = 1.0 / MODEL_RATIO_ONE;
+    const MotorSettings &motor = config.motor;
+    const auto parameter = [](const char *name, double nameplate, double belief, double ratio,
+                              double real) {
+        return Parameter{name, nameplate * belief, nameplate * belief * ratio, nameplate * real};
+    };
+    return {
+        parameter("resistance_ohm", motor.resistance_ohm, config.model.resistance,
+                  drive.model.resistance_q14 * ratio_q14, config.plant.resistance_scale),
+        parameter("inductance_d_h", motor.inductance_d_h, config.model.inductance,
+                  drive.model.inductance_q14 * ratio_q14, config.plant.inductance_scale),
+        parameter("flux_linkage_wb", motor.flux_linkage_wb, config.model.flux,
+                  std::ldexp(drive.model.flux_q30, -30), config.plant.flux_scale),
+    };
+}
+
 class Run
 {
 public:
@@ -44,6 +62,7 @@ private:
     void watch_state();
     bool reference_moving();
 
+    const Config &config_;
     const ScenarioSettings &scenario_;
     const RunOptions &options_;
     Simulation sim_;
@@ -64,7 +83,7 @@ private:
 };
 
 Run::Run(const Config &config, const RunOptions &options)
-    : scenario_(config.scenario), options_(options), sim_(config),
+    : config_(config), scenario_(config.scenario), options_(options), sim_(config),
       zero_(ticks_in(scenario_.prelude_s)),
       evaluate_from_(zero_ + ticks_in(scenario_.evaluate_from_s)),
       end_(zero_ + ticks_in(scenario_.duration_s)),
@@ -188,6 +207,7 @@ RunResult Run::all()
     if (options_.progress) {
         options_.progress(1.0);
     }
+    result_.parameters = parameters_of(config_, sim_.drive());
     result_.metrics = metrics_.finish();
     result_.ticks = end_;
     result_.state_final = sim_.drive().state;

@@ -24,7 +24,16 @@ struct RunOptions {
     std::function<drive_out_t(const Tick &)> power_stage;
 };
 
+// What the drive takes for a parameter of the motor at the end of a run, beside what the motor has.
+struct Parameter {
+    const char *name; // with its unit
+    double configured;
+    double estimated;
+    double actual;
+};
+
 struct RunResult {
+    std::vector<Parameter> parameters;
     MetricValues metrics;
     Saturations saturations;         // over the evaluation, while running
     std::vector<std::string> faults; // "OVERCURRENT@1234": name and tick since the first

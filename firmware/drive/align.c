@@ -10,6 +10,12 @@ void align_reset(align_t *align, bool backwards)
     *align = (align_t){.phase = ALIGN_PULL, .backwards = backwards};
 }
 
+void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref)
+{
+    *align = (align_t){
+        .phase = ALIGN_PULL, .tick = cfg->sweep_ticks, .current_ref = current_ref};
+}
+
 static void next_phase(align_t *align)
 {
     align->phase++;

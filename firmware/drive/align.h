@@ -68,6 +68,9 @@ typedef struct {
 /* Begin. backwards: the drive will turn that way. */
 void align_reset(align_t *align, bool backwards);
 
+/* Begin with the measurements: the rotor has come to rest on a vector of current_ref already. */
+void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref);
+
 /*
  * One tick. current: measured i_d; voltage: v_d asked for in the last tick; Q15, ±32767. Sets current_ref and
  * frame_speed for this tick.

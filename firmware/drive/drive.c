@@ -176,7 +176,11 @@ static void drive_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
+    model_nominal_t nominal;
+
     *drive = (drive_t){.cfg = cfg};
+    nominal = drive_nominal(drive);
+    model_reset(&drive->model, &nominal);
     drive_enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
     return params_check(cfg);

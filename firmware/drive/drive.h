@@ -125,7 +125,8 @@ typedef struct {
     position_loop_t position_loop;
     uint8_t mode; /* of the running motion loops */
     uint32_t offset_samples;
-    model_t model;          /* of the motor, in force */
+    model_t model;          /* of the motor, in force; kept from run to run */
+    bool identified;        /* R and L of the model were measured */
     rotor_position_t frame; /* of the imposed current */
     step_t frame_speed;
     int32_t residual;          /* |e_d| + |e_q|, filtered over slow periods, Q15 of I_b */

@@ -48,6 +48,12 @@ static void start_turning(drive_t *drive)
     drive_enter(drive, DRIVE_STATE_RUN);
 }
 
+/* A slower rotor is pulled in from where it is. */
+static bool is_fast(const drive_t *drive)
+{
+    return fx_abs(drive->catch_spin.speed) >= drive->cfg->startup.handover_speed;
+}
+
 void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     drive_signals_t *const s = &drive->signals;
@@ -56,9 +62,9 @@ void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
     result = catch_spin_step(&drive->catch_spin, &drive->cfg->startup.catch_spin, s->current_ab);
     *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
-    if (result == CATCH_SPIN_TURNING) {
+    if ((result == CATCH_SPIN_TURNING) && is_fast(drive)) {
         start_turning(drive);
-    } else if (result == CATCH_SPIN_STANDING) {
+    } else if (result != CATCH_SPIN_BUSY) {
         out->gate_enable = false;
         start_alignment(drive, &in->command);
     } else {
@@ -76,6 +82,7 @@ static void finish_alignment(drive_t *drive)
     if ((resistance > 0) && (inductance > 0)) {
         model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
         nn_observer_reset(&drive->observer, &drive->model.observer);
+        drive->identified = true;
     }
     drive->frame_speed = 0;
     speed_loop_reset(&drive->speed_loop, 0);
@@ -140,6 +147,19 @@ static void judge_handover(drive_t *drive)
     }
 }
 
+/* A rotor that was caught turning was not measured then: the first standstill makes up for it. */
+static void hold(drive_t *drive)
+{
+    const bool at_rest = drive->state == DRIVE_STATE_HOLD;
+
+    if (drive->identified || !at_rest) {
+        drive_enter(drive, DRIVE_STATE_HOLD);
+    } else {
+        align_reset_held(&drive->align, &drive->cfg->startup.align, drive->signals.current_ref.d);
+        drive_enter(drive, DRIVE_STATE_ALIGN);
+    }
+}
+
 /* HOLD, IF_RAMP and HANDOVER by the speed of the vector. */
 static void next_state(drive_t *drive)
 {
@@ -149,7 +169,7 @@ static void next_state(drive_t *drive)
     if (drive->residual > cfg->residual_lost) {
         repeat_start(drive);
     } else if (speed == 0) {
-        drive_enter(drive, DRIVE_STATE_HOLD);
+        hold(drive);
     } else if (speed < cfg->handover_speed) {
         drive_enter(drive, DRIVE_STATE_IF_RAMP);
     } else if (drive->state != DRIVE_STATE_HANDOVER) {

@@ -18,9 +18,6 @@ typedef struct {
 
 void vector_control_reset(drive_t *drive)
 {
-    const model_nominal_t nominal = drive_nominal(drive);
-
-    model_reset(&drive->model, &nominal);
     nn_observer_reset(&drive->observer, &drive->model.observer);
     rotor_position_reset(&drive->position, 0U);
     rotor_position_reset(&drive->frame, 0U);

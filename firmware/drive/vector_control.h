@@ -8,7 +8,7 @@
 
 #include "drive.h"
 
-/* The rotor is taken to be at rest at angle 0, nothing flows, the model is the configured one. */
+/* The rotor is taken to be at rest at angle 0, nothing flows. The model stays as it is. */
 void vector_control_reset(drive_t *drive);
 
 /*
