@@ -95,7 +95,7 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measu
 /* (19)–(22): train W2 along the descent direction. x, y as in predict(). */
 static void train(nn_observer_t *obs, const nn_observer_cfg_t *cfg, int32_t x, int32_t y)
 {
-    const int32_t descent = fx_asr((obs->turned.q * x) - (obs->turned.d * y), 14U);
+    const int32_t descent = fx_sat16(fx_asr((obs->turned.q * x) - (obs->turned.d * y), 12U));
     step_t weight_step = fx_asr(descent * cfg->rate, cfg->rate_shift);
 
     if (cfg->momentum_q15 != 0) {

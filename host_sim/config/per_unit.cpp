@@ -131,7 +131,7 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
     // b(k) is a product in Q15 of I_b times Q15 of I_x; 4/2π turns radians in Q30 into steps.
     const double steps =
-        std::ldexp(b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI, 14);
+        std::ldexp(b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI, 12);
     const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
     const Mantissa eta = with_headroom(rate, headroom, {"observer.kappa", tuning.observer_kappa}, reason);
     c.rate = eta.value;
