@@ -131,13 +131,13 @@ void nn_observer_follow(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t m
     obs->weight_step = 0;
 }
 
-void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
+void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed)
 {
     int32_t rho_q13 = 0;
 
-    if (fx_abs(obs->speed) >= cfg->rho_speed_min) {
+    if (fx_abs(rotor_speed) >= cfg->rho_speed_min) {
         const int32_t corner_q13 = fx_asr(cfg->corner, SPEED_TO_RHO) * 8192;
-        const int32_t speed = fx_asr(obs->speed, SPEED_TO_RHO);
+        const int32_t speed = fx_asr(rotor_speed, SPEED_TO_RHO);
 
         rho_q13 = fx_clamp(corner_q13 / ((speed == 0) ? 1 : speed), -cfg->rho_max_q13,
                            cfg->rho_max_q13);

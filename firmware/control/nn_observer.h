@@ -97,7 +97,10 @@ void nn_observer_step(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t mea
 void nn_observer_follow(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                         dq_t voltage, step_t speed);
 
-/* Set ρ for the present speed. Call once a slow period. One division. */
-void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
+/*
+ * Set ρ for a speed, within ±2^30: the best there is, not an estimate that still swings, for ρ has its sign. Call once
+ * a slow period. One division.
+ */
+void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
 
 #endif
