@@ -129,7 +129,8 @@ typedef struct {
     bool identified;        /* R and L of the model were measured */
     rotor_position_t frame; /* of the imposed current */
     step_t frame_speed;
-    int32_t residual;          /* |e_d| + |e_q|, filtered over slow periods, Q15 of I_b */
+    int32_t residual;          /* |e'_q|, filtered over slow periods, Q15 of I_b */
+    uint32_t lost_periods;     /* slow periods in which it was too large for a held rotor */
     uint32_t handover_periods; /* slow periods in HANDOVER */
     uint32_t attempts;         /* starts that failed since READY */
     catch_spin_t catch_spin;

@@ -147,6 +147,21 @@ static void judge_handover(drive_t *drive)
     }
 }
 
+/*
+ * A rotor that slips drives a back-EMF which neither a standing model nor one that follows it explains, and goes on; a
+ * swing passes through zero. While the model is dragged along without being trained, a load angle looks like an error:
+ * no judgement then.
+ */
+static bool has_lost_rotor(drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const bool judges = (drive->frame_speed == 0) || low_speed_tracks(drive);
+    const bool wrong = judges && (drive->residual > cfg->residual_lost);
+
+    drive->lost_periods = wrong ? (drive->lost_periods + 1U) : 0U;
+    return drive->lost_periods >= cfg->lost_periods;
+}
+
 /* A rotor that was caught turning was not measured then: the first standstill makes up for it. */
 static void hold(drive_t *drive)
 {
@@ -166,7 +181,7 @@ static void next_state(drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const step_t speed = fx_abs(drive->frame_speed);
 
-    if (drive->residual > cfg->residual_lost) {
+    if (has_lost_rotor(drive)) {
         repeat_start(drive);
     } else if (speed == 0) {
         hold(drive);

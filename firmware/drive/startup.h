@@ -19,8 +19,9 @@ typedef struct {
     step_t track_speed;       /* the observer runs free above this reference, else it follows the vector */
     step_t handover_speed;    /* the observer takes over above it */
     step_t hold_speed;        /* and hands back below it, less than handover_speed */
-    int32_t residual_max;     /* the observer's |e_d| + |e_q| at hand-over, filtered, Q15 of I_b */
-    int32_t residual_lost;    /* above it the vector has lost the rotor: the start is repeated */
+    int32_t residual_max;     /* at hand-over the observer's |e'_q|, filtered, is below, Q15 of I_b */
+    int32_t residual_lost;    /* while it is above, the vector does not have the rotor … */
+    uint32_t lost_periods;    /* … and the start is repeated after so many slow periods, 1…60000 */
     uint32_t handover_periods;  /* slow periods within which it must fall below, 1…60000 */
     uint32_t attempts;        /* starts before it is a fault, 1…100 */
 } startup_cfg_t;

@@ -31,6 +31,7 @@ void vector_control_reset(drive_t *drive)
     drive->offset = 0U;
     drive->offset_acting = 0U;
     drive->residual = 0;
+    drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
     drive->slow_count = drive->cfg->slow_ticks;
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
@@ -124,9 +125,8 @@ void vector_control_refine(drive_t *drive)
 {
     const nn_observer_t *const observer = &drive->observer;
     const model_nominal_t nominal = drive_nominal(drive);
-    const int32_t size = fx_abs(observer->error.d) + fx_abs(observer->error.q);
 
-    drive->residual += fx_asr(size - drive->residual, RESIDUAL_SHIFT);
+    drive->residual += fx_asr(fx_abs(observer->turned.q) - drive->residual, RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
                      observer->speed);
     nn_observer_update_rho(&drive->observer, &drive->model.observer, drive_speed(drive));

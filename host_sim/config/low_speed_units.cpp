@@ -37,6 +37,7 @@ constexpr double TRACK_SHARE = 0.5;
 constexpr double HOLD_SHARE = 0.7;
 constexpr double RESIDUAL_SHARE = 0.25; // of the continuous current
 constexpr double LOST_SHARE = 0.75;
+constexpr double LOST_TIME_S = 0.1;
 // The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
 // inertia still follow.
 constexpr double RAMP_TORQUE = 0.07;
@@ -175,6 +176,8 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
         std::lround(RESIDUAL_SHARE * continuous_current(motor) / b.current_a * Q15));
     c.residual_lost = static_cast<int32_t>(
         std::lround(LOST_SHARE * continuous_current(motor) / b.current_a * Q15));
+    c.lost_periods =
+        static_cast<uint32_t>(std::ceil(LOST_TIME_S / b.control_period_s / tuning.slow_ticks));
     c.handover_periods =
         static_cast<uint32_t>(std::ceil(HANDOVER_TIME_S / b.control_period_s / tuning.slow_ticks));
     c.attempts = ATTEMPTS;
