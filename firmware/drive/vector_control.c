@@ -129,7 +129,7 @@ void vector_control_refine(drive_t *drive)
     drive->residual += fx_asr(fx_abs(observer->turned.q) - drive->residual, RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
                      observer->speed);
-    nn_observer_update_rho(&drive->observer, &drive->model.observer, drive_speed(drive));
+    nn_observer_update_rho(&drive->observer, &drive->model.observer, drive->speed_loop.reference);
 }
 
 /*
