@@ -1,5 +1,11 @@
 #include "report.h"
 
+#include "fault_line.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -63,7 +69,10 @@ std::string json_text(const Config &config, const RunResult &result)
         json[field.name] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
     }
     json["locked"] = result.metrics.locked;
-    json["faults"] = result.faults;
+    json["faults"] = nlohmann::ordered_json::array();
+    for (const fault_t &fault : result.faults) {
+        json["faults"].push_back(fault_mark(fault));
+    }
     json["saturations"] = nlohmann::ordered_json::object();
     for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
         json["saturations"][signal_name(k)] = result.saturations.ticks()[k];
@@ -103,8 +112,11 @@ std::string table_text(const Config &config, const RunResult &result)
     text += number_line(SATURATION_INTERNAL_COUNT,
                         static_cast<double>(result.saturations.internal_count()), limits);
     text += saturation_lines(result.saturations);
-    for (const std::string &fault : result.faults) {
-        text += line("fault", fault, "", true);
+    for (const fault_t &fault : result.faults) {
+        text += line("fault", fault_mark(fault), "", true);
+        text += fmt::format("    {}\n    {}\n",
+                            fault_measure(fault, make_bases(config.motor, config.board)),
+                            fault_text(fault.id)->advice);
     }
     return text;
 }

@@ -26,8 +26,8 @@ struct RunOptions {
 
 struct RunResult {
     MetricValues metrics;
-    Saturations saturations;         // over the evaluation, while running
-    std::vector<std::string> faults; // "OVERCURRENT@1234": name and tick since the first
+    Saturations saturations; // over the evaluation, while running
+    std::vector<fault_t> faults;
     int64_t ticks = 0;
 };
 

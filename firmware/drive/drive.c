@@ -22,6 +22,7 @@ static void enter(drive_t *drive, drive_state_t state)
 static void enter_fault(drive_t *drive, fault_t fault)
 {
     drive->fault = fault;
+    drive->fault.tick = drive->tick;
     enter(drive, DRIVE_STATE_FAULT);
 }
 

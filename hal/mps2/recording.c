@@ -228,6 +228,7 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_u32(&hash, (uint32_t)drive->fault.id);
     mix_i32(&hash, drive->fault.value);
     mix_i32(&hash, drive->fault.limit);
+    mix_u32(&hash, drive->fault.tick);
     mix_u32(&hash, drive->tick);
     mix_i32(&hash, drive->limits.current_max);
     mix_i32(&hash, drive->limits.bus_max);

@@ -1,10 +1,12 @@
 // The coupling of plant, hardware binding and drive, and what a run does with its profiles.
+#include "fault_line.h"
 #include "profile.h"
 #include "scenario.h"
 #include "tick.h"
 
 #include <vector>
 
+#include <fmt/format.h>
 #include <unity.h>
 
 namespace
@@ -110,7 +112,10 @@ void test_faults_are_listed()
     const Config config = load({"plant.bus_ripple_pct=40"});
     const nf::RunResult result = nf::run_scenario(config);
     TEST_ASSERT_EQUAL_size_t(1, result.faults.size());
-    TEST_ASSERT_EQUAL_INT(0, static_cast<int>(result.faults.front().rfind("OVERVOLTAGE@", 0)));
+    const fault_t &fault = result.faults.front();
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, fault.id);
+    TEST_ASSERT_EQUAL_STRING(fmt::format("OVERVOLTAGE@{}", fault.tick).c_str(),
+                             nf::fault_mark(fault).c_str());
     TEST_ASSERT_FALSE(result.metrics.locked);
     TEST_ASSERT_FALSE(nf::violations(config, result).empty());
 }
