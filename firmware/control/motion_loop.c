@@ -19,16 +19,19 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
 }
 
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
-                        step_t measured)
+                        step_t measured, torque_range_t range)
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
     const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
-    const int32_t feed_forward = fx_clamp(torque, -cfg->current_max, cfg->current_max);
+    const int32_t feed_forward = fx_clamp(torque, range.lower, range.upper);
+    /* What a symmetric limit is to the demand less the middle, the range is to the demand. */
+    const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t error = fx_sat16(fx_asr(limited - measured, cfg->error_shift));
 
     loop->reference = limited;
-    return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
+    return middle +
+           pi_step(&loop->pi, &cfg->pi, error, feed_forward - middle, middle - range.lower);
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

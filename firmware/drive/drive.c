@@ -4,6 +4,7 @@
 
 #define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
 #define Q16_TO_Q32 (65536)
+#define SLOW_PARTS (5U) /* last ticks of a slow period that have work of their own */
 
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
@@ -46,8 +47,10 @@ static void reset_control(drive_t *drive)
     drive->ratio = (dq_t){0, 0};
     drive->ratio_acting = (dq_t){0, 0};
     drive->signals.current_ref_q = 0;
+    drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->slow_count = drive->cfg->slow_ticks;
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+    supervision_reset(&drive->supervision);
 }
 
 /* Raw counts to per unit. Before the calibration has ended the currents are meaningless. */
@@ -64,6 +67,16 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     s->bus = fx_usat15((int32_t)bus);
 }
 
+/* An over-current at an end of the converter is no measurement. */
+static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t id)
+{
+    const uint32_t shift = drive->cfg->sampling.current_shift;
+    const bool saturated =
+        protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
+
+    return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
+}
+
 /* Latch what is wrong. */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
@@ -76,7 +89,10 @@ static void watch(drive_t *drive, const drive_in_t *in)
     const fault_id_t id = protection_check(&drive->limits, &measured);
 
     if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        enter_fault(drive, protection_record(&drive->limits, &measured, id));
+        enter_fault(drive, protection_record(&drive->limits, &measured, name_of(drive, in, id)));
+    }
+    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
+        drive->supervision.late++;
     }
 }
 
@@ -196,19 +212,166 @@ static void plan_speed(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* The motion loops share one slow period: planning in its last tick but one, the speed PI after it. */
-static void control_motion(drive_t *drive, const drive_command_t *command)
+static fault_id_t check_current(drive_t *drive, fault_t *fault)
+{
+    const supervision_current_t measured = {
+        .current = drive->signals.current,
+        .reference = {.d = 0, .q = drive->signals.current_ref_q},
+        .excused = fx_abs(drive->observer.speed) >= drive->cfg->supervision.stall_speed,
+    };
+    const supervision_cfg_t *const cfg = &drive->cfg->supervision;
+    const fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
+
+    return (id != FAULT_NONE)
+               ? id
+               : supervision_check_observer(&drive->supervision, cfg, drive->observer.error, fault);
+}
+
+static fault_id_t check_phases(drive_t *drive, fault_t *fault)
+{
+    const uint64_t turns_q16 = (uint64_t)drive->position.turns_q32 >> 16U;
+    const supervision_phases_t measured = {
+        .a = drive->signals.phase_a,
+        .b = drive->signals.phase_b,
+        .turns_q16 = (int32_t)(uint32_t)(turns_q16 & 0xFFFFFFFFU),
+        .speed = drive->observer.speed,
+    };
+
+    return supervision_check_phases(&drive->supervision, &drive->cfg->supervision, &measured,
+                                    fault);
+}
+
+static fault_id_t check_speed(drive_t *drive, fault_t *fault)
+{
+    const int32_t torque = drive->signals.current_ref_q;
+    const supervision_speed_t measured = {
+        .speed = drive->observer.speed,
+        .reference = drive->speed_loop.reference,
+        .speed_limit = drive->cfg->observer.speed_limit,
+        .current_ref = torque,
+        .torque_at_limit =
+            (torque >= drive->torque_range.upper) || (torque <= drive->torque_range.lower),
+    };
+    const supervision_cfg_t *const cfg = &drive->cfg->supervision;
+    const fault_id_t id = supervision_check_late(&drive->supervision, cfg, fault);
+
+    return (id != FAULT_NONE) ? id
+                              : supervision_check_speed(&drive->supervision, cfg, &measured, fault);
+}
+
+/* One of the checks that take turns. Those of the loops need them closed. */
+static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
+{
+    const uint32_t step = drive->supervision.step;
+    const bool running = drive->state == DRIVE_STATE_RUN;
+    const dq_t current = running ? drive->signals.current : (dq_t){0, 0};
+    fault_id_t id = FAULT_NONE;
+
+    drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
+    if (step == 0U) {
+        id =
+            derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+    } else if (step == 1U) {
+        id = config_guard_step(&drive->guard, drive->cfg, fault);
+    } else if (!running) {
+        /* gates are open */
+    } else if (step == 2U) {
+        id = check_current(drive, fault);
+    } else {
+        id = check_speed(drive, fault);
+    }
+    return id;
+}
+
+/* Once a slow period, in any state. A fault opens the gates in this tick. */
+static void supervise(drive_t *drive, const drive_in_t *in)
+{
+    fault_t fault = {.id = FAULT_NONE};
+
+    if ((check_next(drive, in->adc_temperature, &fault) != FAULT_NONE) &&
+        (drive->state != DRIVE_STATE_FAULT)) {
+        enter_fault(drive, fault);
+    }
+}
+
+/* Once a slow period while running. */
+static void supervise_phases(drive_t *drive)
+{
+    fault_t fault = {.id = FAULT_NONE};
+
+    if ((check_phases(drive, &fault) != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+        enter_fault(drive, fault);
+    }
+}
+
+/* The range of the torque current for the next demand. */
+static void limit_torque(drive_t *drive)
+{
+    drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating,
+                                         drive->signals.bus, drive->observer.speed);
+}
+
+/* Second half of the motion loops: the torque current. */
+static void demand_torque(drive_t *drive)
+{
+    drive->signals.current_ref_q =
+        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                        drive->observer.speed, drive->torque_range);
+}
+
+/* The slow period with open gates. */
+static void idle_tick(drive_t *drive, const drive_in_t *in)
 {
     drive->slow_count--;
-    if (drive->slow_count == 1U) {
-        plan_speed(drive, command);
-    } else if (drive->slow_count == 0U) {
-        drive->signals.current_ref_q =
-            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                            drive->observer.speed);
+    if (drive->slow_count == 0U) {
         drive->slow_count = drive->cfg->slow_ticks;
+        supervise(drive, in);
+    }
+}
+
+/* The end of the slow period; a short one has no tick for each part of its work. */
+static void end_slow_period(drive_t *drive, const drive_in_t *in)
+{
+    drive->slow_count = drive->cfg->slow_ticks;
+    if (drive->slow_count < SLOW_PARTS) {
+        supervise(drive, in);
+        supervise_phases(drive);
+        limit_torque(drive);
+    }
+}
+
+/* What the slow period does before the motion loops: parts 4 to 2 of five. */
+static void watch_slowly(drive_t *drive, const drive_in_t *in, uint32_t part)
+{
+    if (drive->cfg->slow_ticks < SLOW_PARTS) {
+        /* all at the end */
+    } else if (part == 4U) {
+        supervise_phases(drive);
+    } else if (part == 3U) {
+        supervise(drive, in);
     } else {
-        /* between */
+        limit_torque(drive);
+    }
+}
+
+/*
+ * The slow period ends with both parts of the supervision, the limits, planning and the speed PI, in a tick
+ * each, so that the longest tick is shorter.
+ */
+static void control_motion(drive_t *drive, const drive_in_t *in)
+{
+    const uint32_t left = drive->slow_count - 1U;
+
+    drive->slow_count = left;
+    if (left >= SLOW_PARTS) {
+        /* not yet */
+    } else if (left == 0U) {
+        demand_torque(drive);
+        end_slow_period(drive, in);
+    } else if (left == 1U) {
+        plan_speed(drive, &in->command);
+    } else {
+        watch_slowly(drive, in, left);
     }
 }
 
@@ -235,7 +398,7 @@ static compare_t control_currents(drive_t *drive)
 static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     estimate(drive);
-    control_motion(drive, &in->command);
+    control_motion(drive, in);
     out->compare = control_currents(drive);
     out->gate_enable = true;
     rotor_position_step(&drive->position, drive->observer.speed_out);
@@ -243,10 +406,19 @@ static void run_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
+    const char *bad;
+
     *drive = (drive_t){.cfg = cfg};
+    drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
-    return params_check(cfg);
+    derating_reset(&drive->derating, &cfg->derating);
+    config_guard_reset(&drive->guard);
+    bad = params_check(cfg);
+    if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
+        bad = "crc";
+    }
+    return bad;
 }
 
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
@@ -264,7 +436,10 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     if (drive->state == DRIVE_STATE_RUN) {
         run_tick(drive, in, out);
     } else {
-        open_gates(drive, out);
+        idle_tick(drive, in);
+    }
+    if (drive->state != DRIVE_STATE_RUN) {
+        open_gates(drive, out); /* the supervision may just have ended the run */
     }
     drive->bus_before = drive->signals.bus;
     drive->tick++;

@@ -16,9 +16,12 @@
 #ifndef DRIVE_H
 #define DRIVE_H
 
+#include "config_guard.h"
+#include "derating.h"
 #include "params.h"
 #include "protection.h"
 #include "rotor_position.h"
+#include "supervision.h"
 #include "transforms.h"
 
 #include <stdbool.h>
@@ -108,13 +111,17 @@ typedef struct {
     position_loop_t position_loop;
     uint8_t mode; /* of the running motion loops */
     uint32_t offset_samples;
+    torque_range_t torque_range; /* of i_q*, in this slow period */
+    derating_t derating;
+    supervision_t supervision;
+    config_guard_t guard;
     fault_t fault; /* why FAULT was entered last */
 } drive_t;
 
 /*
  * Put the drive into INIT with this configuration, which must outlive it. Call before the first
- * tick, never from the interrupt. Returns NULL, or the name of the field that params_check refuses;
- * the drive must not be stepped then.
+ * tick, never from the interrupt. Returns NULL, or the name of the field that params_check refuses or
+ * "crc" when the configuration is not what was built; the drive must not be stepped then.
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 

@@ -9,11 +9,13 @@
 #define PARAMS_H
 
 #include "current_loop.h"
+#include "derating.h"
 #include "fx.h"
 #include "modulator.h"
 #include "motion_loop.h"
 #include "nn_observer.h"
 #include "protection.h"
+#include "supervision.h"
 
 #include <stdint.h>
 
@@ -32,12 +34,15 @@ typedef struct {
     modulator_cfg_t modulator;
     uint32_t slow_ticks; /* N: the motion loops run every N-th tick, 2…100 */
     protection_cfg_t protection;
+    derating_cfg_t derating;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
+    supervision_cfg_t supervision;
+    uint32_t crc; /* of all before, see config_guard.h; the last field */
 } drive_cfg_t;
 
 /*
- * Check every field against the range its arithmetic needs. Returns NULL when all hold, else the name
+ * Check every field but crc against the range its arithmetic needs. Returns NULL when all hold, else the name
  * of the first field that does not, as a constant string.
  */
 const char *params_check(const drive_cfg_t *cfg);

@@ -40,9 +40,15 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
 /* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in);
 
-/* The record of a fault that protection_check found: measured value and limit; its tick is left 0. */
+/* The record of a fault that protection_check found, or ADC_SATURATED: measured value and limit; its tick is left 0. */
 fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
                           fault_id_t id);
+
+/*
+ * Whether a raw count, to be shifted left by `shift`, is at an end of its converter. params_check sees
+ * to it that such a sample is an over-current too; it is then named FAULT_ADC_SATURATED.
+ */
+bool protection_saturated(uint16_t count, uint32_t shift);
 
 /* Offsets of both sensors from mid-scale, after calibration: the record, or id FAULT_NONE. */
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);

@@ -8,11 +8,11 @@
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the
- * rest of the mode's word, and a word in the position loop, where 64-bit
- * fields ask for alignment.
+ * rest of the mode's word, and a word before the position loop and in it, where 64-bit fields ask for
+ * alignment.
  */
 #define MODE_PADDING (3U)
-#define ALIGNMENT 4U
+#define ALIGNMENT (2U * 4U)
 #define MACHINE_BYTES (sizeof(void *) + MODE_PADDING + ALIGNMENT)
 
 void setUp(void)
