@@ -1,4 +1,4 @@
-// The firmware's enumerators as words, for files and messages.
+// The firmware's states as words, for files and messages. Faults: firmware/drive/fault_text.h.
 #pragma once
 
 extern "C" {
@@ -31,27 +31,6 @@ inline const char *state_name(drive_state_t state)
         return "RUN";
     case DRIVE_STATE_FAULT:
         return "FAULT";
-    }
-    return "UNKNOWN";
-}
-
-inline const char *fault_name(fault_id_t fault)
-{
-    switch (fault) {
-    case FAULT_NONE:
-        return "NONE";
-    case FAULT_BREAK:
-        return "BREAK";
-    case FAULT_OVERCURRENT:
-        return "OVERCURRENT";
-    case FAULT_OVERVOLTAGE:
-        return "OVERVOLTAGE";
-    case FAULT_UNDERVOLTAGE:
-        return "UNDERVOLTAGE";
-    case FAULT_STARTUP:
-        return "STARTUP";
-    case FAULT_CURRENT_OFFSET:
-        return "CURRENT_OFFSET";
     }
     return "UNKNOWN";
 }

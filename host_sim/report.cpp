@@ -1,6 +1,11 @@
 #include "report.h"
 
+#include "fault_line.h"
 #include "names.h"
+
+extern "C" {
+#include "fault_text.h"
+}
 
 #include <filesystem>
 
@@ -65,7 +70,10 @@ std::string json_text(const Config &config, const RunResult &result)
         json[field.name] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
     }
     json["locked"] = result.metrics.locked;
-    json["faults"] = result.faults;
+    json["faults"] = nlohmann::ordered_json::array();
+    for (const fault_t &fault : result.faults) {
+        json["faults"].push_back(fault_mark(fault));
+    }
     json["state_final"] = state_name(result.state_final);
     json["gates_enabled_final"] = result.gates_enabled_final;
     for (const Parameter &p : result.parameters) {
@@ -111,8 +119,11 @@ std::string table_text(const Config &config, const RunResult &result)
     text += number_line(SATURATION_INTERNAL_COUNT,
                         static_cast<double>(result.saturations.internal_count()), limits);
     text += saturation_lines(result.saturations);
-    for (const std::string &fault : result.faults) {
-        text += line("fault", fault, "", true);
+    for (const fault_t &fault : result.faults) {
+        text += line("fault", fault_mark(fault), "", true);
+        text += fmt::format("    {}\n    {}\n",
+                            fault_measure(fault, make_bases(config.motor, config.board)),
+                            fault_text(fault.id)->advice);
     }
     text += fmt::format("\n  {:<28}{:>10}  {:>10}  {:>10}\n", "motor", "estimated", "actual",
                         "configured");

@@ -99,7 +99,8 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     const modulator_cfg_t &modulator = drive.cfg->modulator;
     const auto [lowest, highest] =
         std::minmax({out.compare.phase[0], out.compare.phase[1], out.compare.phase[2]});
-    note(Signal::torque, at(s.current_ref.q, drive.cfg->speed_loop.current_max));
+    note(Signal::torque, s.current_ref.q >= drive.torque_range.upper ||
+                             s.current_ref.q <= drive.torque_range.lower);
     note(Signal::voltage, on_circle(s));
     note(Signal::ratio,
          at(drive.ratio.d, modulator.ratio_max_q15) || at(drive.ratio.q, modulator.ratio_max_q15));

@@ -33,7 +33,7 @@ enum class Signal : std::size_t {
     integral_speed, // of the speed loop
     speed_error,
     position_lag, // of the position loop
-    torque,       // limits from here on: |i_q*| at current_max
+    torque,       // limits from here on: i_q* at an end of its range
     voltage,      // demand on the voltage circle
     ratio,        // demand over bus at its largest
     duty,         // a compare value at 0 or timer_counts

@@ -1,7 +1,6 @@
 #include "scenario.h"
 
 #include "injection.h"
-#include "names.h"
 #include "operator.h"
 #include "profile.h"
 
@@ -163,7 +162,7 @@ void Run::watch_state()
         return;
     }
     if (state == DRIVE_STATE_FAULT) {
-        result_.faults.push_back(fmt::format("{}@{}", fault_name(sim_.drive().fault.id), tick_));
+        result_.faults.push_back(sim_.drive().fault);
     }
     state_ = state;
 }

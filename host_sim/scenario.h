@@ -35,8 +35,8 @@ struct Parameter {
 struct RunResult {
     std::vector<Parameter> parameters;
     MetricValues metrics;
-    Saturations saturations;         // over the evaluation, while running
-    std::vector<std::string> faults; // "OVERCURRENT@1234": name and tick since the first
+    Saturations saturations; // over the evaluation, while running
+    std::vector<fault_t> faults;
     int64_t ticks = 0;
     drive_state_t state_final = DRIVE_STATE_INIT; // after the last tick
     bool gates_enabled_final = false;             // whether the power stage still switches then

@@ -2,6 +2,10 @@
 
 #include "names.h"
 
+extern "C" {
+#include "fault_text.h"
+}
+
 #include <cerrno>
 #include <cstring>
 #include <iterator>
@@ -72,7 +76,7 @@ void write_power(Out out, const Tick &t)
     fmt::format_to(out, FMT_COMPILE("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n"),
                    drive.signals.voltage.d * unit, drive.signals.voltage.q * unit,
                    compare.phase[0] / full, compare.phase[1] / full, compare.phase[2] / full,
-                   t.truth.bus_v, t.load_nm, t.truth.torque_nm, fault_name(drive.fault.id));
+                   t.truth.bus_v, t.load_nm, t.truth.torque_nm, fault_text(drive.fault.id)->name);
 }
 
 } // namespace

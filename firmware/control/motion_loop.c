@@ -24,23 +24,27 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
     loop->reference = reference;
 }
 
-int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference)
+int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                              torque_range_t range)
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
     const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
 
     loop->reference = limited;
-    return fx_clamp(torque, -cfg->current_max, cfg->current_max);
+    return fx_clamp(torque, range.lower, range.upper);
 }
 
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
-                        step_t measured)
+                        step_t measured, torque_range_t range)
 {
-    const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference);
+    const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
+    /* What a symmetric limit is to the demand less the middle, the range is to the demand. */
+    const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t error = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
 
-    return pi_step(&loop->pi, &cfg->pi, error, feed_forward, cfg->current_max);
+    return middle +
+           pi_step(&loop->pi, &cfg->pi, error, feed_forward - middle, middle - range.lower);
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

@@ -20,7 +20,6 @@ typedef struct {
     pi_cfg_t pi;            /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
     step_t ramp;            /* largest change of the reference in a slow period, > 0 */
     step_t speed_max;       /* |reference| is kept within, ≤ 2^29 */
-    int32_t current_max;    /* |i_q*| is kept within, Q15 of I_b, 1…16384 */
     int32_t inertia;        /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift) */
     uint32_t inertia_shift; /* 0…30 */
     uint32_t error_shift;   /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
@@ -46,24 +45,31 @@ typedef struct {
     step_t profile_speed; /* how fast it goes */
 } position_loop_t;
 
+/* Where i_q* may go, lower ≤ 0 ≤ upper, Q15 of I_b, ±16384. */
+typedef struct {
+    int32_t lower;
+    int32_t upper;
+} torque_range_t;
+
 /* Start from the present speed with no current demand: no bump. */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
 /* The reference one slow period further on its ramp to `target`. */
 step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t target);
 
-/* i_q for the acceleration from the last reference to this one, within ±current_max. Takes it over. */
-int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference);
+/* i_q for the acceleration from the last reference to this one, within `range`. Takes it over. */
+int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                              torque_range_t range);
 
 /* The next output with zero error and a steady reference is `current` (Q15 of I_b, ±32767). */
 void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
 
 /*
  * One slow period: follow `reference` (limited to ±speed_max), given the measured speed.
- * Returns i_q*, saturated to ±current_max.
+ * Returns i_q*, saturated to `range`, one LSB less at its upper end when the sum of its ends is odd.
  */
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
-                        step_t measured);
+                        step_t measured, torque_range_t range);
 
 /* Start the profile at the present position and speed, so that a moving rotor brakes along it. */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);

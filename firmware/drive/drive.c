@@ -2,6 +2,7 @@
 
 #include "drive_state.h"
 #include "low_speed.h"
+#include "monitor.h"
 #include "vector_control.h"
 
 #include <stddef.h>
@@ -25,6 +26,7 @@ void drive_enter(drive_t *drive, drive_state_t state)
 void drive_fail(drive_t *drive, fault_t fault)
 {
     drive->fault = fault;
+    drive->fault.tick = drive->tick;
     drive_enter(drive, DRIVE_STATE_FAULT);
 }
 
@@ -50,6 +52,16 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     s->bus = fx_usat15((int32_t)bus);
 }
 
+/* An over-current at an end of the converter is no measurement. */
+static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t id)
+{
+    const uint32_t shift = drive->cfg->sampling.current_shift;
+    const bool saturated =
+        protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
+
+    return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
+}
+
 /* Latch what is wrong. */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
@@ -62,7 +74,10 @@ static void watch(drive_t *drive, const drive_in_t *in)
     const fault_id_t id = protection_check(&drive->limits, &measured);
 
     if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        drive_fail(drive, protection_record(&drive->limits, &measured, id));
+        drive_fail(drive, protection_record(&drive->limits, &measured, name_of(drive, in, id)));
+    }
+    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
+        drive->supervision.late++;
     }
 }
 
@@ -109,6 +124,7 @@ static bool wants_run(const drive_command_t *command)
 static void start(drive_t *drive)
 {
     drive->attempts = 0U;
+    supervision_reset(&drive->supervision);
     if (drive->cfg->startup.current_hold == 0) {
         vector_control_reset(drive);
         drive_enter(drive, DRIVE_STATE_RUN);
@@ -155,17 +171,17 @@ static void watch_speed(drive_t *drive)
     }
 }
 
-/* A tick with current flowing: estimate, motion, current control. */
-static void drive_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+/* A tick with current flowing: estimate, motion, current control. left: as in monitor_step(). */
+static void drive_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
     const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
 
     vector_control_estimate(drive, track);
     if (drive->state == DRIVE_STATE_RUN) {
-        vector_control_motion(drive, &in->command);
+        vector_control_motion(drive, &in->command, left);
         watch_speed(drive);
     } else {
-        low_speed_motion(drive, &in->command);
+        low_speed_motion(drive, &in->command, left);
     }
     if (drive->state == DRIVE_STATE_RUN) {
         vector_control_close(drive, out);
@@ -174,20 +190,39 @@ static void drive_tick(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     }
 }
 
+/* Slow ticks to the end of the slow period after this one; 0 in its last. */
+static uint32_t count_slow(drive_t *drive)
+{
+    const uint32_t left = drive->slow_count - 1U;
+
+    drive->slow_count = (left == 0U) ? drive->cfg->slow_ticks : left;
+    return left;
+}
+
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
+    const char *bad;
 
     *drive = (drive_t){.cfg = cfg};
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
+    drive->slow_count = cfg->slow_ticks;
     drive_enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
-    return params_check(cfg);
+    derating_reset(&drive->derating, &cfg->derating);
+    config_guard_reset(&drive->guard);
+    bad = params_check(cfg);
+    if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
+        bad = "crc";
+    }
+    return bad;
 }
 
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
+    const uint32_t left = count_slow(drive);
+
     convert_samples(drive, in);
     if (!drive_is_driving(drive->state)) {
         change_state(drive, in);
@@ -201,10 +236,11 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     if (drive->state == DRIVE_STATE_CATCH_SPIN) {
         low_speed_catch(drive, in, out);
     } else if (drive_is_driving(drive->state)) {
-        drive_tick(drive, in, out);
+        drive_tick(drive, in, left, out);
     } else {
         /* no current */
     }
+    monitor_step(drive, in, left);
     if (!drive_is_driving(drive->state)) {
         open_gates(drive, out); /* the tick may just have ended the run */
     }

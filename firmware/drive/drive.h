@@ -25,9 +25,12 @@
 #include "align.h"
 #include "catch_spin.h"
 #include "model.h"
+#include "config_guard.h"
+#include "derating.h"
 #include "params.h"
 #include "protection.h"
 #include "rotor_position.h"
+#include "supervision.h"
 #include "transforms.h"
 
 #include <stdbool.h>
@@ -135,13 +138,17 @@ typedef struct {
     uint32_t attempts;         /* starts that failed since READY */
     catch_spin_t catch_spin;
     align_t align;
+    torque_range_t torque_range; /* of i_q*, in this slow period */
+    derating_t derating;
+    supervision_t supervision;
+    config_guard_t guard;
     fault_t fault; /* why FAULT was entered last */
 } drive_t;
 
 /*
  * Put the drive into INIT with this configuration, which must outlive it. Call before the first
- * tick, never from the interrupt. Returns NULL, or the name of the field that params_check refuses;
- * the drive must not be stepped then.
+ * tick, never from the interrupt. Returns NULL, or the name of the field that params_check refuses or
+ * "crc" when the configuration is not what was built; the drive must not be stepped then.
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 

@@ -106,7 +106,8 @@ static int32_t next_current_d(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const int32_t present = drive->signals.current_ref.d;
-    const int32_t wanted = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
+    const int32_t full = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
+    const int32_t wanted = fx_min(full, drive->derating.thermal);
 
     return present + fx_clamp(wanted - present, -cfg->current_slope, cfg->current_slope);
 }
@@ -208,19 +209,17 @@ static void plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-static void drag(drive_t *drive, const drive_command_t *command)
+static void drag(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
     drive_signals_t *const s = &drive->signals;
 
     s->current_ref.d = next_current_d(drive);
-    drive->slow_count--;
-    if (drive->slow_count == 1U) {
+    if (left == 1U) {
         plan(drive, command);
-    } else if (drive->slow_count == 0U) {
+    } else if (left == 0U) {
         s->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
-                                                 drive->speed_reference);
+                                                 drive->speed_reference, drive->torque_range);
         drive->frame_speed = drive->speed_loop.reference;
-        drive->slow_count = drive->cfg->slow_ticks;
         vector_control_refine(drive);
         next_state(drive);
     } else {
@@ -228,12 +227,12 @@ static void drag(drive_t *drive, const drive_command_t *command)
     }
 }
 
-void low_speed_motion(drive_t *drive, const drive_command_t *command)
+void low_speed_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
     if (drive->state == DRIVE_STATE_ALIGN) {
         align(drive);
     } else {
-        drag(drive, command);
+        drag(drive, command, left);
     }
 }
 

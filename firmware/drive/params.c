@@ -6,10 +6,18 @@
 #define STEP_MAX (0x20000000)
 #define SHIFT_MAX (30)
 #define CURRENT_MAX (16384)
+#define FADE_ZERO_MAX (65535)
+#define FADE_SHIFT_MAX (16)
+#define HEAT_SHIFT_MAX (27)
+#define HEAT_Q14_MAX (0x100000)
+#define PERIODS_MAX (1000000)
+#define RANGE_MAX (65535)
+#define RESIDUAL_MAX (8191)
+#define TURN_QUARTER (0x40000000)
 #define SOFTNESS_MAX (12288)
 #define REACH_MAX (65000) /* times a current of 1 it stays below 2^31 */
 
-/* A shift count as the signed value that range() compares; anything above 2^31 is out of range too. */
+/* A shift or other count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
 {
     return (shift > (uint32_t)INT32_MAX) ? -1 : (int32_t)shift;
@@ -43,6 +51,61 @@ static const char *check_protection(const char *before, const protection_cfg_t *
     bad = range(bad, "protection.bus_max", cfg->bus_max, 1, FX_Q15_MAX - 1);
     bad = range(bad, "protection.bus_min", cfg->bus_min, 0, cfg->bus_max);
     return range(bad, "protection.offset_max", cfg->offset_max, 0, FX_Q15_MAX);
+}
+
+static const char *check_periods(const char *before, const char *name, uint32_t periods)
+{
+    return range(before, name, shift_value(periods), 0, PERIODS_MAX);
+}
+
+static const char *check_fade(const char *before, const char *name, const fade_t *fade)
+{
+    const char *bad = before;
+
+    bad = range(bad, name, fade->zero, 0, FADE_ZERO_MAX);
+    bad = range(bad, name, fade->gain, -FX_Q15_MAX, FX_Q15_MAX);
+    return range(bad, name, shift_value(fade->shift), 0, FADE_SHIFT_MAX);
+}
+
+static const char *check_derating(const char *before, const derating_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "derating.current_max", cfg->current_max, 1, CURRENT_MAX);
+    bad = range(bad, "derating.current_continuous", cfg->current_continuous, 1, cfg->current_max);
+    bad = range(bad, "derating.heat_shift", shift_value(cfg->heat_shift), 0, HEAT_SHIFT_MAX);
+    bad = range(bad, "derating.heat_gain", cfg->heat_gain, 1, FX_Q15_MAX);
+    bad = range(bad, "derating.heat_rate", cfg->heat_rate, 0, FX_Q15_MAX);
+    bad = range(bad, "derating.heat_rate_shift", shift_value(cfg->heat_rate_shift), 0, SHIFT_MAX);
+    bad = range(bad, "derating.heat_max_q14", cfg->heat_max_q14, 1, HEAT_Q14_MAX);
+    bad = check_fade(bad, "derating.heat", &cfg->heat);
+    bad = check_fade(bad, "derating.temperature", &cfg->temperature);
+    bad = check_periods(bad, "derating.temperature_periods", cfg->temperature_periods);
+    bad = check_fade(bad, "derating.bus_high", &cfg->bus_high);
+    bad = check_fade(bad, "derating.bus_low", &cfg->bus_low);
+    return range(bad, "derating.regeneration_speed", cfg->regeneration_speed, 0, STEP_MAX);
+}
+
+static const char *check_supervision(const char *before, const supervision_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "supervision.phase_range_min", cfg->phase_range_min, 1, RANGE_MAX);
+    bad = range(bad, "supervision.phase_zero_max", cfg->phase_zero_max, 0, CURRENT_MAX);
+    bad = range(bad, "supervision.phase_speed_max", cfg->phase_speed_max, 1, TURN_QUARTER);
+    bad = range(bad, "supervision.follow_error_max", cfg->follow_error_max, 1, RANGE_MAX);
+    bad = range(bad, "supervision.residual_max", cfg->residual_max, 1, RESIDUAL_MAX);
+    bad = range(bad, "supervision.mean_shift", shift_value(cfg->mean_shift), 0, 14);
+    bad = range(bad, "supervision.speed_error_max", cfg->speed_error_max, 1, TURN_QUARTER);
+    bad = check_periods(bad, "supervision.speed_error_periods", cfg->speed_error_periods);
+    bad = check_periods(bad, "supervision.runaway_periods", cfg->runaway_periods);
+    bad = range(bad, "supervision.overspeed", cfg->overspeed, 1, TURN_QUARTER);
+    bad = check_periods(bad, "supervision.overspeed_periods", cfg->overspeed_periods);
+    bad = range(bad, "supervision.stall_current", cfg->stall_current, 1, CURRENT_MAX);
+    bad = range(bad, "supervision.stall_speed", cfg->stall_speed, 1, STEP_MAX);
+    bad = check_periods(bad, "supervision.stall_periods", cfg->stall_periods);
+    bad = range(bad, "supervision.late_max", shift_value(cfg->late_max), 0, PERIODS_MAX);
+    return range(bad, "supervision.late_window", shift_value(cfg->late_window), 1, PERIODS_MAX);
 }
 
 static const char *check_observer(const char *before, const nn_observer_cfg_t *cfg)
@@ -95,6 +158,20 @@ static const char *check_reach(const char *before, const drive_cfg_t *cfg)
     return bad;
 }
 
+/* A sample at the end of the converter exceeds the limit whatever the offset: see protection.h. */
+static const char *check_rails(const char *before, const drive_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    if (bad == NULL) {
+        const uint32_t lsb = 1UL << cfg->sampling.current_shift;
+
+        bad = range(bad, "protection.offset_max", cfg->protection.offset_max, 0,
+                    CURRENT_MAX - 1 - (int32_t)lsb - cfg->protection.current_max);
+    }
+    return bad;
+}
+
 /* What one part asks for must be within what another allows. */
 static const char *check_agreement(const char *before, const drive_cfg_t *cfg)
 {
@@ -102,7 +179,7 @@ static const char *check_agreement(const char *before, const drive_cfg_t *cfg)
 
     bad =
         range(bad, "speed_loop.speed_max", cfg->speed_loop.speed_max, 1, cfg->observer.speed_limit);
-    return range(bad, "speed_loop.current_max", cfg->speed_loop.current_max, 1,
+    return range(bad, "derating.current_max", cfg->derating.current_max, 1,
                  cfg->protection.current_max);
 }
 
@@ -134,7 +211,6 @@ static const char *check_speed_loop(const char *before, const speed_loop_cfg_t *
     bad = check_pi(bad, "speed_loop.pi", &cfg->pi);
     bad = range(bad, "speed_loop.ramp", cfg->ramp, 1, STEP_MAX);
     bad = range(bad, "speed_loop.speed_max", cfg->speed_max, 1, STEP_MAX);
-    bad = range(bad, "speed_loop.current_max", cfg->current_max, 1, CURRENT_MAX);
     bad = range(bad, "speed_loop.inertia", cfg->inertia, 0, FX_Q15_MAX);
     bad = range(bad, "speed_loop.inertia_shift", shift_value(cfg->inertia_shift), 0, SHIFT_MAX);
     return range(bad, "speed_loop.error_shift", shift_value(cfg->error_shift), 1, 17);
@@ -159,13 +235,16 @@ const char *params_check(const drive_cfg_t *cfg)
 
     bad = check_sampling(bad, &cfg->sampling);
     bad = check_protection(bad, &cfg->protection);
+    bad = check_derating(bad, &cfg->derating);
     bad = check_observer(bad, &cfg->observer);
     bad = check_speed_base(bad, cfg);
     bad = check_current_loop(bad, &cfg->current_loop);
     bad = check_speed_loop(bad, &cfg->speed_loop);
     bad = check_position_loop(bad, &cfg->position_loop);
+    bad = check_supervision(bad, &cfg->supervision);
     bad = check_reach(bad, cfg);
     bad = check_agreement(bad, cfg);
+    bad = check_rails(bad, cfg);
     bad = range(bad, "modulator.timer_counts", cfg->modulator.timer_counts, 1, FX_Q15_MAX);
     bad = range(bad, "modulator.ratio_max_q15", cfg->modulator.ratio_max_q15, 1, 18918);
     bad = range(bad, "modulator.inverse_max_q12", cfg->modulator.inverse_max_q12, 4096, FX_Q15_MAX);

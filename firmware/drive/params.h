@@ -9,6 +9,7 @@
 #define PARAMS_H
 
 #include "current_loop.h"
+#include "derating.h"
 #include "fx.h"
 #include "modulator.h"
 #include "motion_loop.h"
@@ -16,6 +17,7 @@
 #include "model.h"
 #include "protection.h"
 #include "startup.h"
+#include "supervision.h"
 
 #include <stdint.h>
 
@@ -34,15 +36,18 @@ typedef struct {
     modulator_cfg_t modulator;
     uint32_t slow_ticks; /* N: the motion loops run every N-th tick, 2…100 */
     protection_cfg_t protection;
+    derating_cfg_t derating;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
     current_loop_cfg_t hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
     startup_cfg_t startup;
     model_cfg_t model;
+    supervision_cfg_t supervision;
+    uint32_t crc; /* of all before, see config_guard.h; the last field */
 } drive_cfg_t;
 
 /*
- * Check every field against the range its arithmetic needs. Returns NULL when all hold, else the name
+ * Check every field but crc against the range its arithmetic needs. Returns NULL when all hold, else the name
  * of the first field that does not, as a constant string.
  */
 const char *params_check(const drive_cfg_t *cfg);

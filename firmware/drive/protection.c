@@ -2,6 +2,7 @@
 
 #include "fx.h"
 
+#define Q15_ONE (0x8000U)
 #define NEVER (65536) /* above every |current|: −a − b is at most 32768 */
 
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
@@ -57,7 +58,7 @@ fault_t protection_record(const protection_limits_t *limits, const protection_in
     if (id == FAULT_BREAK) {
         fault.value = largest_current(in);
         fault.limit = 0;
-    } else if (id == FAULT_OVERCURRENT) {
+    } else if ((id == FAULT_OVERCURRENT) || (id == FAULT_ADC_SATURATED)) {
         fault.value = largest_current(in);
         fault.limit = limits->current_max;
     } else if (id == FAULT_UNDERVOLTAGE) {
@@ -66,6 +67,13 @@ fault_t protection_record(const protection_limits_t *limits, const protection_in
         /* over-voltage: as initialised */
     }
     return fault;
+}
+
+bool protection_saturated(uint16_t count, uint32_t shift)
+{
+    const uint32_t largest = (Q15_ONE >> shift) - 1U;
+
+    return (count == 0U) || (count >= largest);
 }
 
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b)

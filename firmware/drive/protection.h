@@ -7,25 +7,10 @@
 #ifndef PROTECTION_H
 #define PROTECTION_H
 
+#include "fault.h"
+
 #include <stdbool.h>
 #include <stdint.h>
-
-typedef enum {
-    FAULT_NONE = 0,
-    FAULT_BREAK, /* the power stage's own comparator, value: the largest phase current, limit: 0 */
-    FAULT_OVERCURRENT,   /* value: the largest phase current */
-    FAULT_OVERVOLTAGE,   /* value: bus */
-    FAULT_UNDERVOLTAGE,  /* value: bus */
-    FAULT_STARTUP, /* value: the observer's residual */
-    FAULT_CURRENT_OFFSET /* value: offset of the worse sensor from mid-scale */
-} fault_id_t;
-
-/* What happened, what was measured and what was allowed. */
-typedef struct {
-    fault_id_t id;
-    int32_t value;
-    int32_t limit;
-} fault_t;
 
 typedef struct {
     int32_t current_max; /* |phase current|, Q15 of I_b, 1…16382 */
@@ -55,9 +40,15 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
 /* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in);
 
-/* The record of a fault that protection_check found: measured value and limit. */
+/* The record of a fault that protection_check found, or ADC_SATURATED: measured value and limit; its tick is left 0. */
 fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
                           fault_id_t id);
+
+/*
+ * Whether a raw count, to be shifted left by `shift`, is at an end of its converter. params_check sees
+ * to it that such a sample is an over-current too; it is then named FAULT_ADC_SATURATED.
+ */
+bool protection_saturated(uint16_t count, uint32_t shift);
 
 /* Offsets of both sensors from mid-scale, after calibration: the record, or id FAULT_NONE. */
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);

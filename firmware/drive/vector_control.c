@@ -33,7 +33,7 @@ void vector_control_reset(drive_t *drive)
     drive->residual = 0;
     drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
-    drive->slow_count = drive->cfg->slow_ticks;
+    drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
@@ -132,21 +132,15 @@ void vector_control_refine(drive_t *drive)
     nn_observer_update_rho(&drive->observer, &drive->model.observer, drive->speed_loop.reference);
 }
 
-/*
- * The motion loops share one slow period: planning in its last tick but one, the speed PI after it, the
- * slow part of the estimate in its first.
- */
-void vector_control_motion(drive_t *drive, const drive_command_t *command)
+void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
-    drive->slow_count--;
-    if (drive->slow_count == 1U) {
+    if (left == 1U) {
         vector_control_plan(drive, command);
-    } else if (drive->slow_count == 0U) {
+    } else if (left == 0U) {
         drive->signals.current_ref.d = next_current_d(drive);
         drive->signals.current_ref.q =
             speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                            drive->observer.speed);
-        drive->slow_count = drive->cfg->slow_ticks;
+                            drive->observer.speed, drive->torque_range);
         vector_control_refine(drive);
     } else {
         /* between */

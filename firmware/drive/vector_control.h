@@ -27,8 +27,8 @@ void vector_control_impose(drive_t *drive, bool track, drive_out_t *out);
 /* The speed reference of the next slow period: ramp, or position profile. */
 void vector_control_plan(drive_t *drive, const drive_command_t *command);
 
-/* The motion loops in RUN: plan, speed PI, i_d*. */
-void vector_control_motion(drive_t *drive, const drive_command_t *command);
+/* The motion loops in RUN: planning and, a tick later, speed PI and i_d*. left: as in monitor_step(). */
+void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left);
 
 /* RUN from here on: frame, references and integrals turn to the observer's angle, nothing jumps. */
 void vector_control_take_over(drive_t *drive);

@@ -184,6 +184,14 @@ static void mix_ab(uint32_t *hash, ab_t v)
     mix_i32(hash, v.beta);
 }
 
+static void mix_fault(uint32_t *hash, const fault_t *fault)
+{
+    mix_u32(hash, (uint32_t)fault->id);
+    mix_i32(hash, fault->value);
+    mix_i32(hash, fault->limit);
+    mix_u32(hash, fault->tick);
+}
+
 static void mix_observer(uint32_t *hash, const nn_observer_t *obs)
 {
     mix_i32(hash, obs->x_q27);
@@ -203,6 +211,39 @@ static void mix_loops(uint32_t *hash, const drive_t *drive)
     mix_i32(hash, drive->speed_loop.reference);
     mix_i64(hash, drive->position_loop.profile_q32);
     mix_i32(hash, drive->position_loop.profile_speed);
+}
+
+static void mix_derating(uint32_t *hash, const derating_t *derating)
+{
+    mix_i32(hash, derating->heat_q24);
+    mix_i32(hash, derating->thermal);
+    mix_u32(hash, derating->too_hot);
+    mix_i32(hash, derating->motoring);
+    mix_i32(hash, derating->braking);
+    mix_u32(hash, derating->flags_slow);
+    mix_u32(hash, derating->flags);
+}
+
+static void mix_supervision(uint32_t *hash, const supervision_t *s)
+{
+    mix_u32(hash, s->step);
+    mix_u32(hash, s->late);
+    mix_u32(hash, s->late_periods);
+    mix_i32(hash, s->start_q16);
+    mix_u32(hash, s->samples);
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        mix_i32(hash, s->lowest[phase]);
+        mix_i32(hash, s->highest[phase]);
+    }
+    mix_u32(hash, s->weak);
+    mix_u32(hash, s->weak_turns);
+    mix_fault(hash, &s->suspect);
+    mix_dq(hash, s->off_current);
+    mix_u32(hash, s->off_reference);
+    mix_u32(hash, s->runaway);
+    mix_u32(hash, s->too_fast);
+    mix_u32(hash, s->stalled);
+    mix_i32(hash, s->residual);
 }
 
 static void mix_signals(uint32_t *hash, const drive_signals_t *s)
@@ -225,9 +266,7 @@ uint32_t recording_state_hash(const drive_t *drive)
     uint32_t hash = FNV_BASIS;
 
     mix_u32(&hash, (uint32_t)drive->state);
-    mix_u32(&hash, (uint32_t)drive->fault.id);
-    mix_i32(&hash, drive->fault.value);
-    mix_i32(&hash, drive->fault.limit);
+    mix_fault(&hash, &drive->fault);
     mix_u32(&hash, drive->tick);
     mix_i32(&hash, drive->limits.current_max);
     mix_i32(&hash, drive->limits.bus_max);
@@ -246,6 +285,12 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_dq(&hash, drive->ratio_acting);
     mix_i32(&hash, drive->bus_before);
     mix_signals(&hash, &drive->signals);
+    mix_i32(&hash, drive->torque_range.lower);
+    mix_i32(&hash, drive->torque_range.upper);
+    mix_derating(&hash, &drive->derating);
+    mix_supervision(&hash, &drive->supervision);
+    mix_u32(&hash, drive->guard.at);
+    mix_u32(&hash, drive->guard.crc);
     return hash;
 }
 

@@ -1,6 +1,7 @@
 #include "console.h"
 
 #include "board.h"
+#include "fault_text.h"
 #include "sensing.h"
 #include "uart.h"
 
@@ -8,6 +9,7 @@
 #include <stddef.h>
 
 #define Q15_ONE (32768)
+#define HEAT_BASE (2000U)       /* a Q14 of 1 is this many tenths of a per cent as Q15 */
 #define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
 
 void console_say(console_t *console, const char *line)
@@ -46,19 +48,45 @@ static void add_current(text_t *text, const char *name, uint16_t count)
     add_quantity(text, name, (above_zero * full_scale_ma) / (int32_t)SENSING_MIDDLE, 3U);
 }
 
+/* Value or limit of a fault with its unit. */
+static void add_measure(text_t *text, const char *name, fault_unit_t unit, int32_t value)
+{
+    const uint32_t current_ma = BOARD.current_full_scale_ma * CURRENT_BASE_RATIO;
+
+    switch (unit) {
+    case FAULT_UNIT_CURRENT:
+        add_quantity(text, name, in_thousandths(value, current_ma), 3U);
+        text_add(text, " A");
+        break;
+    case FAULT_UNIT_VOLTAGE:
+        add_quantity(text, name, in_thousandths(value, BOARD.bus_full_scale_mv), 3U);
+        text_add(text, " V");
+        break;
+    case FAULT_UNIT_SPEED:
+        add_quantity(text, name, in_rpm(value), 0U);
+        text_add(text, " rpm");
+        break;
+    case FAULT_UNIT_HEAT:
+        add_quantity(text, name, in_thousandths(value, HEAT_BASE), 1U);
+        text_add(text, " %");
+        break;
+    default: /* NONE, WORD */
+        add_quantity(text, name, value, 0U);
+        break;
+    }
+}
+
 static void add_fault(text_t *text, const fault_t *fault)
 {
-    static const char *const names[] = {
-        "none", "break", "over-current", "over-voltage", "under-voltage", "current offset",
-    };
-    const bool bus = (fault->id == FAULT_OVERVOLTAGE) || (fault->id == FAULT_UNDERVOLTAGE);
-    const uint32_t base =
-        bus ? BOARD.bus_full_scale_mv : (BOARD.current_full_scale_ma * CURRENT_BASE_RATIO);
+    const fault_text_t *const words = fault_text(fault->id);
 
     text_add(text, " by ");
-    text_add(text, names[fault->id]);
-    add_quantity(text, " ", in_thousandths(fault->value, base), 3U);
-    add_quantity(text, bus ? " V, limit " : " A, limit ", in_thousandths(fault->limit, base), 3U);
+    text_add(text, words->name);
+    add_measure(text, " ", words->unit, fault->value);
+    add_measure(text, ", limit ", words->unit, fault->limit);
+    text_add(text, " (");
+    text_add(text, words->advice);
+    text_add(text, ")");
 }
 
 static void show_status(console_t *console)

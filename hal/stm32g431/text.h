@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define TEXT_MAX (256U)
+#define TEXT_MAX (512U)
 
 typedef struct {
     uint32_t length;

@@ -42,6 +42,11 @@ struct Rows {
         return scaled(q15, 15) * bases.voltage_v;
     }
 
+    double supervision_period() const
+    {
+        return slow_period() * SUPERVISION_STEPS;
+    }
+
     double slow_period() const
     {
         return bases.control_period_s * static_cast<double>(built.slow_ticks);
@@ -66,6 +71,76 @@ void add_protection(Rows &to)
     to.add("protection.bus_max", c.bus_max, "{:.5g} V", to.volt(c.bus_max));
     to.add("protection.bus_min", c.bus_min, "{:.5g} V", to.volt(c.bus_min));
     to.add("protection.offset_max", c.offset_max, "{:.5g} A", to.ampere(c.offset_max));
+}
+
+// A share over x, `unit` being the value of one step of x.
+void add_fade(Rows &to, const std::string &name, const fade_t &c, double unit, const char *symbol)
+{
+    if (c.gain == 0) {
+        to.add(name + ".zero", c.zero, "not used");
+        to.add(name + ".gain", c.gain, "no derating");
+    } else {
+        const double span = 32768.0 / scaled(c.gain, static_cast<int>(c.shift));
+        to.add(name + ".zero", c.zero, "nothing left at {:.5g} {}", c.zero * unit, symbol);
+        to.add(name + ".gain", c.gain, "everything at {:.5g} {}", (c.zero - span) * unit, symbol);
+    }
+    to.add(name + ".shift", c.shift, "of the gain");
+}
+
+void add_derating(Rows &to)
+{
+    const derating_cfg_t &c = to.built.derating;
+    const double volt = to.bases.voltage_v / 32768.0;
+    to.add("derating.current_max", c.current_max, "{:.5g} A", to.ampere(c.current_max));
+    to.add("derating.current_continuous", c.current_continuous, "{:.5g} A",
+           to.ampere(c.current_continuous));
+    to.add("derating.heat_shift", c.heat_shift, "of the square");
+    to.add("derating.heat_gain", c.heat_gain, "heat 1 at {:.5g} A",
+           std::sqrt(std::ldexp(1.0, 40 - static_cast<int>(c.heat_shift)) / c.heat_gain) / 32768.0 *
+               to.bases.current_a);
+    to.add("derating.heat_rate", c.heat_rate, "time constant {:.4g} s",
+           to.supervision_period() / scaled(c.heat_rate, 16 + static_cast<int>(c.heat_rate_shift)));
+    to.add("derating.heat_rate_shift", c.heat_rate_shift, "of the rate");
+    to.add("derating.heat_max_q14", c.heat_max_q14, "{:.4g} %", scaled(c.heat_max_q14, 14) * 100);
+    add_fade(to, "derating.heat", c.heat, 100 / 16384.0, "%");
+    add_fade(to, "derating.temperature", c.temperature, 1, "counts");
+    to.add("derating.temperature_periods", c.temperature_periods, "{:.4g} s",
+           c.temperature_periods * to.supervision_period());
+    add_fade(to, "derating.bus_high", c.bus_high, volt, "V");
+    add_fade(to, "derating.bus_low", c.bus_low, volt, "V");
+    to.add("derating.regeneration_speed", c.regeneration_speed, "{:.5g} rpm",
+           to.bases.rpm_from_step(c.regeneration_speed));
+}
+
+void add_supervision(Rows &to)
+{
+    const supervision_cfg_t &c = to.built.supervision;
+    const auto ampere = [&](const std::string &name, int32_t value) {
+        to.add("supervision." + name, value, "{:.4g} A", to.ampere(value));
+    };
+    const auto rpm = [&](const std::string &name, int32_t value) {
+        to.add("supervision." + name, value, "{:.5g} rpm", to.bases.rpm_from_step(value));
+    };
+    const auto time = [&](const std::string &name, uint32_t value) {
+        to.add("supervision." + name, value, "{:.4g} s", value * to.supervision_period());
+    };
+    ampere("phase_range_min", c.phase_range_min);
+    ampere("phase_zero_max", c.phase_zero_max);
+    rpm("phase_speed_max", c.phase_speed_max);
+    ampere("follow_error_max", c.follow_error_max);
+    ampere("residual_max", c.residual_max);
+    to.add("supervision.mean_shift", c.mean_shift, "mean of {:.4g} s",
+           std::ldexp(to.supervision_period(), static_cast<int>(c.mean_shift)));
+    rpm("speed_error_max", c.speed_error_max);
+    time("speed_error_periods", c.speed_error_periods);
+    time("runaway_periods", c.runaway_periods);
+    rpm("overspeed", c.overspeed);
+    time("overspeed_periods", c.overspeed_periods);
+    ampere("stall_current", c.stall_current);
+    rpm("stall_speed", c.stall_speed);
+    time("stall_periods", c.stall_periods);
+    to.add("supervision.late_max", c.late_max, "late ticks");
+    time("late_window", c.late_window);
 }
 
 void add_network(Rows &to)
@@ -127,7 +202,6 @@ void add_speed_loop(Rows &to)
     to.add("speed_loop.ramp", c.ramp, "{:.6g} rpm/s",
            to.bases.rpm_from_step(c.ramp) / to.slow_period());
     to.add("speed_loop.speed_max", c.speed_max, "{:.6g} rpm", to.bases.rpm_from_step(c.speed_max));
-    to.add("speed_loop.current_max", c.current_max, "{:.5g} A", to.ampere(c.current_max));
     to.add("speed_loop.inertia", c.inertia, "{:g} of J = {:g} kg·m²",
            to.config.tuning.inertia_feed_forward,
            to.config.motor.inertia_kg_m2 * to.config.model.inertia);
@@ -173,15 +247,18 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
     Rows to = {config, built, make_bases(config.motor, config.board), {}};
     add_sampling(to);
     add_protection(to);
+    add_derating(to);
     add_network(to);
     add_adaptation(to);
     add_current_loop(to);
     add_speed_loop(to);
     add_position_loop(to);
     add_modulator(to);
+    add_supervision(to);
     to.add("speed_shift", built.speed_shift, "steps to Q15 of Ω_b = {:.6g} rad/s electrical",
            to.bases.speed_el_rad_s);
     to.add("slow_ticks", built.slow_ticks, "slow period {:g} s", to.slow_period());
+    to.add("crc", built.crc, "of all above, CRC-32");
     return to.rows;
 }
 

@@ -45,11 +45,12 @@ void need(bool holds, const Config &config, const std::string &key, double value
     }
 }
 
-// The defaults of the temperature sensor are for simulated power stages.
+// The defaults of the temperature sensor are for simulated power stages; the warning follows from its limit.
 bool is_needed(const Field &field)
 {
     return std::strcmp(field.section, "hal") == 0 ||
-           field.name().rfind("board.temperature_", 0) == 0;
+           (field.name().rfind("board.temperature_", 0) == 0 &&
+            field.name() != "board.temperature_warn_c");
 }
 
 void check_complete(const Config &config)

@@ -27,6 +27,45 @@ constexpr double BRAKING_SHARE = 0.9;
 // The bus reciprocal covers this share of the under-voltage limit.
 constexpr double BUS_FLOOR = 0.8;
 
+// i²t: derating begins at this share of the heat that the continuous current makes; the fault is well
+// above what derating holds, where only a current that is imposed can get.
+constexpr double HEAT_WARN = 0.9;
+constexpr double HEAT_MAX = 1.2;
+constexpr double TEMPERATURE_SPAN_C = 20;
+constexpr double TEMPERATURE_TIME_S = 0.1;
+constexpr int FADE_SHIFT_MAX = 16;
+// Where derating by the bus begins, as shares of the ways from the limit to nominal and back.
+constexpr double BUS_LOW_SHARE = 0.25;
+constexpr double BUS_BRAKE_SHARE = 0.5;
+// Braking has faded out at this share of the way from bus_brake_v to bus_max_v: the bus rises on for the
+// slow period and the current loop's delay, and no rectifier takes back what came too much.
+constexpr double BUS_END_SHARE = 0.75;
+// Slower than this share of the highest speed is standing: what a motor can feed back there is lost in
+// its own resistance but for a watt.
+constexpr double STANDSTILL = 1.0 / 64;
+
+// Supervision. Currents are shares of the continuous current; DESIGN.md says what each must not see.
+// A turn is judged from a fifth of the continuous current's amplitude on, twice that peak to peak; an
+// eighth of it is then above the noise of 1 LSB rms, which spans 8 LSB in a turn.
+constexpr double PHASE_RANGE_SHARE = 0.4;
+constexpr double PHASE_RANGE_LSB = 64 + 1;
+constexpr double PHASE_TURNS = 0.4; // in a slow period: beyond, two samples a turn can miss a phase
+constexpr double FOLLOW_SHARE = 0.2;
+constexpr double FOLLOW_LSB = 16;
+constexpr double RESIDUAL_SHARE = 0.75;
+constexpr int32_t RESIDUAL_END = 8000; // the observer's error ends at 8191
+constexpr double MEAN_TIME_S = 0.05;
+constexpr double SPEED_ERROR_SHARE = 0.25;
+constexpr double SPEED_ERROR_TIME_S = 0.5;
+constexpr double SPEED_ERROR_TIME_SHARE = 5; // over the bandwidth in Hz
+constexpr double RUNAWAY_TIME_S = 0.01;
+constexpr double OVERSPEED_SHARE = 1.15; // the observer's own limit is at ESTIMATE_HEADROOM
+constexpr double OVERSPEED_TIME_S = 0.02;
+constexpr double STALL_SHARE = 0.5;
+constexpr double STALL_TIME_S = 1;
+constexpr uint32_t LATE_MAX = 10;
+constexpr double LATE_WINDOW_S = 1;
+
 // There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus.
 void check_voltage(const MotorSettings &motor, const BoardSettings &board)
 {
@@ -60,6 +99,144 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
           {"board.bus_min_v", board.bus_min_v}, reason);
     store(c.offset_max, board.offset_max_a / b.current_a * Q15, 0, MANTISSA_MAX,
           {"board.offset_max_a", board.offset_max_a}, reason);
+    require(c.offset_max, 0, Q14 - 1 - std::ldexp(1.0, 15 - board.adc_bits) - c.current_max,
+            {"board.offset_max_a", board.offset_max_a},
+            "a sample at the end of the converter has to exceed board.overcurrent_a whatever the "
+            "offset");
+    return c;
+}
+
+// Share 1 at `full`, 0 at `zero`; the gain is rounded up, so that nothing is derated at `full`.
+fade_t make_fade(double full, double zero, const Source &setting, const char *what)
+{
+    const double span = zero - full;
+    require(std::abs(span), 2, Q15 * 2, setting, what);
+    int shift = FADE_SHIFT_MAX;
+    while (std::ceil(std::ldexp(Q15, shift) / std::abs(span)) > MANTISSA_MAX) {
+        shift--;
+    }
+    fade_t fade{};
+    fade.zero = static_cast<int32_t>(std::lround(zero));
+    fade.gain = static_cast<int32_t>(
+        std::copysign(std::ceil(std::ldexp(Q15, shift) / std::abs(span)), span));
+    fade.shift = static_cast<uint32_t>(shift);
+    return fade;
+}
+
+// i²t: the continuous current makes 2^24 in the end.
+void set_heat(derating_cfg_t &c, const MotorSettings &motor, double period_s)
+{
+    const double square = std::pow(c.current_continuous, 2);
+    int shift = 0;
+    while (std::ldexp(square, shift + 1) <= std::ldexp(1.0, 27)) {
+        shift++;
+    }
+    c.heat_shift = static_cast<uint32_t>(shift);
+    c.heat_gain = static_cast<int32_t>(
+        std::lround(std::min(MANTISSA_MAX, std::ldexp(1.0, 24 + 16 - shift) / square)));
+    const Source time = {"motor.thermal_time_constant_s", motor.thermal_time_constant_s, -1};
+    const Mantissa rate = normalise(std::ldexp(period_s / motor.thermal_time_constant_s, 16), 0, 30,
+                                    time, "the time between two looks at the current");
+    c.heat_rate = rate.value;
+    c.heat_rate_shift = rate.shift;
+    c.heat_max_q14 = static_cast<int32_t>(std::lround(HEAT_MAX * Q14));
+    c.heat = make_fade(HEAT_WARN * Q14, Q14, time, "");
+}
+
+void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases &b)
+{
+    const double low =
+        board.bus_low_v > 0
+            ? board.bus_low_v
+            : board.bus_min_v + BUS_LOW_SHARE * (board.bus_nominal_v - board.bus_min_v);
+    const double brake =
+        board.bus_brake_v > 0
+            ? board.bus_brake_v
+            : board.bus_nominal_v + BUS_BRAKE_SHARE * (board.bus_max_v - board.bus_nominal_v);
+    require(low, board.bus_min_v, board.bus_nominal_v, {"board.bus_low_v", low},
+            "from board.bus_min_v to board.bus_nominal_v");
+    require(brake, board.bus_nominal_v, board.bus_max_v, {"board.bus_brake_v", brake},
+            "from board.bus_nominal_v to board.bus_max_v");
+    const double steps = Q15 / b.voltage_v;
+    c.bus_low = make_fade(low * steps, board.bus_min_v * steps, {"board.bus_low_v", low},
+                          "the firmware's steps of voltage above board.bus_min_v");
+    const double end = brake + BUS_END_SHARE * (board.bus_max_v - brake);
+    c.bus_high = make_fade(brake * steps, end * steps, {"board.bus_brake_v", brake},
+                           "the firmware's steps of voltage below board.bus_max_v");
+}
+
+// The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
+void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, double period_s)
+{
+    const double warn = board.temperature_warn_c > 0 ? board.temperature_warn_c
+                                                     : board.temperature_max_c - TEMPERATURE_SPAN_C;
+    require(warn, -TEMPERATURE_SPAN_C, board.temperature_max_c, {"board.temperature_warn_c", warn},
+            "up to board.temperature_max_c");
+    const double limit = temperature_count(board, board.temperature_max_c);
+    require(limit, 1, std::ldexp(1.0, board.adc_bits) - 2,
+            {"board.temperature_max_c", board.temperature_max_c}, "what the sensor can measure");
+    c.temperature =
+        make_fade(temperature_count(board, warn), limit, {"board.temperature_warn_c", warn},
+                  "two counts of the sensor below board.temperature_max_c");
+    c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
+}
+
+derating_cfg_t make_derating(const MotorSettings &motor, const BoardSettings &board,
+                             double period_s, const Bases &b)
+{
+    const char *const reason = "the firmware's steps of current";
+    const double continuous = continuous_current(motor);
+    derating_cfg_t c{};
+    store(c.current_max, motor.max_current_a / b.current_a * Q15, 1, Q14,
+          {"motor.max_current_a", motor.max_current_a}, reason);
+    store(c.current_continuous, continuous / b.current_a * Q15, 1, Q14,
+          {"motor.continuous_current_a", continuous}, reason);
+    set_heat(c, motor, period_s);
+    set_temperature_derating(c, board, period_s);
+    set_bus_derating(c, board, b);
+    store(c.regeneration_speed, b.step_from_rpm(motor.max_speed_rpm) * STANDSTILL, 0, Q30 / 2,
+          {"motor.max_speed_rpm", motor.max_speed_rpm}, "the firmware's steps of speed");
+    return c;
+}
+
+supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettings &board,
+                                   const TuningSettings &tuning, double period_s, const Bases &b)
+{
+    const auto periods = [&](double seconds) {
+        return static_cast<uint32_t>(std::ceil(seconds / period_s));
+    };
+    // A share of the continuous current, not less than what converter noise can look like.
+    const auto current = [&](double share, double lsb) {
+        const double number = share * continuous_current(motor) / b.current_a * Q15;
+        return static_cast<int32_t>(
+            std::lround(std::max(number, std::ldexp(lsb, 15 - board.adc_bits))));
+    };
+    const auto speed = [&](double share) {
+        return static_cast<step_t>(
+            std::lround(std::clamp(share * b.step_from_rpm(motor.max_speed_rpm), 1.0, Q30)));
+    };
+    supervision_cfg_t c{};
+    c.phase_range_min = current(PHASE_RANGE_SHARE, PHASE_RANGE_LSB);
+    c.phase_zero_max = c.phase_range_min / 4;
+    c.phase_speed_max = static_cast<step_t>(
+        std::lround(std::min(Q30, PHASE_TURNS * STEPS_PER_TURN / tuning.slow_ticks)));
+    c.follow_error_max = current(FOLLOW_SHARE, FOLLOW_LSB);
+    c.residual_max = std::min(current(RESIDUAL_SHARE, FOLLOW_LSB), RESIDUAL_END);
+    while (c.mean_shift < 14 &&
+           std::ldexp(period_s, static_cast<int>(c.mean_shift)) < MEAN_TIME_S) {
+        c.mean_shift++;
+    }
+    c.speed_error_max = speed(SPEED_ERROR_SHARE);
+    c.speed_error_periods =
+        periods(std::max(SPEED_ERROR_TIME_S, SPEED_ERROR_TIME_SHARE / tuning.speed_bandwidth_hz));
+    c.runaway_periods = periods(RUNAWAY_TIME_S);
+    c.overspeed = speed(OVERSPEED_SHARE);
+    c.overspeed_periods = periods(OVERSPEED_TIME_S);
+    c.stall_current = current(STALL_SHARE, FOLLOW_LSB);
+    c.stall_speed = std::min(speed(STANDSTILL), 1 << 29);
+    c.stall_periods = periods(STALL_TIME_S);
+    c.late_max = LATE_MAX;
+    c.late_window = periods(LATE_WINDOW_S);
     return c;
 }
 
@@ -224,8 +401,6 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
     store(c.speed_max, b.step_from_rpm(motor.max_speed_rpm), 1, Q30 / 2,
           {"motor.max_speed_rpm", motor.max_speed_rpm},
           "an eighth of an electrical turn in a PWM period");
-    store(c.current_max, motor.max_current_a / b.current_a * Q15, 1, Q14,
-          {"motor.max_current_a", motor.max_current_a}, "the firmware's steps of current");
     const double current_per_step =
         tuning.inertia_feed_forward / one_step_ramp / m.torque_acceleration / b.current_a * Q15;
     const Mantissa inertia =
@@ -371,6 +546,9 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     drive_cfg_t c{};
     c.sampling = make_sampling(board);
     c.protection = make_protection(board, b);
+    const double period_s = b.control_period_s * tuning.slow_ticks * SUPERVISION_STEPS;
+    c.derating = make_derating(motor, board, period_s, b);
+    c.supervision = make_supervision(motor, board, tuning, period_s, b);
     c.observer = make_observer(motor, board, tuning, m, b);
     c.current_loop = make_current_loop(motor, tuning, m, b);
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
@@ -381,6 +559,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.model = make_model_cfg(motor, tuning, m, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
+    c.crc = config_guard_crc(&c);
     if (const char *bad = params_check(&c)) {
         throw std::logic_error(fmt::format("the firmware refuses its setting {}", bad));
     }

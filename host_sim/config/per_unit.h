@@ -5,6 +5,7 @@
 #include "settings.h"
 
 extern "C" {
+#include "config_guard.h"
 #include "params.h"
 }
 

@@ -51,6 +51,7 @@ const std::vector<Field> FIELDS = {
     {"motor", "max_speed_rpm", "rpm", 1, 200000, NEEDED, motor<&M::max_speed_rpm>, "the controller never asks for more"},
     {"motor", "max_current_a", "A", 0.01, 1000, NEEDED, motor<&M::max_current_a>, "peak phase current the controller may ask for"},
     {"motor", "continuous_current_a", "A", 0, 1000, OPTIONAL, motor<&M::continuous_current_a>, "peak phase current for ever; 0: that of rated torque"},
+    {"motor", "thermal_time_constant_s", "s", 0.1, 300, OPTIONAL, motor<&M::thermal_time_constant_s>, "of the winding, for the limit by i²t"},
     {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
     {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
 
@@ -63,12 +64,15 @@ const std::vector<Field> FIELDS = {
     {"board", "bus_nominal_v", "V", 5, 1000, NEEDED, board<&B::bus_nominal_v>, "bus voltage"},
     {"board", "bus_min_v", "V", 1, 1000, NEEDED, board<&B::bus_min_v>, "under-voltage fault while running"},
     {"board", "bus_max_v", "V", 5, 1500, NEEDED, board<&B::bus_max_v>, "over-voltage fault"},
+    {"board", "bus_low_v", "V", 0, 1000, OPTIONAL, board<&B::bus_low_v>, "motoring is derated below; 0: bus_min_v and a quarter of the way to nominal"},
+    {"board", "bus_brake_v", "V", 0, 1500, OPTIONAL, board<&B::bus_brake_v>, "braking is derated above; 0: half way from nominal to bus_max_v"},
     {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
     {"board", "temperature_at_zero_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_at_zero_c>, "temperature of the power stage at count 0 of its sensor"},
     {"board", "temperature_full_scale_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_full_scale_c>, "temperature at full scale, linear in between; may be the lower one"},
+    {"board", "temperature_warn_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_warn_c>, "torque is derated above, down to nothing at the maximum; 0: 20 °C below it"},
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
 
     {"hal", "dead_time_ns", "ns", 10, 20000, OPTIONAL, hal<&H::dead_time_ns>, "both switches of a leg off at each edge"},

@@ -22,10 +22,11 @@ struct MotorSettings {
     double flux_linkage_wb = 0;
     double rated_torque_nm = 0;
     double rated_speed_rpm = 0;
-    double max_speed_rpm = 0; // the controller never asks for more
-    double max_current_a = 0; // peak phase current that the controller may ask for
-    double continuous_current_a = 0; // peak phase current for ever; 0: that of rated torque
-    double inertia_kg_m2 = 0; // with the load
+    double max_speed_rpm = 0;            // the controller never asks for more
+    double max_current_a = 0;            // peak phase current that the controller may ask for
+    double continuous_current_a = 0;     // peak phase current for ever; 0: that of rated torque
+    double thermal_time_constant_s = 20; // of the winding
+    double inertia_kg_m2 = 0;            // with the load
     double viscous_friction_nm_s = 0;
 };
 
@@ -38,14 +39,17 @@ struct BoardSettings {
     double current_full_scale_a = 0; // ± at the ends of the converter; half the current base I_b
     double bus_full_scale_v = 0;     // the voltage base U_b
     double bus_nominal_v = 0;
-    double bus_min_v = 0; // under-voltage fault while running
-    double bus_max_v = 0; // over-voltage fault
+    double bus_min_v = 0;   // under-voltage fault while running
+    double bus_max_v = 0;   // over-voltage fault
+    double bus_low_v = 0;   // below it motoring is derated; 0: a quarter of the way up to nominal
+    double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the maximum
     double overcurrent_a = 0;
     double offset_max_a = 0;            // largest sensor offset that calibration accepts
     double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
     int offset_samples_log2 = 0;        // calibration averages 2^n samples
     double temperature_at_zero_c = -50; // of the power stage where its sensor reads 0
     double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
+    double temperature_warn_c = 0;         // derating begins; 0: 20 °C below the maximum
     double temperature_max_c = 100;        // the drive stops above it
 };
 

@@ -125,7 +125,7 @@ class OverCurrent(unittest.TestCase):
         made.set_inputs(self.count(made, made.trip_a + 0.2), MIDDLE, BUS)
         made.set_inputs(MIDDLE, MIDDLE, BUS)
         made.tick(2)
-        self.assertIn("FAULT by break", made.said())
+        self.assertIn("FAULT by BREAK", made.said())
         made.type("run")
         self.assertIn("error: a fault is latched", made.said())
         made.tick(2)

@@ -28,6 +28,11 @@ static Setup setup_a()
     return Setup(nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning());
 }
 
+static torque_range_t torque_range(const Setup &s)
+{
+    return {-s.cfg.derating.current_max, s.cfg.derating.current_max};
+}
+
 // Current demand in LSB of I_b: proportional part, integral and feed-forward rounded down, 3; the error rounded
 // down to its Q15 counts K_p, and K_i·T in each step into the integral, which nothing contracts.
 static void test_current_demand_stays_within_the_roundings_of_the_twin()
@@ -42,6 +47,7 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
     double worst = 0;
 
     for (int run = 0; run < 100; run++) {
+        const torque_range_t torque = torque_range(s);
         speed_loop_t loop;
         nf::twin::SpeedLoop twin(nf::reference::speed_loop_params(s));
         const step_t target = seeded.in(-300000, 300000);
@@ -53,9 +59,9 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
             const double exact_reference = twin.ramp(s.speed_of_step(target));
 
             measured += seeded.in(-2000, 2000) + (reference - measured) / 4;
-            const int32_t demand = speed_loop_step(&loop, &c, reference, measured);
+            const int32_t demand = speed_loop_step(&loop, &c, reference, measured, torque);
             const double exact = twin.step(exact_reference, s.speed_of_step(measured));
-            TEST_ASSERT_TRUE(std::abs(demand) < c.current_max);
+            TEST_ASSERT_TRUE(std::abs(demand) < torque.upper);
             worst = std::max(worst, std::abs(demand - exact / s.current(1)));
             // The ramp is exact in both; the twin's own rounding stays far below one step.
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, reference, s.step_of_speed(exact_reference));
@@ -73,8 +79,8 @@ static void test_saturated_demand_equals_the_twin()
 
     speed_loop_reset(&loop, 0);
     for (int k = 0; k < 20; k++) {
-        const int32_t demand =
-            speed_loop_step(&loop, &s.cfg.speed_loop, s.cfg.speed_loop.speed_max, 0);
+        const int32_t demand = speed_loop_step(&loop, &s.cfg.speed_loop, s.cfg.speed_loop.speed_max,
+                                               0, torque_range(s));
         const double exact = twin.step(s.speed_of_step(s.cfg.speed_loop.speed_max), 0);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, demand, exact / s.current(1));
     }

@@ -193,7 +193,7 @@ inline twin::SpeedLoop::Params speed_loop_params(const Setup &s)
     const double per_step =
         std::ldexp(c.inertia, -16 - static_cast<int>(c.inertia_shift)) / Q15 * s.bases.current_a;
     return {pi_params(c.pi, s.bases.current_a, error_base), s.speed_of_step(c.ramp),
-            s.speed_of_step(c.speed_max), s.current(c.current_max),
+            s.speed_of_step(c.speed_max), s.current(s.cfg.derating.current_max),
             per_step / s.speed_of_step(1.0)};
 }
 

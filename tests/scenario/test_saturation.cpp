@@ -19,7 +19,6 @@ drive_cfg_t make_cfg()
 {
     drive_cfg_t cfg{};
     cfg.observer.speed_limit = SPEED_LIMIT;
-    cfg.speed_loop.current_max = CURRENT_MAX;
     cfg.modulator.timer_counts = COUNTS;
     cfg.modulator.ratio_max_q15 = 18000;
     cfg.modulator.inverse_max_q12 = 8192;
@@ -38,6 +37,7 @@ Frame calm()
 {
     Frame frame;
     frame.drive.cfg = &CFG;
+    frame.drive.torque_range = {-CURRENT_MAX, CURRENT_MAX};
     frame.drive.modulator.inverse_bus_q12 = 5000;
     frame.drive.signals.voltage_limit = 12000;
     for (uint16_t &phase : frame.out.compare.phase) {

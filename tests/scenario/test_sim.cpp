@@ -1,4 +1,5 @@
 // The coupling of plant, hardware binding and drive, and what a run does with its profiles.
+#include "fault_line.h"
 #include "profile.h"
 #include "scenario.h"
 #include "tick.h"
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <vector>
 
+#include <fmt/format.h>
 #include <unity.h>
 
 namespace
@@ -133,7 +135,10 @@ void test_faults_are_listed()
     const Config config = load({"plant.bus_ripple_pct=40"});
     const nf::RunResult result = nf::run_scenario(config);
     TEST_ASSERT_EQUAL_size_t(1, result.faults.size());
-    TEST_ASSERT_EQUAL_INT(0, static_cast<int>(result.faults.front().rfind("OVERVOLTAGE@", 0)));
+    const fault_t &fault = result.faults.front();
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, fault.id);
+    TEST_ASSERT_EQUAL_STRING(fmt::format("OVERVOLTAGE@{}", fault.tick).c_str(),
+                             nf::fault_mark(fault).c_str());
     TEST_ASSERT_FALSE(result.metrics.locked);
     TEST_ASSERT_FALSE(nf::violations(config, result).empty());
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, result.state_final);

@@ -10,6 +10,7 @@
 #ifndef EXAMPLE_CFG_H
 #define EXAMPLE_CFG_H
 
+#include "config_guard.h"
 #include "params.h"
 
 static inline sampling_cfg_t example_sampling_cfg(void)
@@ -76,7 +77,6 @@ static inline speed_loop_cfg_t example_speed_loop_cfg(void)
         .pi = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
         .ramp = 143166,        /* 2.0944 rad/s el. a slow period */
         .speed_max = 28633115, /* 2000 rpm */
-        .current_max = 8192,   /* 10 A */
         .inertia = 32471,      /* 0.0154835 of I_b per step of speed a slow period, times 2^21 */
         .inertia_shift = 5U,
         .error_shift = 12U, /* Q15 of 2·Ω_b */
@@ -98,6 +98,50 @@ static inline position_loop_cfg_t example_position_loop_cfg(void)
     };
 }
 
+/* A sensor with 0 °C at count 0 and 200 °C at 4096: warning at 80 °C, limit at 100 °C. */
+static inline derating_cfg_t example_derating_cfg(void)
+{
+    return (derating_cfg_t){
+        .current_max = 8192,        /* 10 A */
+        .current_continuous = 5504, /* 6.719 A, rated torque */
+        .heat_shift = 2U,           /* 5504² · 4 = 0.90 · 2^27 */
+        .heat_gain = 9074,          /* 2^24 · 2^16 / (5504² · 4) */
+        .heat_rate = 26844,         /* 4 ms / 20 s · 2^16, times 2^11 */
+        .heat_rate_shift = 11U,
+        .heat_max_q14 = 19661,                                     /* 1.2 */
+        .heat = {.zero = 16384, .gain = 20481, .shift = 10U},      /* from 0.9 to 1: 1638.4 */
+        .temperature = {.zero = 2048, .gain = 20481, .shift = 8U}, /* over 409.6 counts */
+        .temperature_periods = 25U,
+        .bus_high = {.zero = 29127, .gain = 20481, .shift = 11U}, /* from 355 V to 400 V: 3276.8 */
+        .bus_low = {.zero = 14564,
+                    .gain = -16757,
+                    .shift = 10U},    /* from 227.5 V to 200 V: 2002.4 */
+        .regeneration_speed = 447392, /* 31.25 rpm */
+    };
+}
+
+static inline supervision_cfg_t example_supervision_cfg(void)
+{
+    return (supervision_cfg_t){
+        .phase_range_min = 2201,      /* 2.69 A peak to peak */
+        .phase_zero_max = 550,        /* 0.67 A */
+        .phase_speed_max = 171798692, /* 0.4 turns a slow period */
+        .follow_error_max = 1101,     /* 1.34 A */
+        .residual_max = 4128,         /* 5.04 A */
+        .mean_shift = 4U,             /* 64 ms */
+        .speed_error_max = 7158279,   /* 500 rpm */
+        .speed_error_periods = 125U,
+        .runaway_periods = 3U,
+        .overspeed = 32928083, /* 2300 rpm */
+        .overspeed_periods = 5U,
+        .stall_current = 2752, /* 3.36 A */
+        .stall_speed = 447392, /* 31.25 rpm */
+        .stall_periods = 250U,
+        .late_max = 10U,
+        .late_window = 250U,
+    };
+}
+
 static inline modulator_cfg_t example_modulator_cfg(void)
 {
     return (modulator_cfg_t){
@@ -109,9 +153,11 @@ static inline modulator_cfg_t example_modulator_cfg(void)
 
 static inline drive_cfg_t example_drive_cfg(void)
 {
-    return (drive_cfg_t){
+    drive_cfg_t cfg = {
         .sampling = example_sampling_cfg(),
         .protection = example_protection_cfg(),
+        .derating = example_derating_cfg(),
+        .supervision = example_supervision_cfg(),
         .observer = example_observer_cfg(),
         .current_loop = example_current_loop_cfg(),
         .speed_loop = example_speed_loop_cfg(),
@@ -120,6 +166,9 @@ static inline drive_cfg_t example_drive_cfg(void)
         .speed_shift = 11U,
         .slow_ticks = 10U,
     };
+
+    cfg.crc = config_guard_crc(&cfg);
+    return cfg;
 }
 
 #endif

@@ -18,6 +18,35 @@ static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
 
+/* The configuration was changed on purpose. */
+static void seal(void)
+{
+    cfg.crc = config_guard_crc(&cfg);
+}
+
+/* Nothing that happens in the course of time is a fault. */
+static void supervise_nothing(void)
+{
+    cfg.derating.heat_rate = 0;
+    cfg.derating.temperature.gain = 0;
+    cfg.supervision = (supervision_cfg_t){
+        .phase_range_min = 65535,
+        .phase_speed_max = 1,
+        .follow_error_max = 65535,
+        .residual_max = 8191,
+        .mean_shift = 14U,
+        .speed_error_max = 0x40000000,
+        .runaway_periods = 1000000U,
+        .overspeed = 0x40000000,
+        .stall_current = 16384,
+        .stall_speed = 1,
+        .stall_periods = 1000000U,
+        .late_max = 1000000U,
+        .late_window = 1U,
+    };
+    seal();
+}
+
 static void quiet_frame(void)
 {
     in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
@@ -192,6 +221,8 @@ static void test_the_first_tick_of_a_second_run_leaves_the_drive_as_that_of_the_
     tick();
     TEST_ASSERT_TRUE(drive.tick != first.tick);
     first.tick = drive.tick;
+    first.guard = drive.guard;       /* goes round for ever */
+    first.derating = drive.derating; /* the winding remembers */
     TEST_ASSERT_EQUAL_MEMORY(&first, &drive, sizeof drive);
 }
 
@@ -218,6 +249,7 @@ static void test_offset_mean_of_full_scale_samples_does_not_overflow(void)
 {
     cfg.sampling.offset_log2 = 12U;
     cfg.protection.offset_max = 32767;
+    seal();
     in.adc_ia = 4095U;
     in.adc_ib = 0U;
     tick();
@@ -298,6 +330,137 @@ static const fault_case_t FAULTS[] = {
     {make_overvoltage, FAULT_OVERVOLTAGE, DRIVE_STATE_INIT, 29136, 29127},
     {make_undervoltage, FAULT_UNDERVOLTAGE, DRIVE_STATE_RUN, 14560, 14564},
 };
+
+static void test_a_sample_at_an_end_of_the_converter_is_named_so(void)
+{
+    static const uint16_t ends[] = {0U, 4095U, 4096U, 65535U};
+
+    for (uint32_t k = 0U; k < 8U; k++) {
+        setUp();
+        go_to(DRIVE_STATE_RUN);
+        in.adc_ia = ((k % 2U) == 0U) ? ends[k / 2U] : MID_COUNTS;
+        in.adc_ib = ((k % 2U) == 0U) ? MID_COUNTS : ends[k / 2U];
+        tick();
+        assert_gates_open();
+        TEST_ASSERT_EQUAL_INT(FAULT_ADC_SATURATED, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT32(14746, drive.fault.limit);
+        TEST_ASSERT_EQUAL_UINT32(drive.tick - 1U, drive.fault.tick);
+    }
+}
+
+/* Ticks in RUN until the drive opens the gates by a fault, which has to be in its tick. */
+static uint32_t run_to_fault(fault_id_t id, uint32_t most)
+{
+    uint32_t k = 0U;
+
+    while ((drive.state == DRIVE_STATE_RUN) && (k < most)) {
+        TEST_ASSERT_TRUE(out.gate_enable);
+        tick();
+        k++;
+    }
+    assert_gates_open();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL_INT(id, drive.fault.id);
+    TEST_ASSERT_EQUAL_UINT32(drive.tick - 1U, drive.fault.tick);
+    return k;
+}
+
+#define SUPERVISION_TICKS (40U) /* of 10 */
+
+static void test_late_ticks_in_a_row_are_a_fault_within_a_supervision_period_of_the_last(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    in.flags = DRIVE_FLAG_LATE;
+    TEST_ASSERT_TRUE(run_to_fault(FAULT_LATE, 1000U) <=
+                     (cfg.supervision.late_max + 1U + SUPERVISION_TICKS));
+}
+
+static void test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state(void)
+{
+    const uint32_t most = 2U * (uint32_t)CONFIG_GUARD_STEPS * SUPERVISION_TICKS;
+
+    go_to(DRIVE_STATE_RUN);
+    supervise_nothing(); /* there is no motor */
+    cfg.position_loop.gain ^= 1;
+    TEST_ASSERT_TRUE(run_to_fault(FAULT_CONFIGURATION, most) <= most);
+    setUp();
+    go_to(DRIVE_STATE_READY);
+    cfg.position_loop.gain ^= 1;
+    ticks(most);
+    TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, drive.fault.id);
+}
+
+static void test_init_refuses_a_configuration_that_is_not_what_was_built(void)
+{
+    cfg.position_loop.gain ^= 1;
+    TEST_ASSERT_EQUAL_STRING("crc", drive_init(&drive, &cfg));
+}
+
+static void test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in(void)
+{
+    for (int32_t s = (int32_t)DRIVE_STATE_READY; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+        setUp();
+        go_to((drive_state_t)s);
+        supervise_nothing();
+        cfg.derating.temperature.gain = example_derating_cfg().temperature.gain;
+        seal();
+        in.adc_temperature = 2100U; /* limit 2048 */
+        ticks((cfg.derating.temperature_periods + 2U) * SUPERVISION_TICKS);
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT32(2100, drive.fault.value);
+        assert_gates_open();
+    }
+}
+
+static void test_currents_that_do_not_follow_at_standstill_are_a_lost_phase(void)
+{
+    uint32_t k = 0U;
+
+    go_to(DRIVE_STATE_RUN);
+    in.adc_ia = MID_COUNTS + 200U; /* 1600 of Q15 that nobody asked for, limit 1101 */
+    while ((drive.state == DRIVE_STATE_RUN) && (k < 2000U)) {
+        nn_observer_reset(&drive.observer, &cfg.observer); /* it stands */
+        drive.position.turns_q32 = 0;
+        tick();
+        k++;
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(cfg.supervision.follow_error_max, drive.fault.limit);
+    assert_gates_open();
+}
+
+static void test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    drive.observer.speed = 10000000;
+    in.adc_bus = 3600U; /* 396 V */
+    for (uint32_t k = 0U; k < cfg.slow_ticks; k++) {
+        drive.observer.speed = 10000000;
+        tick();
+    }
+    TEST_ASSERT_TRUE((drive.torque_range.lower > -2000) && (drive.torque_range.upper == 8192));
+    in.adc_bus = 1850U; /* 203 V */
+    for (uint32_t k = 0U; k < cfg.slow_ticks; k++) {
+        drive.observer.speed = 10000000;
+        tick();
+    }
+    TEST_ASSERT_TRUE((drive.torque_range.lower == -8192) && (drive.torque_range.upper < 2000));
+}
+
+static void test_short_slow_periods_supervise_too(void)
+{
+    for (uint32_t n = 2U; n <= 6U; n++) {
+        setUp();
+        cfg.slow_ticks = n;
+        seal();
+        TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        quiet_frame();
+        go_to(DRIVE_STATE_RUN);
+        in.flags = DRIVE_FLAG_LATE;
+        TEST_ASSERT_TRUE(run_to_fault(FAULT_LATE, 1000U) <=
+                         (cfg.supervision.late_max + 1U + (SUPERVISION_STEPS * n)));
+    }
+}
 
 static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it(void)
 {
@@ -520,6 +683,7 @@ static void test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period(v
     for (uint32_t i = 0U; i < 2U; i++) {
         cfg = example_drive_cfg();
         cfg.slow_ticks = periods[i];
+        supervise_nothing(); /* there is no motor */
         TEST_ASSERT_NULL(drive_init(&drive, &cfg));
         quiet_frame();
         go_to(DRIVE_STATE_READY);
@@ -586,6 +750,7 @@ static void test_equal_frames_give_equal_states_and_outputs_byte_by_byte(void)
 
     cfg.sampling.offset_log2 = 4U;
     cfg.protection.offset_max = 32767;
+    seal();
     memset(&other, 0, sizeof other);
     memset(&other_out, 0, sizeof other_out);
     memset(&out, 0, sizeof out);
@@ -608,6 +773,7 @@ static void test_a_copy_is_a_snapshot_from_which_the_same_future_follows(void)
 
     cfg.sampling.offset_log2 = 4U;
     cfg.protection.offset_max = 32767;
+    seal();
     for (int32_t k = 0; k < 3000; k++) {
         in = seeded_frame(&seed);
         tick();
@@ -640,7 +806,7 @@ static void assert_everything_in_range(void)
     TEST_ASSERT_TRUE((s->phase_b >= -16384) && (s->phase_b <= 16383));
     TEST_ASSERT_TRUE((s->bus >= 0) && (s->bus <= 32767));
     TEST_ASSERT_TRUE((abs(s->current.d) + abs(s->current.q)) <= 65534);
-    TEST_ASSERT_TRUE(abs(s->current_ref_q) <= cfg.speed_loop.current_max);
+    TEST_ASSERT_TRUE(abs(s->current_ref_q) <= cfg.derating.current_max);
     if (drive.state == DRIVE_STATE_RUN) {
         TEST_ASSERT_TRUE(((s->voltage.d * s->voltage.d) + (s->voltage.q * s->voltage.q)) <=
                          (s->voltage_limit * s->voltage_limit));
@@ -671,8 +837,11 @@ static void test_any_raw_frame_keeps_all_outputs_in_range(void)
         cfg.sampling.offset_log2 = run % 13U;
         cfg.sampling.current_shift = run % 8U;
         cfg.sampling.bus_shift = (run / 2U) % 8U;
-        cfg.protection = (protection_cfg_t){16382, 32766, 0, 32767};
+        cfg.protection = (protection_cfg_t){8192, 32766, 0, 0};
+        supervise_nothing();
         TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        cfg.protection = (protection_cfg_t){16382, 32766, 0, 32767};
+        seal();
         for (uint32_t k = 0U; k < 5000U; k++) {
             in.adc_ia = ((k % 2U) == 0U) ? extreme_count(&seed) : (uint16_t)seeded_u32(&seed);
             in.adc_ib = ((k % 3U) == 0U) ? extreme_count(&seed) : (uint16_t)seeded_u32(&seed);
@@ -692,6 +861,7 @@ static void test_wild_but_allowed_measurements_keep_a_running_drive_in_range(voi
     seeded_t seed = {0x3177DU};
 
     cfg.protection = (protection_cfg_t){16382, 32766, 0, 32767};
+    supervise_nothing();
     go_to(DRIVE_STATE_RUN);
     for (uint32_t k = 0U; k < 100000U; k++) {
         /* |a|, |b| and |a + b| within ±16382: ±1023 counts each. */
@@ -824,7 +994,7 @@ static void run_without_bump(motor_t *m)
     TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed - profile) <= cfg.position_loop.ramp);
     TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.speed_loop.reference - reference)) <=
                      (105 * (int64_t)cfg.position_loop.ramp));
-    TEST_ASSERT_TRUE(abs(drive.signals.current_ref_q) < cfg.speed_loop.current_max);
+    TEST_ASSERT_TRUE(abs(drive.signals.current_ref_q) < cfg.derating.current_max);
 }
 
 static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_the_target(void)
@@ -949,9 +1119,10 @@ static void check_speed_and_demand(void)
     int32_t other = demand;
 
     if (before.slow_count == 1U) { /* its last tick */
-        demand = speed_loop_step(&loop, &cfg.speed_loop, before.speed_reference, speed);
+        demand = speed_loop_step(&loop, &cfg.speed_loop, before.speed_reference, speed,
+                                 drive.torque_range);
         other = speed_loop_step(&unlike, &cfg.speed_loop, before.speed_reference,
-                                drive.observer.speed_out);
+                                drive.observer.speed_out, drive.torque_range);
     }
     TEST_ASSERT_EQUAL_INT32(speed >> cfg.speed_shift, drive.signals.speed);
     TEST_ASSERT_EQUAL_INT32(demand, drive.signals.current_ref_q);
@@ -1003,6 +1174,14 @@ int main(void)
     RUN_TEST(test_offset_of_one_sample_is_that_sample);
     RUN_TEST(test_offset_beyond_its_limit_is_a_fault_with_open_gates);
     RUN_TEST(test_offset_at_its_limit_is_accepted);
+    RUN_TEST(test_a_sample_at_an_end_of_the_converter_is_named_so);
+    RUN_TEST(test_late_ticks_in_a_row_are_a_fault_within_a_supervision_period_of_the_last);
+    RUN_TEST(test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state);
+    RUN_TEST(test_init_refuses_a_configuration_that_is_not_what_was_built);
+    RUN_TEST(test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in);
+    RUN_TEST(test_currents_that_do_not_follow_at_standstill_are_a_lost_phase);
+    RUN_TEST(test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring);
+    RUN_TEST(test_short_slow_periods_supervise_too);
     RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it);
     RUN_TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates);
     RUN_TEST(test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates);

@@ -11,6 +11,7 @@
 #define FAR_AWAY_Q32 ((int64_t)1 << 62)
 
 static speed_loop_cfg_t speed_cfg;
+static torque_range_t torque;
 static speed_loop_t speed_loop;
 static position_loop_cfg_t cfg;
 static position_loop_t loop;
@@ -19,6 +20,7 @@ static uint32_t ticks; /* control ticks in a slow period */
 void setUp(void)
 {
     speed_cfg = example_speed_loop_cfg();
+    torque = (torque_range_t){-8192, 8192};
     cfg = example_position_loop_cfg();
     speed_loop_reset(&speed_loop, 0);
     position_loop_reset(&loop, 0, 0);
@@ -41,7 +43,7 @@ static void test_speed_reset_starts_at_the_present_speed_without_demand(void)
     speed_loop.pi.integral_q26 = 12345678;
     speed_loop_reset(&speed_loop, 1000000);
     TEST_ASSERT_EQUAL_INT32(1000000, speed_loop.reference);
-    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 1000000, 1000000));
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 1000000, 1000000, torque));
 }
 
 static void test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods(void)
@@ -86,33 +88,41 @@ static void test_acceleration_feed_forward_follows_the_change_of_the_reference(v
     /* Change 100000 · 32471 / 2^21 = 1548.3; of the error only 24 LSB at K_p·24 = 15.94·24. */
     speed_cfg.pi.kp = 0;
     speed_cfg.pi.ki = 0;
-    TEST_ASSERT_EQUAL_INT32(1548, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0));
-    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0));
-    TEST_ASSERT_EQUAL_INT32(-1549, speed_loop_step(&speed_loop, &speed_cfg, 0, 0));
+    TEST_ASSERT_EQUAL_INT32(1548, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0, torque));
+    TEST_ASSERT_EQUAL_INT32(0, speed_loop_step(&speed_loop, &speed_cfg, 100000, 0, torque));
+    TEST_ASSERT_EQUAL_INT32(-1549, speed_loop_step(&speed_loop, &speed_cfg, 0, 0, torque));
 }
 
 static void test_feed_forward_alone_cannot_exceed_the_current_limit(void)
 {
     speed_cfg.pi.kp = 0;
     speed_cfg.pi.ki = 0;
-    TEST_ASSERT_EQUAL_INT32(8192, speed_loop_step(&speed_loop, &speed_cfg, 28000000, 0));
-    TEST_ASSERT_EQUAL_INT32(-8192, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0));
+    TEST_ASSERT_EQUAL_INT32(8192, speed_loop_step(&speed_loop, &speed_cfg, 28000000, 0, torque));
+    TEST_ASSERT_EQUAL_INT32(-8192, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0, torque));
 }
 
 static void test_speed_reference_is_kept_within_the_largest_speed(void)
 {
-    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MAX, 0);
+    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MAX, 0, torque);
     TEST_ASSERT_EQUAL_INT32(speed_cfg.speed_max, speed_loop.reference);
-    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MIN, 0);
+    (void)speed_loop_step(&speed_loop, &speed_cfg, INT32_MIN, 0, torque);
     TEST_ASSERT_EQUAL_INT32(-speed_cfg.speed_max, speed_loop.reference);
 }
 
 static void test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards(void)
 {
     speed_loop_reset(&speed_loop, 10000000);
-    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 9000000) > 0);
+    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 9000000, torque) > 0);
     speed_loop_reset(&speed_loop, 10000000);
-    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 11000000) < 0);
+    TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 10000000, 11000000, torque) < 0);
+}
+
+static void test_each_direction_has_its_own_current_limit(void)
+{
+    torque = (torque_range_t){-100, 3000};
+    TEST_ASSERT_EQUAL_INT32(3000, speed_loop_step(&speed_loop, &speed_cfg, 28000000, 0, torque));
+    speed_loop_reset(&speed_loop, 0);
+    TEST_ASSERT_EQUAL_INT32(-100, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0, torque));
 }
 
 static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(void)
@@ -122,6 +132,7 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
     for (int32_t k = 0; k < 100000; k++) {
         const step_t reference = seeded_i32(&seed);
         const step_t measured = seeded_in(&seed, -0x20000000, 0x20000000);
+        int32_t demand;
 
         if ((k % 100) == 0) {
             speed_cfg.pi = (pi_cfg_t){32767, 32767, (uint32_t)seeded_in(&seed, 1, 30),
@@ -130,11 +141,11 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
             speed_cfg.inertia = 32767;
             speed_cfg.inertia_shift = (uint32_t)seeded_in(&seed, 0, 30);
             speed_cfg.error_shift = (uint32_t)seeded_in(&seed, 1, 17);
-            speed_cfg.current_max = seeded_in(&seed, 1, 16384);
+            torque = (torque_range_t){seeded_in(&seed, -16384, 0), seeded_in(&seed, 0, 16384)};
             speed_loop_reset(&speed_loop, 0);
         }
-        TEST_ASSERT_TRUE(abs(speed_loop_step(&speed_loop, &speed_cfg, reference, measured)) <=
-                         speed_cfg.current_max);
+        demand = speed_loop_step(&speed_loop, &speed_cfg, reference, measured, torque);
+        TEST_ASSERT_TRUE((demand >= torque.lower) && (demand <= torque.upper));
     }
 }
 
@@ -512,6 +523,7 @@ int main(void)
     RUN_TEST(test_feed_forward_alone_cannot_exceed_the_current_limit);
     RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
+    RUN_TEST(test_each_direction_has_its_own_current_limit);
     RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);
     RUN_TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast);
     RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_period);

@@ -1,0 +1,101 @@
+#include "derating.h"
+
+#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+
+void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
+{
+    *derating = (derating_t){
+        .thermal = cfg->current_max,
+        .motoring = cfg->current_max,
+        .braking = cfg->current_max,
+    };
+}
+
+int32_t derating_share(const fade_t *fade, int32_t x)
+{
+    int32_t share = FX_Q15_MAX;
+
+    if (fade->gain != 0) {
+        share = fx_usat15(fx_asr((fade->zero - x) * fade->gain, fade->shift));
+    }
+    return share;
+}
+
+/* `current` times share; whole for the largest share, which is one LSB short of 1. */
+static int32_t scaled(int32_t current, int32_t share)
+{
+    return fx_asr((current * share) + FX_Q15_MAX, 15U);
+}
+
+/* Low-pass of the squared current. */
+static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
+{
+    const uint32_t largest = (uint32_t)INT32_MAX >> cfg->heat_shift;
+    const int32_t square = (current.d * current.d) + (current.q * current.q);
+    const uint32_t kept = (uint32_t)fx_min(square, (int32_t)largest) << cfg->heat_shift;
+    const int32_t heat_q24 = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
+    const int32_t change = fx_mul_32x16(heat_q24 - derating->heat_q24, cfg->heat_rate);
+
+    derating->heat_q24 += fx_asr(change, cfg->heat_rate_shift);
+}
+
+static uint32_t flag(uint32_t name, int32_t share)
+{
+    return (share < FX_Q15_MAX) ? name : 0U;
+}
+
+fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
+                         uint16_t adc_temperature, fault_t *fault)
+{
+    const int32_t raw = (int32_t)adc_temperature;
+    const int32_t by_temperature = derating_share(&cfg->temperature, raw);
+    fault_id_t id = FAULT_NONE;
+    int32_t heat_q14;
+    int32_t by_heat;
+
+    heat_up(derating, cfg, current);
+    heat_q14 = fx_asr(derating->heat_q24, HEAT_BITS);
+    by_heat = derating_share(&cfg->heat, heat_q14);
+    derating->thermal = fx_min(cfg->current_continuous +
+                                   scaled(cfg->current_max - cfg->current_continuous, by_heat),
+                               scaled(cfg->current_max, by_temperature));
+    derating->flags_slow =
+        flag(DERATING_HEAT, by_heat) | flag(DERATING_TEMPERATURE, by_temperature);
+    if (by_temperature > 0) {
+        derating->too_hot = 0U;
+    } else {
+        derating->too_hot++;
+    }
+    if (heat_q14 > cfg->heat_max_q14) {
+        id = FAULT_OVERLOAD;
+        *fault = (fault_t){.id = id, .value = heat_q14, .limit = cfg->heat_max_q14};
+    } else if (derating->too_hot > cfg->temperature_periods) {
+        id = FAULT_OVERTEMPERATURE;
+        *fault = (fault_t){.id = id, .value = raw, .limit = cfg->temperature.zero};
+    } else {
+        /* neither */
+    }
+    return id;
+}
+
+torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg, int32_t bus,
+                              step_t speed)
+{
+    const int32_t high = derating_share(&cfg->bus_high, bus);
+    const int32_t low = derating_share(&cfg->bus_low, bus);
+    torque_range_t range;
+
+    derating->braking = fx_min(derating->thermal, scaled(cfg->current_max, high));
+    derating->motoring = fx_min(derating->thermal, scaled(cfg->current_max, low));
+    derating->flags =
+        derating->flags_slow | flag(DERATING_BUS_HIGH, high) | flag(DERATING_BUS_LOW, low);
+    range = (torque_range_t){.lower = -derating->motoring, .upper = derating->motoring};
+    if (speed > cfg->regeneration_speed) {
+        range.lower = -derating->braking;
+    } else if (speed < -cfg->regeneration_speed) {
+        range.upper = derating->braking;
+    } else {
+        /* too slow to feed anything back */
+    }
+    return range;
+}

@@ -1,0 +1,90 @@
+/*
+ * Derating: how much torque current the drive may ask for, and the faults where that does not help.
+ *
+ *     i²t          current_max below 90 % heat, linearly down to the continuous current at 100 %
+ *     temperature  current_max up to the warning, linearly down to 0 at the limit, where it is a fault
+ *     high bus     braking only: full up to bus_brake_v, linearly down to 0 at bus_max_v
+ *     low bus      motoring only: full from bus_low_v on, linearly down to 0 at bus_min_v
+ *
+ * The smallest holds. Heat is the square of the current vector through the winding's time constant:
+ * 1 is what the continuous current makes in the end.
+ *
+ * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges; control interrupt
+ * only: the limits once a slow period, the heat once a supervision period (supervision.h).
+ */
+#ifndef DERATING_H
+#define DERATING_H
+
+#include "fault.h"
+#include "fx.h"
+#include "motion_loop.h"
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/*
+ * A share of 1 that falls linearly to 0: (zero − x)·gain / 2^shift in Q15, 0…32767. A negative gain
+ * lets it rise with x. Gain 0: always 1, there is nothing to derate by.
+ */
+typedef struct {
+    int32_t zero;   /* x at which nothing is left, 0…65535 */
+    int32_t gain;   /* −32767…32767 */
+    uint32_t shift; /* 0…16 */
+} fade_t;
+
+typedef struct {
+    int32_t current_max;        /* |i_q*| when nothing derates, 1…16384 */
+    int32_t current_continuous; /* what i²t leaves at least, 1…current_max */
+    uint32_t heat_shift;        /* i² in Q30, times 2^heat_shift, 0…27 … */
+    int32_t heat_gain;          /* … times heat_gain / 2^16 is Q24 of the heat it makes, 1…32767 */
+    int32_t heat_rate;          /* period / time constant = heat_rate / 2^(16 + heat_rate_shift) */
+    uint32_t heat_rate_shift;   /* 0…30 */
+    int32_t heat_max_q14;       /* OVERLOAD above it, 1…2^20 */
+    fade_t heat;                /* of what current_max is above current_continuous; x: heat, Q14 */
+    fade_t temperature;         /* of current_max; x: raw count of the sensor */
+    uint32_t
+        temperature_periods;   /* OVERTEMPERATURE when the share is 0 for more periods than these */
+    fade_t bus_high;           /* of the braking current; x: bus */
+    fade_t bus_low;            /* of the motoring current; x: bus */
+    step_t regeneration_speed; /* |speed| below which nothing counts as braking, 0…2^29 */
+} derating_cfg_t;
+
+#define DERATING_HEAT (0x01U) /* which derating acts */
+#define DERATING_TEMPERATURE (0x02U)
+#define DERATING_BUS_HIGH (0x04U)
+#define DERATING_BUS_LOW (0x08U)
+
+typedef struct {
+    int32_t heat_q24;    /* 2^24 = what the continuous current makes, 0…2^30 */
+    int32_t thermal;     /* limit by heat and temperature */
+    uint32_t too_hot;    /* periods in a row at no share */
+    int32_t motoring;    /* current limits in force */
+    int32_t braking;     /* 0…current_max */
+    uint32_t flags_slow; /* of heat and temperature */
+    uint32_t flags;      /* DERATING_…, of all */
+} derating_t;
+
+/* Cold, nothing derated. */
+void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
+
+/* The share that is left at x, Q15; |zero − x| ≤ 65535. */
+int32_t derating_share(const fade_t *fade, int32_t x);
+
+/*
+ * One supervision period, gates open or not: the heat that `current` makes (|i| ≤ 18918, the vector of
+ * three phases at full scale; 0 with open gates) and the temperature. What is above four times the
+ * continuous current counts as that. Returns OVERLOAD or OVERTEMPERATURE with value and limit in
+ * `fault`, else FAULT_NONE.
+ */
+fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
+                         uint16_t adc_temperature, fault_t *fault);
+
+/*
+ * One slow period: the limits and flags at this bus voltage, 0…32767. Returns the range of i_q*: braking
+ * is what works against `speed`.
+ */
+torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg, int32_t bus,
+                              step_t speed);
+
+#endif

@@ -1,0 +1,147 @@
+#include "monitor.h"
+
+#include "drive_state.h"
+
+#define PARTS (5U)
+#define PHASES_LEFT (4U)
+#define CHECKS_LEFT (3U)
+#define LIMITS_LEFT (2U)
+
+static fault_id_t check_phases(drive_t *drive, fault_t *fault)
+{
+    const bool running = drive->state == DRIVE_STATE_RUN;
+    const rotor_position_t *const frame = running ? &drive->position : &drive->frame;
+    const uint64_t turns_q16 = (uint64_t)frame->turns_q32 >> 16U;
+    const supervision_phases_t measured = {
+        .a = drive->signals.phase_a,
+        .b = drive->signals.phase_b,
+        .turns_q16 = (int32_t)(uint32_t)(turns_q16 & 0xFFFFFFFFU),
+        .speed = drive_speed(drive),
+    };
+
+    return supervision_check_phases(&drive->supervision, &drive->cfg->supervision, &measured,
+                                    fault);
+}
+
+/*
+ * Control of an imposed current is soft: what the swinging rotor drives on top of it is no sign of an open wire,
+ * which takes half of it or all. Its error counts half.
+ */
+static dq_t controlled_current(const drive_t *drive)
+{
+    const drive_signals_t *const s = &drive->signals;
+    dq_t current = s->current_frame;
+
+    if (drive->state != DRIVE_STATE_RUN) {
+        current.d = fx_asr(current.d + s->current_ref.d, 1U);
+        current.q = fx_asr(current.q + s->current_ref.q, 1U);
+    }
+    return current;
+}
+
+static fault_id_t check_current(drive_t *drive, fault_t *fault)
+{
+    const supervision_cfg_t *const cfg = &drive->cfg->supervision;
+    const bool running = drive->state == DRIVE_STATE_RUN;
+    const supervision_current_t measured = {
+        .current = controlled_current(drive),
+        .reference = drive->signals.current_ref,
+        .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
+    };
+    /* The model's error along the flux is the flux', which is tracked. Below RUN the start-up judges. */
+    const dq_t residual = {.d = 0, .q = running ? drive->observer.turned.q : 0};
+    fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
+
+    if (id == FAULT_NONE) {
+        id = supervision_check_observer(&drive->supervision, cfg, residual, fault);
+    }
+    return id;
+}
+
+static fault_id_t check_speed(drive_t *drive, fault_t *fault)
+{
+    const supervision_cfg_t *const cfg = &drive->cfg->supervision;
+    const int32_t torque = drive->signals.current_ref.q;
+    const supervision_speed_t measured = {
+        .speed = drive->observer.speed,
+        .reference = drive->speed_loop.reference,
+        .speed_limit = drive->model.observer.speed_limit,
+        .current_ref = torque,
+        .torque_at_limit =
+            (torque >= drive->torque_range.upper) || (torque <= drive->torque_range.lower),
+    };
+    fault_id_t id = supervision_check_late(&drive->supervision, cfg, fault);
+
+    if ((id == FAULT_NONE) && (drive->state == DRIVE_STATE_RUN)) {
+        id = supervision_check_speed(&drive->supervision, cfg, &measured, fault);
+    }
+    return id;
+}
+
+/* One of the checks that take turns. */
+static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
+{
+    const uint32_t step = drive->supervision.step;
+    const bool driving = drive_is_driving(drive->state);
+    const dq_t current = driving ? drive->signals.current : (dq_t){0, 0};
+    fault_id_t id = FAULT_NONE;
+
+    drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
+    if (step == 0U) {
+        id =
+            derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
+    } else if (step == 1U) {
+        id = config_guard_step(&drive->guard, drive->cfg, fault);
+    } else if (!driving || (drive->state == DRIVE_STATE_CATCH_SPIN)) {
+        /* no current is controlled */
+    } else if (step == 2U) {
+        id = check_current(drive, fault);
+    } else {
+        id = check_speed(drive, fault);
+    }
+    return id;
+}
+
+static void latch(drive_t *drive, fault_id_t id, const fault_t *fault)
+{
+    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
+        drive_fail(drive, *fault);
+    }
+}
+
+static void watch_phases(drive_t *drive)
+{
+    fault_t fault = {.id = FAULT_NONE};
+
+    if (drive_is_driving(drive->state) && (drive->state != DRIVE_STATE_CATCH_SPIN)) {
+        latch(drive, check_phases(drive, &fault), &fault);
+    }
+}
+
+static void watch_turns(drive_t *drive, const drive_in_t *in)
+{
+    fault_t fault = {.id = FAULT_NONE};
+
+    latch(drive, check_next(drive, in->adc_temperature, &fault), &fault);
+}
+
+static void limit_torque(drive_t *drive)
+{
+    drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating,
+                                         drive->signals.bus, drive_speed(drive));
+}
+
+void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left)
+{
+    const bool short_period = drive->cfg->slow_ticks < PARTS; /* all at its end */
+
+    if (short_period ? (left == 0U) : (left == PHASES_LEFT)) {
+        watch_phases(drive);
+    }
+    if (short_period ? (left == 0U) : (left == CHECKS_LEFT)) {
+        watch_turns(drive, in);
+    }
+    if (short_period ? (left == 0U) : (left == LIMITS_LEFT)) {
+        limit_torque(drive);
+    }
+}

@@ -1,0 +1,226 @@
+#include "supervision.h"
+
+#define ONE_TURN_Q16 (65536)
+#define TURN_SAMPLES_MIN (8U)
+#define TURNS_MAX (3U)       /* a load step within a turn can make two of them look lopsided */
+#define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
+
+/* Word by word: a library's memset takes five times as long. */
+void supervision_reset(supervision_t *state)
+{
+    state->step = 0U;
+    state->late = 0U;
+    state->late_periods = 0U;
+    state->start_q16 = 0;
+    state->samples = 0U;
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        state->lowest[phase] = 0;
+        state->highest[phase] = 0;
+    }
+    state->weak = 0U;
+    state->weak_turns = 0U;
+    state->suspect = (fault_t){.id = FAULT_NONE};
+    state->off_current = (dq_t){0, 0};
+    state->off_reference = 0U;
+    state->runaway = 0U;
+    state->too_fast = 0U;
+    state->stalled = 0U;
+    state->residual = 0;
+}
+
+/* Counts up while something is wrong and down while not; true when it has been for longer than max. */
+static bool lasts(uint32_t *count, bool wrong, uint32_t max)
+{
+    if (wrong) {
+        *count += 1U;
+    } else if (*count > 0U) {
+        *count -= 1U;
+    } else {
+        /* nothing to forget */
+    }
+    return *count > max;
+}
+
+static void note_phase(supervision_t *state, uint32_t phase, int32_t current)
+{
+    const bool first = state->samples == 0U;
+
+    if (first || (current < state->lowest[phase])) {
+        state->lowest[phase] = current;
+    }
+    if (first || (current > state->highest[phase])) {
+        state->highest[phase] = current;
+    }
+}
+
+static int32_t range_of(const supervision_t *state, uint32_t phase)
+{
+    return state->highest[phase] - state->lowest[phase];
+}
+
+/* What a weak phase means: an open wire has no current, a dead channel some. c is not measured. */
+static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
+                       int32_t limit)
+{
+    const bool at_zero = (state->highest[weak] <= cfg->phase_zero_max) &&
+                         (state->lowest[weak] >= -cfg->phase_zero_max);
+
+    return (fault_t){
+        .id = (at_zero || (weak == 2U)) ? FAULT_LOST_PHASE : FAULT_ADC_STUCK,
+        .value = range_of(state, weak),
+        .limit = limit,
+    };
+}
+
+/* The end of a turn: which phase hardly moved, and for how many turns now. */
+static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg, fault_t *fault)
+{
+    uint32_t weak = 0U;
+    int32_t strongest = 0;
+    fault_id_t id = FAULT_NONE;
+    int32_t limit;
+
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        strongest = fx_max(strongest, range_of(state, phase));
+        weak = (range_of(state, phase) < range_of(state, weak)) ? phase : weak;
+    }
+    limit = fx_asr(strongest, WEAK_SHARE_LOG2);
+    if ((strongest <= cfg->phase_range_min) || (range_of(state, weak) >= limit)) {
+        state->weak_turns = 0U;
+        state->suspect.id = FAULT_NONE;
+    } else {
+        state->weak_turns = (weak == state->weak) ? (state->weak_turns + 1U) : 1U;
+        state->weak = weak;
+        state->suspect = suspect(state, cfg, weak, limit);
+    }
+    if (state->weak_turns >= TURNS_MAX) {
+        *fault = state->suspect;
+        id = fault->id;
+    }
+    return id;
+}
+
+/* Electrical turns since the start of this one, wrapping. */
+static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
+{
+    const uint32_t turned = (uint32_t)turns_q16 - (uint32_t)state->start_q16;
+
+    return (int32_t)turned;
+}
+
+fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
+                                    const supervision_phases_t *in, fault_t *fault)
+{
+    fault_id_t id = FAULT_NONE;
+    int32_t turned;
+
+    if (state->samples == 0U) {
+        state->start_q16 = in->turns_q16;
+    }
+    turned = turned_q16(state, in->turns_q16);
+    note_phase(state, 0U, in->a);
+    note_phase(state, 1U, in->b);
+    note_phase(state, 2U, -in->a - in->b);
+    state->samples++;
+    if (fx_abs(in->speed) > cfg->phase_speed_max) {
+        state->samples = 0U;
+        state->weak_turns = 0U;
+        state->suspect.id = FAULT_NONE;
+    } else if ((state->samples >= TURN_SAMPLES_MIN) &&
+               ((turned >= ONE_TURN_Q16) || (turned <= -ONE_TURN_Q16))) {
+        state->samples = 0U;
+        id = compare_phases(state, cfg, fault);
+    } else {
+        /* the turn goes on */
+    }
+    return id;
+}
+
+/* A mean moves on by one sample; returns where it was. */
+static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
+{
+    const int32_t mean = fx_asr(*sum, shift);
+
+    *sum += sample - mean;
+    return mean;
+}
+
+fault_id_t supervision_check_current(supervision_t *state, const supervision_cfg_t *cfg,
+                                     const supervision_current_t *in, fault_t *fault)
+{
+    const int32_t d = in->excused ? 0 : (in->reference.d - in->current.d);
+    const int32_t q = in->excused ? 0 : (in->reference.q - in->current.q);
+    const int32_t mean_d = average(&state->off_current.d, d, cfg->mean_shift);
+    const int32_t mean_q = average(&state->off_current.q, q, cfg->mean_shift);
+    const int32_t error = fx_max(fx_abs(mean_d), fx_abs(mean_q));
+    fault_id_t id = FAULT_NONE;
+
+    if (error > cfg->follow_error_max) {
+        id = FAULT_LOST_PHASE;
+        *fault = (fault_t){.id = id, .value = error, .limit = cfg->follow_error_max};
+    }
+    return id;
+}
+
+fault_id_t supervision_check_observer(supervision_t *state, const supervision_cfg_t *cfg,
+                                      dq_t error, fault_t *fault)
+{
+    const int32_t larger = fx_max(fx_abs(error.d), fx_abs(error.q));
+    const int32_t mean = average(&state->residual, larger, cfg->mean_shift);
+    fault_id_t id = FAULT_NONE;
+
+    if (mean > cfg->residual_max) {
+        *fault = (fault_t){.id = FAULT_OBSERVER_LOST, .value = mean, .limit = cfg->residual_max};
+        if (state->suspect.id != FAULT_NONE) {
+            *fault = state->suspect;
+        }
+        id = fault->id;
+    }
+    return id;
+}
+
+fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
+                                   const supervision_speed_t *in, fault_t *fault)
+{
+    const int32_t speed = fx_abs(in->speed);
+    const int32_t off = fx_abs(in->speed - in->reference);
+    const bool off_reference = (off > cfg->speed_error_max) && !in->torque_at_limit;
+    const bool stalled = in->torque_at_limit && (speed < cfg->stall_speed) &&
+                         (fx_abs(in->current_ref) >= cfg->stall_current);
+    fault_t found = {.id = FAULT_NONE};
+
+    if (lasts(&state->runaway, speed >= in->speed_limit, cfg->runaway_periods)) {
+        found = (fault_t){FAULT_SPEED_IMPLAUSIBLE, speed, in->speed_limit, 0U};
+    }
+    if (lasts(&state->off_reference, off_reference, cfg->speed_error_periods)) {
+        found = (fault_t){FAULT_SPEED_IMPLAUSIBLE, off, cfg->speed_error_max, 0U};
+    }
+    if (lasts(&state->too_fast, speed > cfg->overspeed, cfg->overspeed_periods)) {
+        found = (fault_t){FAULT_OVERSPEED, speed, cfg->overspeed, 0U};
+    }
+    if (lasts(&state->stalled, stalled, cfg->stall_periods)) {
+        found = (fault_t){FAULT_STALL, speed, cfg->stall_speed, 0U};
+    }
+    if (found.id != FAULT_NONE) {
+        *fault = found;
+    }
+    return found.id;
+}
+
+fault_id_t supervision_check_late(supervision_t *state, const supervision_cfg_t *cfg,
+                                  fault_t *fault)
+{
+    fault_id_t id = FAULT_NONE;
+
+    if (state->late > cfg->late_max) {
+        id = FAULT_LATE;
+        *fault =
+            (fault_t){.id = id, .value = (int32_t)state->late, .limit = (int32_t)cfg->late_max};
+    }
+    state->late_periods++;
+    if (state->late_periods >= cfg->late_window) {
+        state->late_periods = 0U;
+        state->late = 0U;
+    }
+    return id;
+}

@@ -1,0 +1,50 @@
+#include "fault_line.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double Q14 = 16384.0;
+constexpr double Q15 = 32768.0;
+
+std::string quantity(fault_unit_t unit, int32_t value, const Bases &bases)
+{
+    switch (unit) {
+    case FAULT_UNIT_CURRENT:
+        return fmt::format("{:.4g} A", value / Q15 * bases.current_a);
+    case FAULT_UNIT_VOLTAGE:
+        return fmt::format("{:.4g} V", value / Q15 * bases.voltage_v);
+    case FAULT_UNIT_SPEED:
+        return fmt::format("{:.5g} rpm", bases.rpm_from_step(value));
+    case FAULT_UNIT_HEAT:
+        return fmt::format("{:.4g} %", value / Q14 * 100);
+    case FAULT_UNIT_WORD:
+        return fmt::format("0x{:08X}", static_cast<uint32_t>(value));
+    case FAULT_UNIT_NONE:
+        break;
+    }
+    return fmt::format("{}", value);
+}
+
+} // namespace
+
+std::string fault_mark(const fault_t &fault)
+{
+    return fmt::format("{}@{}", fault_text(fault.id)->name, fault.tick);
+}
+
+std::string fault_measure(const fault_t &fault, const Bases &bases)
+{
+    const fault_text_t &text = *fault_text(fault.id);
+    return fmt::format("{}: {}, limit {}", text.name, quantity(text.unit, fault.value, bases),
+                       quantity(text.unit, fault.limit, bases));
+}
+
+} // namespace nf

@@ -1,0 +1,21 @@
+// A recorded fault in the words and units of a person.
+#pragma once
+
+#include "config/per_unit.h"
+
+extern "C" {
+#include "fault.h"
+}
+
+#include <string>
+
+namespace nf
+{
+
+// "OVERCURRENT@1234": name and tick since the first.
+std::string fault_mark(const fault_t &fault);
+
+// "OVERVOLTAGE: 401.2 V, limit 400 V", values in SI units.
+std::string fault_measure(const fault_t &fault, const Bases &bases);
+
+} // namespace nf

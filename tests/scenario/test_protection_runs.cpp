@@ -1,0 +1,142 @@
+// Faults put into a running drive, end to end: which one is found, how soon, and none where none is due.
+#include "scenario.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unity.h>
+
+namespace
+{
+
+// Scenario s2, 1800 rpm under 3 N·m: 60 electrical turns a second, ticks of 0.1 ms, t = 0 is tick 8000.
+constexpr uint32_t FAULT_TICK = 14000;
+constexpr double TURN_TICKS = 10000.0 / 60.0;
+
+struct Case {
+    const char *fault;
+    std::vector<fault_id_t> any_of;
+    double ticks; // until it is found, at most
+};
+
+std::string list_of(const std::vector<fault_t> &faults)
+{
+    std::string text;
+    for (const fault_t &fault : faults) {
+        text += fmt::format("{}@{} ", fault_text(fault.id)->name, fault.tick);
+    }
+    return text;
+}
+
+nf::RunResult run(const std::string &scenario, const std::vector<std::string> &with,
+                  std::vector<std::string> set)
+{
+    return nf::run_scenario(nf::load_scenario(scenario, with, set));
+}
+
+// A broken wire or sensor may show by what it does to currents and observer before three turns are over.
+void test_each_injected_fault_is_found_in_its_time()
+{
+    const std::vector<fault_id_t> wire = {FAULT_LOST_PHASE, FAULT_OBSERVER_LOST, FAULT_OVERCURRENT};
+    const std::vector<fault_id_t> sensor = {FAULT_ADC_STUCK, FAULT_OBSERVER_LOST,
+                                            FAULT_OVERCURRENT};
+    const Case cases[] = {
+        {"what = 'adc_a_high'", {FAULT_ADC_SATURATED}, 0},
+        {"what = 'adc_b_low'", {FAULT_ADC_SATURATED}, 0},
+        {"what = 'overcurrent', value = 19", {FAULT_OVERCURRENT}, 0},
+        {"what = 'bus_voltage', value = 190", {FAULT_UNDERVOLTAGE}, 0},
+        {"what = 'bus_voltage', value = 405", {FAULT_OVERVOLTAGE}, 0},
+        {"what = 'break_input'", {FAULT_BREAK}, 0},
+        {"what = 'adc_a_stuck'", sensor, 6 * TURN_TICKS},
+        {"what = 'adc_b_stuck', value = 3", sensor, 6 * TURN_TICKS},
+        {"what = 'phase_a_open'", wire, 6 * TURN_TICKS},
+        {"what = 'phase_b_open'", wire, 6 * TURN_TICKS},
+        {"what = 'phase_c_open'", wire, 6 * TURN_TICKS},
+        {"what = 'temperature', value = 105", {FAULT_OVERTEMPERATURE}, 1100}, // 0.1 s
+        {"what = 'rotor_blocked'", {FAULT_STALL}, 12000}, // 1 s, and it has to stop
+        {"what = 'late_isr', until_s = 0.61", {FAULT_LATE}, 11 + 40},
+        {"what = 'config_corrupt', value = 30",
+         {FAULT_CONFIGURATION},
+         7200}, // two rounds of 0.36 s
+    };
+    for (const Case &one : cases) {
+        const nf::RunResult result =
+            run("s2_robust", {},
+                {"scenario.duration_s=2.5",
+                 "scenario.fault=[{time_s = 0.6, " + std::string(one.fault) + "}]"});
+        const std::string text = fmt::format("{}: {}", one.fault, list_of(result.faults));
+        TEST_ASSERT_EQUAL_size_t_MESSAGE(1, result.faults.size(), text.c_str());
+        const fault_t &fault = result.faults.front();
+        TEST_ASSERT_TRUE_MESSAGE(std::count(one.any_of.begin(), one.any_of.end(), fault.id) == 1,
+                                 text.c_str());
+        TEST_ASSERT_TRUE_MESSAGE(fault.tick >= FAULT_TICK, text.c_str());
+        TEST_ASSERT_TRUE_MESSAGE(fault.tick - FAULT_TICK <= one.ticks, text.c_str());
+    }
+}
+
+// Whatever a drive with the robust tuning follows, it follows without a fault.
+void test_a_drive_that_keeps_its_rotor_has_no_fault()
+{
+    for (const char *scenario : {"s1_robust", "s2_robust", "s3_robust"}) {
+        for (const char *with : {"ideal", "adc", "hot", "deadtime", "imp"}) {
+            const nf::RunResult result = run(scenario, {with}, {});
+            if (result.metrics.locked) {
+                TEST_ASSERT_EQUAL_STRING_MESSAGE("", list_of(result.faults).c_str(), scenario);
+            }
+        }
+    }
+}
+
+// Full reversals at the largest torque, with noise: a ramp of 10000 rpm/s, load steps of rated torque.
+void test_hard_but_allowed_use_has_no_fault()
+{
+    const nf::RunResult reversals = run(
+        "s1_robust", {"adc"},
+        {"scenario.command=[{time_s = 0.1, speed_rpm = 1800}, {time_s = 0.6, speed_rpm = -1800}, "
+         "{time_s = 1.2, speed_rpm = 1800}]",
+         "scenario.duration_s=2"});
+    TEST_ASSERT_EQUAL_STRING("", list_of(reversals.faults).c_str());
+    const nf::RunResult loads =
+        run("s2_robust", {"adc"},
+            {"scenario.load=[{time_s = 0.1, torque_nm = 7.8}, {time_s = 0.6, torque_nm = 0}, "
+             "{time_s = 0.9, torque_nm = -7.8}]",
+             "scenario.duration_s=1.5"});
+    TEST_ASSERT_EQUAL_STRING("", list_of(loads.faults).c_str());
+}
+
+// What braking gives back charges a capacitor that no rectifier discharges: it has to end below the limit.
+void test_braking_into_a_capacitor_stays_below_the_highest_bus()
+{
+    const nf::RunResult result =
+        run("s1_robust", {},
+            {"scenario.command=[{time_s = 0.1, speed_rpm = 1800}, {time_s = 0.6, speed_rpm = 0}]",
+             "scenario.duration_s=2", "plant.bus_capacitance_f=2e-4",
+             "plant.bus_source_resistance_ohm=0.5"});
+    TEST_ASSERT_EQUAL_STRING("", list_of(result.faults).c_str());
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_each_injected_fault_is_found_in_its_time);
+    RUN_TEST(test_a_drive_that_keeps_its_rotor_has_no_fault);
+    RUN_TEST(test_hard_but_allowed_use_has_no_fault);
+    RUN_TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus);
+    return UNITY_END();
+}

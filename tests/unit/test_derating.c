@@ -1,0 +1,310 @@
+/* Derating: each curve at its ends and in the middle, heat beside its equation, the faults beyond. */
+#include "derating.h"
+#include "example_cfg.h"
+#include "unity.h"
+
+#include <math.h>
+
+#define PERIOD_S (0.004)
+#define TIME_CONSTANT_S (20.0)
+#define MAX (8192)
+#define CONTINUOUS (5504)
+#define BUS_CALM (22572) /* 310 V */
+#define COLD (409U)      /* 20 °C */
+#define WARN (1639U)     /* 80 °C, first whole count above */
+#define HOT (2048U)      /* 100 °C */
+#define FORWARD (10000000)
+
+static derating_cfg_t cfg;
+static derating_t derating;
+static fault_t fault;
+
+void setUp(void)
+{
+    cfg = example_derating_cfg();
+    derating_reset(&derating, &cfg);
+    fault = (fault_t){.id = FAULT_NONE};
+}
+
+void tearDown(void)
+{
+}
+
+static fault_id_t step_with(int32_t current, uint16_t adc_temperature)
+{
+    return derating_step(&derating, &cfg, (dq_t){0, current}, adc_temperature, &fault);
+}
+
+static torque_range_t range_at(int32_t bus, step_t speed)
+{
+    return derating_range(&derating, &cfg, bus, speed);
+}
+
+static void assert_range(int32_t lower, int32_t upper, torque_range_t range)
+{
+    TEST_ASSERT_EQUAL_INT32(lower, range.lower);
+    TEST_ASSERT_EQUAL_INT32(upper, range.upper);
+}
+
+static void test_nothing_is_derated_when_cold_on_a_calm_bus(void)
+{
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
+    assert_range(-MAX, MAX, range_at(BUS_CALM, FORWARD));
+    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+}
+
+static void test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between(void)
+{
+    /* A gain of 2^15·2^5/1024: 1 at 4000 − 1024. */
+    const fade_t falling = {.zero = 4000, .gain = 1024, .shift = 5U};
+    const fade_t rising = {.zero = 4000, .gain = -1024, .shift = 5U};
+
+    for (int32_t x = 0; x <= 1024; x += 64) {
+        const int32_t expected = (x == 1024) ? FX_Q15_MAX : (x * 32);
+
+        TEST_ASSERT_EQUAL_INT32(expected, derating_share(&falling, 4000 - x));
+        TEST_ASSERT_EQUAL_INT32(expected, derating_share(&rising, 4000 + x));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, derating_share(&falling, 65535));
+    TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, derating_share(&falling, 0));
+    TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, derating_share(&rising, 65535));
+    TEST_ASSERT_EQUAL_INT32(0, derating_share(&rising, 0));
+}
+
+static void test_a_fade_without_gain_leaves_everything_at_any_x(void)
+{
+    const fade_t none = {.zero = 0, .gain = 0, .shift = 0U};
+
+    TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, derating_share(&none, 0));
+    TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, derating_share(&none, 65535));
+}
+
+/* ---- heat ---- */
+
+/* Heat after a time from cold: (i/i_c)²·(1 − e^(−t/τ)). */
+static void test_heat_follows_the_squared_current_with_the_time_constant(void)
+{
+    /* Euler's method with T/τ = 2·10^-4: below 10^-4 of the end. The gain has 13 bits: 1.1·10^-4. A
+     * step rounds down 2 units of 2^24, which the low-pass contracts to 2·5000 units: 6·10^-4. */
+    const double tolerance = 1e-4 + 1.1e-4 + 6e-4;
+    const double ratio = (double)MAX / CONTINUOUS;
+    const double end = ratio * ratio;
+
+    for (int32_t k = 1; k <= 2000; k++) { /* 8 s: heat 0.73 */
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(MAX, COLD));
+        TEST_ASSERT_DOUBLE_WITHIN(end * tolerance,
+                                  end * (1.0 - exp(-k * PERIOD_S / TIME_CONSTANT_S)),
+                                  derating.heat_q24 / 16777216.0);
+    }
+    TEST_ASSERT_EQUAL_INT32(MAX, derating.thermal);
+}
+
+static void test_both_axes_heat(void)
+{
+    (void)derating_step(&derating, &cfg, (dq_t){-4000, 0}, COLD, &fault);
+    TEST_ASSERT_TRUE(derating.heat_q24 > 0);
+    derating_reset(&derating, &cfg);
+    (void)derating_step(&derating, &cfg, (dq_t){0, -4000}, COLD, &fault);
+    TEST_ASSERT_TRUE(derating.heat_q24 > 0);
+}
+
+static void set_heat(double heat)
+{
+    derating.heat_q24 = (int32_t)(heat * 16777216.0);
+    cfg.heat_rate = 0;
+}
+
+static void test_heat_takes_the_limit_from_the_largest_to_the_continuous_current(void)
+{
+    static const struct {
+        double heat;
+        int32_t limit;
+    } points[] = {{0.0, MAX},
+                  {0.899, MAX},
+                  {0.95, (MAX + CONTINUOUS) / 2},
+                  {1.0, CONTINUOUS},
+                  {1.19, CONTINUOUS}};
+
+    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+        set_heat(points[k].heat);
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
+        /* One unit of heat in Q14 is 1.6 of the current. */
+        TEST_ASSERT_INT32_WITHIN(2, points[k].limit, derating.thermal);
+    }
+}
+
+/* A drive that takes all it is given ends at the continuous current, never at the fault. */
+static void test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault(void)
+{
+    for (int32_t k = 0; k < 50000; k++) { /* 200 s */
+        const torque_range_t range = range_at(BUS_CALM, FORWARD);
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(range.upper, COLD));
+    }
+    /* 0.1 %: heat stands still where a step rounds to nothing, within 6·10^-4 of it. */
+    TEST_ASSERT_INT32_WITHIN(6, CONTINUOUS, range_at(BUS_CALM, FORWARD).upper);
+    TEST_ASSERT_EQUAL_HEX32(DERATING_HEAT, derating.flags);
+}
+
+static void test_overload_is_a_fault_above_its_heat_and_not_at_it(void)
+{
+    derating.heat_q24 = 19661 << 10;
+    cfg.heat_rate = 0;
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, COLD));
+    derating.heat_q24 = 19662 << 10;
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, step_with(0, COLD));
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERLOAD, fault.id);
+    TEST_ASSERT_EQUAL_INT32(19662, fault.value);
+    TEST_ASSERT_EQUAL_INT32(19661, fault.limit);
+}
+
+/* Twice the continuous current makes four times its heat: 1.2 after τ·ln(4/2.8). */
+static void test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time(void)
+{
+    const double expected = TIME_CONSTANT_S * log(4.0 / 2.8) / PERIOD_S;
+    int32_t k = 0;
+
+    while (step_with(2 * CONTINUOUS, COLD) == FAULT_NONE) {
+        k++;
+        TEST_ASSERT_TRUE(k < 3000);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(expected * 2e-3, expected, k);
+}
+
+static void test_heat_stays_in_its_word_at_the_largest_current_for_every_setting(void)
+{
+    for (uint32_t shift = 0U; shift <= 27U; shift++) {
+        cfg.heat_shift = shift;
+        cfg.heat_gain = 32767;
+        cfg.heat_rate = 32767;
+        cfg.heat_rate_shift = 0U;
+        derating_reset(&derating, &cfg);
+        for (int32_t k = 0; k < 100; k++) {
+            (void)derating_step(&derating, &cfg, (dq_t){18918, 18918}, COLD, &fault);
+            TEST_ASSERT_TRUE((derating.heat_q24 >= 0) && (derating.heat_q24 <= 0x40000000));
+        }
+    }
+}
+
+/* ---- temperature ---- */
+
+static void test_temperature_takes_the_limit_linearly_to_nothing(void)
+{
+    for (uint32_t raw = WARN - 10U; raw <= HOT; raw++) {
+        const int32_t above = ((int32_t)raw * 10) - 16384; /* tenths of a count beyond 80 °C */
+        const int32_t expected = (above <= 0) ? MAX : (MAX * (4096 - above) / 4096);
+
+        (void)step_with(0, (uint16_t)raw);
+        TEST_ASSERT_INT32_WITHIN(2, expected, derating.thermal);
+        (void)range_at(BUS_CALM, 0);
+        TEST_ASSERT_EQUAL_HEX32((above <= 0) ? 0U : DERATING_TEMPERATURE, derating.flags);
+    }
+}
+
+static void test_overtemperature_takes_more_than_its_periods_in_a_row(void)
+{
+    for (uint32_t k = 0U; k < cfg.temperature_periods; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, HOT));
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, HOT - 1U));
+    for (uint32_t k = 0U; k < cfg.temperature_periods; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, step_with(0, HOT));
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, step_with(0, HOT + 5U));
+    TEST_ASSERT_EQUAL_INT32((int32_t)HOT + 5, fault.value);
+    TEST_ASSERT_EQUAL_INT32((int32_t)HOT, fault.limit);
+}
+
+static void test_a_sensor_that_falls_with_the_temperature_works_the_same(void)
+{
+    cfg.temperature.gain = -cfg.temperature.gain;
+    (void)step_with(0, HOT + 410U);
+    TEST_ASSERT_EQUAL_INT32(MAX, derating.thermal);
+    (void)step_with(0, HOT);
+    TEST_ASSERT_EQUAL_INT32(0, derating.thermal);
+}
+
+/* ---- bus ---- */
+
+static void test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not(void)
+{
+    static const struct {
+        int32_t bus;
+        int32_t limit;
+        uint32_t flags;
+    } points[] = {{25850, MAX, 0U}, /* 355 V */
+                  {27488, MAX / 2, DERATING_BUS_HIGH},
+                  {29127, 0, DERATING_BUS_HIGH}, /* 400 V */
+                  {32767, 0, DERATING_BUS_HIGH}};
+
+    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+        const torque_range_t forward = range_at(points[k].bus, FORWARD);
+        const torque_range_t backward = range_at(points[k].bus, -FORWARD);
+
+        TEST_ASSERT_EQUAL_INT32(MAX, forward.upper);
+        TEST_ASSERT_INT32_WITHIN(3, -points[k].limit, forward.lower);
+        TEST_ASSERT_EQUAL_INT32(-MAX, backward.lower);
+        TEST_ASSERT_EQUAL_INT32(-forward.lower, backward.upper);
+        TEST_ASSERT_EQUAL_HEX32(points[k].flags, derating.flags);
+    }
+}
+
+static void test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not(void)
+{
+    static const struct {
+        int32_t bus;
+        int32_t limit;
+    } points[] = {{16567, MAX}, {15565, MAX / 2}, {14564, 0}, {0, 0}};
+
+    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+        const torque_range_t range = range_at(points[k].bus, FORWARD);
+
+        TEST_ASSERT_INT32_WITHIN(3, points[k].limit, range.upper);
+        TEST_ASSERT_EQUAL_INT32(-MAX, range.lower);
+        TEST_ASSERT_EQUAL_HEX32((points[k].limit == MAX) ? 0U : DERATING_BUS_LOW, derating.flags);
+    }
+}
+
+static void test_below_the_regeneration_speed_both_directions_count_as_motoring(void)
+{
+    const step_t slow = cfg.regeneration_speed;
+
+    assert_range(-MAX, MAX, range_at(29127, slow));
+    assert_range(-MAX, MAX, range_at(29127, -slow));
+    assert_range(0, MAX, range_at(29127, slow + 1));
+    assert_range(-MAX, 0, range_at(29127, -slow - 1));
+}
+
+static void test_the_smallest_of_all_limits_holds(void)
+{
+    set_heat(1.0);
+    (void)step_with(0, COLD);
+    assert_range(-CONTINUOUS, CONTINUOUS, range_at(BUS_CALM, FORWARD));
+    assert_range(0, CONTINUOUS, range_at(29127, FORWARD));
+    TEST_ASSERT_EQUAL_HEX32(DERATING_HEAT | DERATING_BUS_HIGH, derating.flags);
+    (void)step_with(0, HOT);
+    assert_range(0, 0, range_at(BUS_CALM, FORWARD));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_nothing_is_derated_when_cold_on_a_calm_bus);
+    RUN_TEST(test_share_is_whole_at_one_end_nothing_at_the_other_and_linear_between);
+    RUN_TEST(test_a_fade_without_gain_leaves_everything_at_any_x);
+    RUN_TEST(test_heat_follows_the_squared_current_with_the_time_constant);
+    RUN_TEST(test_both_axes_heat);
+    RUN_TEST(test_heat_takes_the_limit_from_the_largest_to_the_continuous_current);
+    RUN_TEST(test_a_drive_at_its_limit_ends_at_the_continuous_current_without_a_fault);
+    RUN_TEST(test_overload_is_a_fault_above_its_heat_and_not_at_it);
+    RUN_TEST(test_an_imposed_current_of_twice_the_continuous_one_is_a_fault_in_time);
+    RUN_TEST(test_heat_stays_in_its_word_at_the_largest_current_for_every_setting);
+    RUN_TEST(test_temperature_takes_the_limit_linearly_to_nothing);
+    RUN_TEST(test_overtemperature_takes_more_than_its_periods_in_a_row);
+    RUN_TEST(test_a_sensor_that_falls_with_the_temperature_works_the_same);
+    RUN_TEST(test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not);
+    RUN_TEST(test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not);
+    RUN_TEST(test_below_the_regeneration_speed_both_directions_count_as_motoring);
+    RUN_TEST(test_the_smallest_of_all_limits_holds);
+    return UNITY_END();
+}

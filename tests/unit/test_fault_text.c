@@ -1,0 +1,68 @@
+/* Texts of the faults: complete, on one line, and safe for any number. */
+#include "fault_text.h"
+#include "unity.h"
+
+#include <string.h>
+
+#define ADVICE_MAX (120U) /* characters: a line of a terminal beside its indent */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_every_fault_has_a_name_of_its_own(void)
+{
+    for (int32_t id = 0; id < (int32_t)FAULT_COUNT; id++) {
+        const char *const name = fault_text((fault_id_t)id)->name;
+
+        TEST_ASSERT_NOT_NULL(name);
+        TEST_ASSERT_EQUAL_size_t(strlen(name), strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZ_"));
+        for (int32_t other = 0; other < id; other++) {
+            TEST_ASSERT_TRUE(strcmp(name, fault_text((fault_id_t)other)->name) != 0);
+        }
+    }
+}
+
+static void test_every_fault_has_one_line_of_cause_and_next_check(void)
+{
+    for (int32_t id = 1; id < (int32_t)FAULT_COUNT; id++) {
+        const char *const advice = fault_text((fault_id_t)id)->advice;
+
+        TEST_ASSERT_NOT_NULL(advice);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strchr(advice, ';'), advice);
+        TEST_ASSERT_TRUE_MESSAGE(strlen(advice) <= ADVICE_MAX, advice);
+        for (const char *c = advice; *c != '\0'; c++) {
+            TEST_ASSERT_TRUE_MESSAGE((*c >= ' ') && (*c <= '~'), advice);
+        }
+    }
+}
+
+static void test_a_number_that_is_no_fault_has_the_text_of_none(void)
+{
+    TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text(FAULT_COUNT));
+    TEST_ASSERT_EQUAL_PTR(fault_text(FAULT_NONE), fault_text((fault_id_t)200));
+}
+
+static void test_numbers_of_recorded_faults_do_not_move(void)
+{
+    static const char *const names[] = {"NONE",        "BREAK",        "OVERCURRENT",
+                                        "OVERVOLTAGE", "UNDERVOLTAGE", "CURRENT_OFFSET"};
+
+    for (int32_t id = 0; id < 6; id++) {
+        TEST_ASSERT_EQUAL_STRING(names[id], fault_text((fault_id_t)id)->name);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_every_fault_has_a_name_of_its_own);
+    RUN_TEST(test_every_fault_has_one_line_of_cause_and_next_check);
+    RUN_TEST(test_a_number_that_is_no_fault_has_the_text_of_none);
+    RUN_TEST(test_numbers_of_recorded_faults_do_not_move);
+    return UNITY_END();
+}

@@ -1,0 +1,518 @@
+/* Supervision: each fault at its limit and in its time, not just short of either, nor in what is normal. */
+#include "example_cfg.h"
+#include "seeded.h"
+#include "supervision.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define TWO_PI (6.283185307179586)
+#define TURN_Q16 (65536)
+#define NOISE_Q15 (8 * 4) /* ±4 LSB of a 12-bit converter, as 1 LSB rms goes over a turn */
+
+static supervision_cfg_t cfg;
+static supervision_t state;
+static fault_t fault;
+
+void setUp(void)
+{
+    cfg = example_supervision_cfg();
+    supervision_reset(&state);
+    fault = (fault_t){.id = FAULT_NONE};
+}
+
+void tearDown(void)
+{
+}
+
+static void assert_fault(fault_id_t id, int32_t value, int32_t limit)
+{
+    TEST_ASSERT_EQUAL_INT(id, fault.id);
+    TEST_ASSERT_EQUAL_INT32(value, fault.value);
+    TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
+}
+
+/* ---- phases ---- */
+
+typedef struct {
+    double amplitude;
+    double advance; /* turns a slow period */
+    double gain_a;
+    int32_t noise;
+    int32_t lost;  /* 0…2, or −1 */
+    int32_t stuck; /* 0, 1, or −1 */
+    int32_t stuck_at;
+} phases_t;
+
+static const phases_t HEALTHY = {4000.0, 0.05, 1.0, NOISE_Q15, -1, -1, 0};
+
+/* A turning current vector through what is broken. */
+static supervision_phases_t sample(const phases_t *p, double turns, seeded_t *seed)
+{
+    double phase[3];
+    supervision_phases_t in;
+
+    for (int32_t k = 0; k < 3; k++) {
+        phase[k] = p->amplitude * cos(TWO_PI * (turns - (k / 3.0)));
+    }
+    if (p->lost >= 0) { /* what the others have in common is gone */
+        const double left = phase[(p->lost + 1) % 3] - phase[(p->lost + 2) % 3];
+
+        phase[(p->lost + 1) % 3] = left / 2.0;
+        phase[(p->lost + 2) % 3] = -left / 2.0;
+        phase[p->lost] = 0.0;
+    }
+    in.a = (int32_t)(phase[0] * p->gain_a) + seeded_in(seed, -p->noise, p->noise);
+    in.b = (int32_t)phase[1] + seeded_in(seed, -p->noise, p->noise);
+    in.a = (p->stuck == 0) ? p->stuck_at : in.a;
+    in.b = (p->stuck == 1) ? p->stuck_at : in.b;
+    in.turns_q16 = (int32_t)(int64_t)(turns * TURN_Q16);
+    in.speed = 1000000;
+    return in;
+}
+
+/* Turns until the fault, at most `most`. */
+static double turns_to_fault(const phases_t *p, double most)
+{
+    seeded_t seed = {0x9A5EU};
+    double turns = 0.0;
+
+    while (fabs(turns) < most) {
+        const supervision_phases_t in = sample(p, turns, &seed);
+
+        if (supervision_check_phases(&state, &cfg, &in, &fault) != FAULT_NONE) {
+            break;
+        }
+        turns += p->advance;
+    }
+    return fabs(turns);
+}
+
+static void assert_no_fault(const phases_t *p)
+{
+    (void)turns_to_fault(p, 40.0);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, fault.id);
+}
+
+static void test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed(void)
+{
+    /* Up to the advance from which on nothing is judged. */
+    for (double advance = -0.4; advance <= 0.4; advance += 0.0123) {
+        phases_t p = HEALTHY;
+
+        p.advance = advance;
+        for (int32_t k = 0; k < 3; k++) {
+            setUp();
+            p.gain_a = 0.99 + (0.01 * k);
+            p.amplitude = (k == 2) ? 200.0 : 4000.0;
+            assert_no_fault(&p);
+        }
+    }
+}
+
+static void test_each_lost_phase_is_found_in_three_turns(void)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        phases_t p = HEALTHY;
+        double turns;
+
+        setUp();
+        p.lost = k;
+        turns = turns_to_fault(&p, 40.0);
+        TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+        TEST_ASSERT_TRUE(fault.value < fault.limit);
+        /* A turn begins a sample after the one before has ended. */
+        TEST_ASSERT_TRUE((turns >= 3.0) && (turns <= 3.0 + (4.0 * p.advance)));
+    }
+}
+
+static void test_a_stuck_channel_is_found_in_three_turns_and_told_from_a_lost_phase(void)
+{
+    for (int32_t k = 0; k < 4; k++) {
+        phases_t p = HEALTHY;
+
+        setUp();
+        p.stuck = k % 2;
+        p.stuck_at = (k < 2) ? 3000 : -3000;
+        TEST_ASSERT_TRUE(turns_to_fault(&p, 40.0) <= 3.0 + (4.0 * p.advance));
+        TEST_ASSERT_EQUAL_INT(FAULT_ADC_STUCK, fault.id);
+        TEST_ASSERT_EQUAL_INT32(0, fault.value);
+    }
+}
+
+static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live(void)
+{
+    phases_t p = HEALTHY;
+
+    p.noise = 0;
+    p.gain_a = 0.14; /* the strongest is b, or c = −a − b with at most 1.07 of it */
+    assert_no_fault(&p);
+    setUp();
+    p.gain_a = 0.1;
+    (void)turns_to_fault(&p, 40.0);
+    TEST_ASSERT_TRUE(fault.id != FAULT_NONE);
+}
+
+static void test_phases_are_not_compared_below_the_least_current(void)
+{
+    phases_t p = HEALTHY;
+
+    p.noise = 0;
+    p.lost = 0;
+    p.amplitude = 1269.0; /* b and c: ±√3/2 of it, range 2198, limit 2201 */
+    assert_no_fault(&p);
+    setUp();
+    p.amplitude = 1275.0; /* 2208 */
+    (void)turns_to_fault(&p, 40.0);
+    TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+}
+
+static void test_constant_currents_at_standstill_are_never_a_stuck_channel(void)
+{
+    seeded_t seed = {0x57A4DU};
+
+    for (int32_t k = 0; k < 100000; k++) {
+        /* One phase at zero, the others loaded and released; the rotor rocks within a turn. */
+        const int32_t load = ((k / 1000) % 2) * 6000;
+        const supervision_phases_t in = {.a = seeded_in(&seed, -8, 8),
+                                         .b = load,
+                                         .turns_q16 = seeded_in(&seed, -20000, 20000),
+                                         .speed = 0};
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_phases(&state, &cfg, &in, &fault));
+    }
+}
+
+static void test_load_steps_within_a_turn_are_no_fault(void)
+{
+    seeded_t seed = {0x10ADU};
+    double turns = 0.0;
+
+    for (int32_t k = 0; k < 200000; k++) {
+        phases_t p = HEALTHY;
+        supervision_phases_t in;
+
+        p.amplitude = ((seeded_u32(&seed) % 64U) == 0U) ? 6000.0 : 60.0;
+        p.advance = 0.01;
+        in = sample(&p, turns, &seed);
+        turns += p.advance;
+        (void)supervision_check_phases(&state, &cfg, &in, &fault);
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, fault.id);
+}
+
+static void test_too_fast_a_turn_is_not_judged(void)
+{
+    phases_t p = HEALTHY;
+    seeded_t seed = {1U};
+
+    p.lost = 0;
+    for (int32_t k = 0; k < 10000; k++) {
+        supervision_phases_t in = sample(&p, 0.05 * k, &seed);
+
+        in.speed = cfg.phase_speed_max + 1;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_phases(&state, &cfg, &in, &fault));
+    }
+}
+
+static void test_turns_are_counted_across_the_end_of_their_word(void)
+{
+    phases_t p = HEALTHY;
+    seeded_t seed = {1U};
+
+    p.lost = 1;
+    for (int32_t k = 0; (k < 200) && (fault.id == FAULT_NONE); k++) {
+        supervision_phases_t in = sample(&p, 0.05 * k, &seed);
+        const uint32_t wrapped = (uint32_t)in.turns_q16 + 0x7FFFF000U;
+
+        in.turns_q16 = (int32_t)wrapped;
+        (void)supervision_check_phases(&state, &cfg, &in, &fault);
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+}
+
+/* ---- current ---- */
+
+static fault_id_t follow(int32_t error_d, int32_t error_q, bool excused)
+{
+    const supervision_current_t in = {.current = {.d = 1000, .q = -2000},
+                                      .reference = {.d = 1000 + error_d, .q = -2000 + error_q},
+                                      .excused = excused};
+
+    return supervision_check_current(&state, &cfg, &in, &fault);
+}
+
+static void test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction(void)
+{
+    const int32_t max = cfg.follow_error_max;
+    const int32_t errors[][2] = {{2, 0}, {-2, 0}, {0, 2}, {0, -2}};
+
+    for (int32_t k = 0; k < 4; k++) {
+        int32_t periods = 1;
+
+        setUp();
+        while (follow(errors[k][0] * max, errors[k][1] * max, false) == FAULT_NONE) {
+            periods++;
+            TEST_ASSERT_TRUE(periods < 100);
+        }
+        /* A mean over 16 crosses half of a step after 16·ln 2 = 11.1; seen one period later. */
+        TEST_ASSERT_INT32_WITHIN(1, 12, periods);
+        TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+        TEST_ASSERT_EQUAL_INT32(max, fault.limit);
+        TEST_ASSERT_TRUE(fault.value > max);
+    }
+}
+
+static void test_a_constant_current_error_at_the_limit_is_no_fault(void)
+{
+    for (int32_t k = 0; k < 10000; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE,
+                              follow(cfg.follow_error_max, -cfg.follow_error_max, false));
+    }
+}
+
+static void test_a_current_error_of_a_turning_rotor_is_excused(void)
+{
+    for (int32_t k = 0; k < 10000; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(16384, 16384, true));
+    }
+}
+
+static void test_a_jittering_reference_is_no_lost_phase(void)
+{
+    for (int32_t k = 0; k < 10000; k++) {
+        const int32_t error = ((k % 2) == 0) ? 10000 : -10000;
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(error, -error, false));
+    }
+}
+
+static void test_a_reference_step_of_the_largest_current_is_no_lost_phase(void)
+{
+    for (int32_t k = 0; k < 1000; k++) {
+        /* A period behind its reference, four times a second; the current loop needs a tenth of one. */
+        const int32_t error = ((k % 60) == 0) ? 16384 : 0;
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(0, error, false));
+    }
+}
+
+/* ---- observer ---- */
+
+static fault_id_t residual(int32_t d, int32_t q)
+{
+    return supervision_check_observer(&state, &cfg, (dq_t){d, q}, &fault);
+}
+
+static void test_a_large_model_error_in_either_axis_is_a_lost_observer(void)
+{
+    for (int32_t k = 0; k < 4; k++) {
+        const int32_t error = ((k % 2) == 0) ? 8191 : -8191;
+        int32_t periods = 1;
+
+        setUp();
+        while (residual((k < 2) ? error : 0, (k < 2) ? 0 : error) == FAULT_NONE) {
+            periods++;
+            TEST_ASSERT_TRUE(periods < 100);
+        }
+        /* A mean over 16 crosses 0.504 of a step after 16·ln(1/0.496) = 11.2; seen one later. */
+        TEST_ASSERT_INT32_WITHIN(1, 12, periods);
+        TEST_ASSERT_EQUAL_INT(FAULT_OBSERVER_LOST, fault.id);
+        TEST_ASSERT_EQUAL_INT32(cfg.residual_max, fault.limit);
+        TEST_ASSERT_TRUE(fault.value > cfg.residual_max);
+    }
+}
+
+static void test_a_model_error_at_the_limit_or_a_short_one_is_no_fault(void)
+{
+    for (int32_t k = 0; k < 10000; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, residual(cfg.residual_max, -cfg.residual_max));
+    }
+    setUp();
+    for (int32_t k = 0; k < 10000; k++) { /* 32 ms in 160 ms */
+        const int32_t error = ((k % 40) < 8) ? 8191 : 0;
+
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, residual(error, error));
+    }
+}
+
+/* ---- speed ---- */
+
+static supervision_speed_t calm(void)
+{
+    return (supervision_speed_t){.speed = 10000000,
+                                 .reference = 10000000,
+                                 .speed_limit = 35791394,
+                                 .current_ref = 1000,
+                                 .torque_at_limit = false};
+}
+
+/* Periods until the fault, or `most`. */
+static uint32_t periods_to_fault(const supervision_speed_t *in, uint32_t most)
+{
+    uint32_t k = 0U;
+
+    while ((k < most) && (supervision_check_speed(&state, &cfg, in, &fault) == FAULT_NONE)) {
+        k++;
+    }
+    return k;
+}
+
+#define LONG (2000U)
+
+static void test_a_speed_off_its_reference_with_torque_to_spare_is_implausible(void)
+{
+    supervision_speed_t in = calm();
+
+    in.speed = in.reference - cfg.speed_error_max - 1;
+    TEST_ASSERT_EQUAL_UINT32(cfg.speed_error_periods, periods_to_fault(&in, LONG));
+    assert_fault(FAULT_SPEED_IMPLAUSIBLE, cfg.speed_error_max + 1, cfg.speed_error_max);
+    setUp();
+    in.speed++;
+    TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+    in.speed--;
+    in.torque_at_limit = true; /* the load is too heavy */
+    TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+}
+
+static void test_an_estimate_at_the_observers_limit_is_implausible(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        supervision_speed_t in = calm();
+
+        setUp();
+        in.speed = sign * in.speed_limit;
+        in.torque_at_limit = true;
+        TEST_ASSERT_EQUAL_UINT32(cfg.runaway_periods, periods_to_fault(&in, LONG));
+        assert_fault(FAULT_SPEED_IMPLAUSIBLE, in.speed_limit, in.speed_limit);
+    }
+}
+
+static void test_overspeed_begins_one_above_its_limit_in_either_direction(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        supervision_speed_t in = calm();
+
+        setUp();
+        in.speed = sign * cfg.overspeed;
+        in.reference = in.speed;
+        TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+        in.speed += sign;
+        TEST_ASSERT_EQUAL_UINT32(cfg.overspeed_periods, periods_to_fault(&in, LONG));
+        assert_fault(FAULT_OVERSPEED, cfg.overspeed + 1, cfg.overspeed);
+    }
+}
+
+static supervision_speed_t stalled(void)
+{
+    supervision_speed_t in = calm();
+
+    in.speed = cfg.stall_speed - 1;
+    in.current_ref = -cfg.stall_current;
+    in.torque_at_limit = true;
+    return in;
+}
+
+static void test_full_torque_without_motion_is_a_stall_after_its_time(void)
+{
+    const supervision_speed_t in = stalled();
+
+    TEST_ASSERT_EQUAL_UINT32(cfg.stall_periods, periods_to_fault(&in, LONG));
+    assert_fault(FAULT_STALL, cfg.stall_speed - 1, cfg.stall_speed);
+}
+
+static void test_what_is_just_no_stall_is_none(void)
+{
+    supervision_speed_t in = stalled();
+
+    in.reference = 0; /* or it would be implausible */
+    in.torque_at_limit = false;
+    TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+    in = stalled();
+    in.speed = cfg.stall_speed;
+    TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+    in = stalled();
+    in.current_ref = cfg.stall_current - 1; /* derated to less: no torque to move with */
+    TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+}
+
+static void test_trouble_that_comes_and_goes_is_forgotten_as_it_came(void)
+{
+    supervision_speed_t in = calm();
+
+    for (uint32_t k = 0U; k < LONG; k++) {
+        in.speed = ((k % 8U) < 4U) ? (cfg.overspeed + 1) : cfg.overspeed;
+        in.reference = in.speed;
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_speed(&state, &cfg, &in, &fault));
+    }
+}
+
+/* ---- late ticks ---- */
+
+static void test_more_late_ticks_than_allowed_in_a_window_are_a_fault(void)
+{
+    state.late = cfg.late_max;
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_late(&state, &cfg, &fault));
+    state.late++;
+    TEST_ASSERT_EQUAL_INT(FAULT_LATE, supervision_check_late(&state, &cfg, &fault));
+    assert_fault(FAULT_LATE, (int32_t)cfg.late_max + 1, (int32_t)cfg.late_max);
+}
+
+static void test_late_ticks_are_forgotten_at_the_end_of_the_window(void)
+{
+    for (uint32_t k = 0U; k < (10U * cfg.late_window); k++) {
+        if ((k % cfg.late_window) == 0U) {
+            TEST_ASSERT_EQUAL_UINT32(0U, state.late);
+            state.late = cfg.late_max;
+        }
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_late(&state, &cfg, &fault));
+    }
+}
+
+static void test_reset_forgets_everything(void)
+{
+    static const supervision_t fresh = {.step = 0U};
+    supervision_speed_t in = stalled();
+    phases_t p = HEALTHY;
+
+    (void)periods_to_fault(&in, 10U);
+    (void)turns_to_fault(&p, 1.5);
+    (void)follow(500, 500, false);
+    (void)residual(500, 500);
+    state.late = 5U;
+    state.step = 3U;
+    supervision_reset(&state);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &state, sizeof state);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed);
+    RUN_TEST(test_each_lost_phase_is_found_in_three_turns);
+    RUN_TEST(test_a_stuck_channel_is_found_in_three_turns_and_told_from_a_lost_phase);
+    RUN_TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live);
+    RUN_TEST(test_phases_are_not_compared_below_the_least_current);
+    RUN_TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel);
+    RUN_TEST(test_load_steps_within_a_turn_are_no_fault);
+    RUN_TEST(test_too_fast_a_turn_is_not_judged);
+    RUN_TEST(test_turns_are_counted_across_the_end_of_their_word);
+    RUN_TEST(test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction);
+    RUN_TEST(test_a_constant_current_error_at_the_limit_is_no_fault);
+    RUN_TEST(test_a_current_error_of_a_turning_rotor_is_excused);
+    RUN_TEST(test_a_jittering_reference_is_no_lost_phase);
+    RUN_TEST(test_a_reference_step_of_the_largest_current_is_no_lost_phase);
+    RUN_TEST(test_a_large_model_error_in_either_axis_is_a_lost_observer);
+    RUN_TEST(test_a_model_error_at_the_limit_or_a_short_one_is_no_fault);
+    RUN_TEST(test_a_speed_off_its_reference_with_torque_to_spare_is_implausible);
+    RUN_TEST(test_an_estimate_at_the_observers_limit_is_implausible);
+    RUN_TEST(test_overspeed_begins_one_above_its_limit_in_either_direction);
+    RUN_TEST(test_full_torque_without_motion_is_a_stall_after_its_time);
+    RUN_TEST(test_what_is_just_no_stall_is_none);
+    RUN_TEST(test_trouble_that_comes_and_goes_is_forgotten_as_it_came);
+    RUN_TEST(test_more_late_ticks_than_allowed_in_a_window_are_a_fault);
+    RUN_TEST(test_late_ticks_are_forgotten_at_the_end_of_the_window);
+    RUN_TEST(test_reset_forgets_everything);
+    return UNITY_END();
+}
