@@ -23,18 +23,33 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
                                     fault);
 }
 
+/* The rotor has come to rest on the imposed current. */
+static bool is_at_rest(const drive_t *drive)
+{
+    const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->frame_speed == 0);
+    const bool aligned =
+        (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
+
+    return held || aligned;
+}
+
 /*
- * Control of an imposed current is soft: what the swinging rotor drives on top of it is no sign of an open wire,
- * which takes half of it or all. Its error counts half.
+ * Control of an imposed current is soft: what a swinging rotor drives on top of it is no sign of an open wire, which
+ * takes half of it or all. At rest its error counts half, while the rotor is dragged or pulled in not at all: there
+ * the phases and the start-up tell.
  */
 static dq_t controlled_current(const drive_t *drive)
 {
     const drive_signals_t *const s = &drive->signals;
-    dq_t current = s->current_frame;
+    dq_t current = s->current_ref;
 
-    if (drive->state != DRIVE_STATE_RUN) {
-        current.d = fx_asr(current.d + s->current_ref.d, 1U);
-        current.q = fx_asr(current.q + s->current_ref.q, 1U);
+    if (drive->state == DRIVE_STATE_RUN) {
+        current = s->current_frame;
+    } else if (is_at_rest(drive)) {
+        current.d = fx_asr(current.d + s->current_frame.d, 1U);
+        current.q = fx_asr(current.q + s->current_frame.q, 1U);
+    } else {
+        /* as asked for */
     }
     return current;
 }
