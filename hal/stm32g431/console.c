@@ -49,7 +49,8 @@ static void add_current(text_t *text, const char *name, uint16_t count)
 static void add_fault(text_t *text, const fault_t *fault)
 {
     static const char *const names[] = {
-        "none", "break", "over-current", "over-voltage", "under-voltage", "current offset",
+        "none",          "break",    "over-current",   "over-voltage",
+        "under-voltage", "start-up", "current offset",
     };
     const bool bus = (fault->id == FAULT_OVERVOLTAGE) || (fault->id == FAULT_UNDERVOLTAGE);
     const uint32_t base =
@@ -63,7 +64,10 @@ static void add_fault(text_t *text, const fault_t *fault)
 
 static void show_status(console_t *console)
 {
-    static const char *const states[] = {"INIT", "OFFSET_CAL", "READY", "RUN", "FAULT"};
+    static const char *const states[] = {
+        "INIT", "OFFSET_CAL", "READY", "CATCH_SPIN", "ALIGN", "HOLD", "IF_RAMP", "HANDOVER",
+        "RUN",  "FAULT",
+    };
     const app_t *const app = console->app;
     const drive_t *const drive = &app->drive;
     const uint32_t load_pct = (console->hal->longest * 50U) / BOARD.timer_counts;
