@@ -67,9 +67,8 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
                             static_cast<int32_t>(radius * std::sin(direction))};
             const auto angle = static_cast<angle_t>(seeded.in(INT32_MIN, INT32_MAX));
             const dq_t ratio = modulator_ratio(&mod, v);
-            const compare_t c =
-                modulator_compare(&mod, &cfg, transforms_park_inverse(ratio, trig_sincos(angle)),
-                                  ab_t{0, 0});
+            const compare_t c = modulator_compare(
+                &mod, &cfg, transforms_park_inverse(ratio, trig_sincos(angle)), ab_t{0, 0});
             const Vector volt =
                 nf::twin::park_inverse(s.voltage(v), angle / STEPS_PER_TURN * TWO_PI);
             const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, s.voltage(bus));

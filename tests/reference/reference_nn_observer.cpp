@@ -82,8 +82,7 @@ struct RotationErrors {
 // of I_x (4096 units of Q27), times decay, sine and versine; the change is rounded down, 1 unit, and the four products
 // of the rotation, 4; then the rotation's own errors; decay_q does not agree with decay_d·L_d/L_q as integers.
 static Vector network_roundings(const Setup &s, const NnObserver &twin, double speed,
-                                const Vector &state, const Vector &change,
-                                double series = 1.0)
+                                const Vector &state, const Vector &change, double series = 1.0)
 {
     const double turn = std::abs(speed) * s.bases.control_period_s;
     const RotationErrors r(turn, series);
@@ -233,8 +232,8 @@ struct Difference {
     Eigen::Matrix<double, 5, 7> g;
 };
 
-static Difference difference_system(const NnObserver &twin, const NnObserver::Params &p,
-                                    double rho, double speed, const Vector &state)
+static Difference difference_system(const NnObserver &twin, const NnObserver::Params &p, double rho,
+                                    double speed, const Vector &state)
 {
     const Vector gain(1.0, p.inductance_d_h / p.inductance_q_h);
     const double flux2 = twin.flux_current() * twin.flux_current();
@@ -466,9 +465,9 @@ static void test_paper_weights_are_those_of_the_network_to_first_order()
             const Vector change = twin.change(before, s.voltage(voltage));
             nn_observer_follow(&obs, &s.cfg.observer, dq_t{0, 0}, voltage, obs.speed);
             const Vector after(obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x);
-            const double bound =
-                turn * turn / 2 * before.norm() + std::abs(turn) / 2 * change.norm() +
-                network_roundings(s, twin, exact_speed, before, change).norm();
+            const double bound = turn * turn / 2 * before.norm() +
+                                 std::abs(turn) / 2 * change.norm() +
+                                 network_roundings(s, twin, exact_speed, before, change).norm();
             worst = std::max(worst, (after - printed).norm() / bound);
         }
         char text[80];
@@ -546,9 +545,8 @@ static double unknown_to_the_network(const NnObserver &twin, const NnObserver::P
 {
     const double h = turn / 2;
     const double ripple = p.period_s / p.inductance_d_h * voltage.norm() * h / 4;
-    const double left_out =
-        h * h * h / 6 * twin.change(state, voltage).norm() +
-        (std::pow(turn, 5) / 120 + std::pow(turn, 6) / 720) * state.norm();
+    const double left_out = h * h * h / 6 * twin.change(state, voltage).norm() +
+                            (std::pow(turn, 5) / 120 + std::pow(turn, 6) / 720) * state.norm();
     return twin.decay()(0, 0) * (ripple + h * h / 6 * current.norm()) + left_out;
 }
 
@@ -593,16 +591,18 @@ static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverge
     const ClosedLoop loop = closed_loop(twin, p, speed, state, motor.current, voltage);
     const double constant = unknown_to_the_network(twin, p, turn, state, motor.current, voltage);
     const auto steady =
-        ((Eigen::Matrix<double, 5, 5>::Identity() - loop.f).inverse() * loop.g.leftCols<2>()).eval();
+        ((Eigen::Matrix<double, 5, 5>::Identity() - loop.f).inverse() * loop.g.leftCols<2>())
+            .eval();
     const double of_voltage = p.period_s / p.inductance_d_h * s.voltage(1);
     Eigen::Matrix<double, 7, 1> r;
     // Samples are rounded to nearest, ½ LSB; the voltage in both axes, which turn into each other.
     r << network_roundings(s, twin, speed, state, twin.change(state, voltage), 0.0) +
-            Vector::Constant(of_voltage),
+             Vector::Constant(of_voltage),
         training_roundings(s, p, 0.0, state, largest_error);
     r.segment<2>(2).array() += 0.5 * s.current(1);
     const auto noise = worst_sum(loop.f, loop.g, r);
-    const double bound = (steady.cwiseAbs() * Vector::Constant(constant) + noise).head<2>().maxCoeff();
+    const double bound =
+        (steady.cwiseAbs() * Vector::Constant(constant) + noise).head<2>().maxCoeff();
     TEST_ASSERT_TRUE(printed.norm() > 1e6);
     figure_check("state at 0.7 rad in a period beside the motor, A", worst, bound, LEAST_SHARE);
 }

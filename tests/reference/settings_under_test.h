@@ -193,7 +193,8 @@ inline twin::CurrentLoop::Params current_loop_params(const Setup &s)
     const double resistance = s.bases.voltage_v / s.bases.current_a;
     const double reactance = resistance / s.bases.speed_el_rad_s / Q13;
     return {pi_params(c.pi_d, s.bases.voltage_v, s.bases.current_a),
-            pi_params(c.pi_q, s.bases.voltage_v, s.bases.current_a), c.reactance_d_q13 * reactance,
+            pi_params(c.pi_q, s.bases.voltage_v, s.bases.current_a),
+            c.reactance_d_q13 * reactance,
             c.reactance_q_q13 * reactance,
             c.emf_q13 / Q13 * s.bases.voltage_v / s.bases.speed_el_rad_s,
             c.resistance_q13 / Q13 * resistance};
