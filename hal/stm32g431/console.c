@@ -65,8 +65,8 @@ static void add_fault(text_t *text, const fault_t *fault)
 static void show_status(console_t *console)
 {
     static const char *const states[] = {
-        "INIT", "OFFSET_CAL", "READY", "CATCH_SPIN", "ALIGN", "HOLD", "IF_RAMP", "HANDOVER",
-        "RUN",  "FAULT",
+        "INIT", "OFFSET_CAL", "READY",    "CATCH_SPIN", "ALIGN",
+        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",        "FAULT",
     };
     const app_t *const app = console->app;
     const drive_t *const drive = &app->drive;
