@@ -248,6 +248,7 @@ static void mix_align(uint32_t *hash, const align_t *align)
 
 static void mix_low_speed(uint32_t *hash, const drive_t *drive)
 {
+    mix_u32(hash, drive->identified ? 1U : 0U);
     mix_u32(hash, drive->offset);
     mix_u32(hash, drive->offset_acting);
     mix_i64(hash, drive->frame.turns_q32);

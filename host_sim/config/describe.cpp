@@ -243,6 +243,8 @@ void add_startup(Rows &to)
            to.ampere(c.current_floor));
     to.add("startup.current_slope", c.current_slope, "{:.5g} A/s",
            to.ampere(c.current_slope) / to.bases.control_period_s);
+    to.add("startup.ramp", c.ramp, "the vector's ramp {:.6g} rpm/s",
+           to.rpm(c.ramp) / to.slow_period());
     to.add("startup.track_speed", c.track_speed, "the observer runs free above {:.5g} rpm",
            to.rpm(c.track_speed));
     to.add("startup.handover_speed", c.handover_speed, "takes over above {:.5g} rpm",
@@ -250,6 +252,8 @@ void add_startup(Rows &to)
     to.add("startup.hold_speed", c.hold_speed, "hands back below {:.5g} rpm", to.rpm(c.hold_speed));
     to.add("startup.residual_max", c.residual_max, "takes over with a residual below {:.5g} A",
            to.ampere(c.residual_max));
+    to.add("startup.residual_lost", c.residual_lost, "starts again with one above {:.5g} A",
+           to.ampere(c.residual_lost));
     to.add("startup.handover_periods", c.handover_periods, "within {:.4g} s",
            c.handover_periods * to.slow_period());
     to.add("startup.attempts", c.attempts, "starts before it is a fault");

@@ -127,6 +127,8 @@ void start_up_current_and_hand_over_are_shares_of_the_motor()
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, bases.step_from_rpm(180), c.handover_speed);
     TEST_ASSERT_TRUE(0 < c.track_speed && c.track_speed < c.hold_speed);
     TEST_ASSERT_TRUE(c.hold_speed < c.handover_speed);
+    TEST_ASSERT_TRUE(c.residual_max < c.residual_lost);
+    TEST_ASSERT_TRUE(0 < c.ramp && c.ramp < nf::build(config).speed_loop.ramp);
     TEST_ASSERT_EQUAL_INT32(c.current_hold, c.align.current_high);
     TEST_ASSERT_TRUE(0 < c.align.current_low && c.align.current_low < c.align.current_high);
 }

@@ -8,10 +8,10 @@
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
- * words of the mode and of two flags, and two words where 64-bit fields ask for alignment.
+ * words of the mode and of three flags, and a word where a 64-bit field asks for alignment.
  */
-#define BYTE_PADDING (3U * 3U)
-#define ALIGNMENT (2U * 4U)
+#define BYTE_PADDING (4U * 3U)
+#define ALIGNMENT (4U)
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
 
 void setUp(void)
