@@ -13,9 +13,9 @@ function(nf_add_image target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "SOURCES;LINK")
     set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
     set(map ${CMAKE_BINARY_DIR}/${target}.map)
-    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/startup.c)
+    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/reset.c)
     # Optimised together with main(), it could read variables before it has filled them.
-    set_source_files_properties(${NF_CORTEX_M}/startup.c PROPERTIES COMPILE_OPTIONS -fno-lto)
+    set_source_files_properties(${NF_CORTEX_M}/reset.c PROPERTIES COMPILE_OPTIONS -fno-lto)
     target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_safe_state nf_warnings)
     # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
