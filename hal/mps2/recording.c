@@ -198,22 +198,21 @@ static void mix_observer(uint32_t *hash, const nn_observer_t *obs)
 }
 
 /* The parts of the configuration that the model in force holds have no padding: 32-bit fields. */
-static void mix_words(uint32_t *hash, const void *from, size_t bytes)
+static void mix_bytes(uint32_t *hash, const uint8_t *from, size_t bytes)
 {
-    const uint8_t *const at = (const uint8_t *)from;
     uint32_t h = *hash;
 
     for (size_t k = 0U; k < bytes; k++) {
-        h = mix8(h, at[k]);
+        h = mix8(h, from[k]);
     }
     *hash = h;
 }
 
 static void mix_model(uint32_t *hash, const model_t *model)
 {
-    mix_words(hash, &model->observer, sizeof(model->observer));
-    mix_words(hash, &model->run_loop, sizeof(model->run_loop));
-    mix_words(hash, &model->hold_loop, sizeof(model->hold_loop));
+    mix_bytes(hash, (const uint8_t *)&model->observer, sizeof(model->observer));
+    mix_bytes(hash, (const uint8_t *)&model->run_loop, sizeof(model->run_loop));
+    mix_bytes(hash, (const uint8_t *)&model->hold_loop, sizeof(model->hold_loop));
     mix_i32(hash, model->resistance_q14);
     mix_i32(hash, model->inductance_q14);
     mix_i32(hash, model->inductance_inverse_q14);
@@ -321,6 +320,6 @@ uint32_t recording_config_hash(const drive_cfg_t *cfg)
 {
     uint32_t hash = FNV_BASIS;
 
-    mix_words(&hash, cfg, sizeof(*cfg));
+    mix_bytes(&hash, (const uint8_t *)cfg, sizeof(*cfg));
     return hash;
 }

@@ -96,7 +96,7 @@ static void request(console_t *console, uint8_t what)
     command->request = what;
 }
 
-static void start(console_t *console)
+static void start_motor(console_t *console)
 {
     if (console->app->drive.state == DRIVE_STATE_FAULT) {
         console_say(console, "error: a fault is latched; clear it first");
@@ -165,7 +165,7 @@ static void do_line(console_t *console)
     if (speed != NULL) {
         set_speed(console, speed);
     } else if (same(line, "run")) {
-        start(console);
+        start_motor(console);
     } else if (same(line, "stop")) {
         stop(console);
     } else if (same(line, "clear")) {

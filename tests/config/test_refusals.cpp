@@ -258,15 +258,15 @@ void what_the_firmware_cannot_hold_is_named_with_its_line()
                              without_reason(refusal()).c_str());
 }
 
-// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-14 a radian are
-// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.0962.
+// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-12 a radian are
+// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.385.
 void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
 {
     const Folder folder;
     folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.0812");
-    folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.1");
+    folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.4");
     TEST_ASSERT_EQUAL_STRING(
-        "tunings/t.toml:2: observer.kappa_p = 0.1: does not fit the firmware; allowed: at most 0.0962",
+        "tunings/t.toml:2: observer.kappa_p = 0.4: does not fit the firmware; allowed: at most 0.3848",
         without_reason(refusal({}, {"observer.kappa=0.01"})).c_str());
 }
 

@@ -265,7 +265,7 @@ static Difference difference_system(const NnObserver &twin, const NnObserver::Pa
 }
 
 // Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. î rounded down 1 LSB (i_q twice); of b: the error
-// of i_q scaled 1 LSB, turned and added 1 in each axis; b >> 14; x, y in b as Q15 of I_x times the error. ΔW2
+// of i_q scaled 1 LSB, turned and added 1 in each axis; b >> 12; x, y in b as Q15 of I_x times the error. ΔW2
 // rounded down to a step, its momentum to two; ω_out to a step.
 static Eigen::Matrix<double, 5, 1> training_roundings(const Setup &s, const NnObserver::Params &p,
                                                       double rho, const Vector &state,
@@ -278,7 +278,7 @@ static Eigen::Matrix<double, 5, 1> training_roundings(const Setup &s, const NnOb
     const double step = s.speed_of_step(1);
     Eigen::Matrix<double, 5, 1> r;
     r << lsb, lsb + base_x / Q27,
-        lsb * (scaled + size.x() + size.y()) + 16384.0 * lsb * base_x / Q15 +
+        lsb * (scaled + size.x() + size.y()) + 4096.0 * lsb * base_x / Q15 +
             2.0 * largest_error * base_x / Q15,
         (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
     return r;

@@ -167,8 +167,8 @@ inline twin::NnObserver::Params observer_params(const Setup &s)
     const double base_x = s.state_base();
     const double ld = period / (c.volt_gain * weight) * s.bases.voltage_v / base_x;
     const double flux_current = c.flux_q27 / Q27 * base_x;
-    // From b in A² to steps: b/(I_b·I_x)·2^30/2^14·mantissa/2^shift; steps to radians a sample.
-    const double descent = 65536.0 / (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
+    // From b in A² to steps: b/(I_b·I_x)·2^30/2^12·mantissa/2^shift; steps to radians a sample.
+    const double descent = 262144.0 / (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
 
     twin::NnObserver::Params p{};
     p.period_s = period;
