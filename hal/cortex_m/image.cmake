@@ -13,9 +13,9 @@ function(nf_add_image target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "SOURCES;LINK")
     set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
     set(map ${CMAKE_BINARY_DIR}/${target}.map)
-    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/startup.c)
+    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/reset.c)
     # Optimised together with main(), it could read variables before it has filled them.
-    set_source_files_properties(${NF_CORTEX_M}/startup.c PROPERTIES COMPILE_OPTIONS -fno-lto)
+    set_source_files_properties(${NF_CORTEX_M}/reset.c PROPERTIES COMPILE_OPTIONS -fno-lto)
     target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_safe_state nf_warnings)
     # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
@@ -39,7 +39,7 @@ set(NF_NFCONFIG ${CMAKE_SOURCE_DIR}/build/host/nfconfig CACHE FILEPATH
     "The host's nfconfig, which writes the drive's configuration")
 
 function(nf_drive_config target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "MOTOR;BOARD;TUNING" "")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "MOTOR;BOARD;TUNING" "WITH")
     if(NOT EXISTS ${NF_NFCONFIG})
         message(FATAL_ERROR
             "There is no ${NF_NFCONFIG}.\n"
@@ -48,12 +48,15 @@ function(nf_drive_config target)
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
     set(header ${folder}/drive_config.h)
     set(data ${CMAKE_SOURCE_DIR}/host_sim)
+    set(with ${arg_WITH})
+    list(TRANSFORM with PREPEND "--with;")
+    list(TRANSFORM arg_WITH REPLACE "(.+)" "${data}/imperfections/\\1.toml")
     file(MAKE_DIRECTORY ${folder})
     add_custom_command(OUTPUT ${header}
         COMMAND ${NF_NFCONFIG} header --motor ${arg_MOTOR} --board ${arg_BOARD}
-            --tuning ${arg_TUNING} --out ${header}
+            --tuning ${arg_TUNING} ${with} --out ${header}
         DEPENDS ${NF_NFCONFIG} ${data}/motors/${arg_MOTOR}.toml ${data}/boards/${arg_BOARD}.toml
-            ${data}/tunings/${arg_TUNING}.toml
+            ${data}/tunings/${arg_TUNING}.toml ${arg_WITH}
         COMMENT "Configuration of the drive: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
         VERBATIM)
     target_sources(${target} PRIVATE ${header})

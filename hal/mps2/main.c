@@ -6,8 +6,8 @@
 #include "drive_config.h"
 #include "hal_mps2.h"
 #include "recording.h"
+#include "reset.h"
 #include "semihost.h"
-#include "startup.h"
 
 #include <stddef.h>
 

@@ -201,6 +201,70 @@ static void mix_observer(uint32_t *hash, const nn_observer_t *obs)
     mix_i32(hash, obs->weight_step);
     mix_dq(hash, obs->current);
     mix_dq(hash, obs->error);
+    mix_dq(hash, obs->turned);
+    mix_i32(hash, obs->rho_q13);
+}
+
+/* The parts of the configuration that the model in force holds have no padding: 32-bit fields. */
+static void mix_bytes(uint32_t *hash, const uint8_t *from, size_t bytes)
+{
+    uint32_t h = *hash;
+
+    for (size_t k = 0U; k < bytes; k++) {
+        h = mix8(h, from[k]);
+    }
+    *hash = h;
+}
+
+static void mix_model(uint32_t *hash, const model_t *model)
+{
+    mix_bytes(hash, (const uint8_t *)&model->observer, sizeof(model->observer));
+    mix_bytes(hash, (const uint8_t *)&model->run_loop, sizeof(model->run_loop));
+    mix_bytes(hash, (const uint8_t *)&model->hold_loop, sizeof(model->hold_loop));
+    mix_i32(hash, model->resistance_q14);
+    mix_i32(hash, model->inductance_q14);
+    mix_i32(hash, model->inductance_inverse_q14);
+    mix_i32(hash, model->flux_q30);
+}
+
+static void mix_catch_spin(uint32_t *hash, const catch_spin_t *spin)
+{
+    mix_u32(hash, spin->tick);
+    mix_u32(hash, spin->phase);
+    mix_u32(hash, spin->length);
+    mix_ab(hash, spin->first);
+    mix_u32(hash, spin->gates ? 1U : 0U);
+    mix_i32(hash, spin->speed);
+    mix_u32(hash, spin->angle);
+}
+
+static void mix_align(uint32_t *hash, const align_t *align)
+{
+    mix_u32(hash, (uint32_t)align->phase);
+    mix_u32(hash, align->tick);
+    mix_u32(hash, align->backwards ? 1U : 0U);
+    mix_i32(hash, align->current_ref);
+    mix_i32(hash, align->frame_speed);
+    mix_i32(hash, align->step_start);
+    mix_i32(hash, align->step_fall);
+    mix_i32(hash, align->high.voltage);
+    mix_i32(hash, align->high.current);
+    mix_i32(hash, align->low.voltage);
+    mix_i32(hash, align->low.current);
+}
+
+static void mix_low_speed(uint32_t *hash, const drive_t *drive)
+{
+    mix_u32(hash, drive->identified ? 1U : 0U);
+    mix_u32(hash, drive->offset);
+    mix_u32(hash, drive->offset_acting);
+    mix_i64(hash, drive->frame.turns_q32);
+    mix_i32(hash, drive->frame_speed);
+    mix_i32(hash, drive->residual);
+    mix_u32(hash, drive->handover_periods);
+    mix_u32(hash, drive->attempts);
+    mix_catch_spin(hash, &drive->catch_spin);
+    mix_align(hash, &drive->align);
 }
 
 static void mix_loops(uint32_t *hash, const drive_t *drive)
@@ -253,9 +317,10 @@ static void mix_signals(uint32_t *hash, const drive_signals_t *s)
     mix_i32(hash, s->bus);
     mix_ab(hash, s->current_ab);
     mix_dq(hash, s->current);
+    mix_dq(hash, s->current_frame);
     mix_dq(hash, s->voltage_applied);
     mix_i32(hash, s->speed);
-    mix_i32(hash, s->current_ref_q);
+    mix_dq(hash, s->current_ref);
     mix_i32(hash, s->voltage_limit);
     mix_dq(hash, s->voltage);
     mix_ab(hash, s->ratio_ab);
@@ -291,16 +356,15 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_supervision(&hash, &drive->supervision);
     mix_u32(&hash, drive->guard.at);
     mix_u32(&hash, drive->guard.crc);
+    mix_model(&hash, &drive->model);
+    mix_low_speed(&hash, drive);
     return hash;
 }
 
 uint32_t recording_config_hash(const drive_cfg_t *cfg)
 {
-    const uint8_t *const bytes = (const uint8_t *)cfg;
     uint32_t hash = FNV_BASIS;
 
-    for (size_t k = 0U; k < sizeof(*cfg); k++) {
-        hash = mix8(hash, bytes[k]);
-    }
+    mix_bytes(&hash, (const uint8_t *)cfg, sizeof(*cfg));
     return hash;
 }

@@ -1,5 +1,5 @@
 /* The boards' interrupts: none is used, and none may come. */
-#include "startup.h"
+#include "reset.h"
 
 #define INTERRUPTS (32U)
 

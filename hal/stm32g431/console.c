@@ -91,7 +91,10 @@ static void add_fault(text_t *text, const fault_t *fault)
 
 static void show_status(console_t *console)
 {
-    static const char *const states[] = {"INIT", "OFFSET_CAL", "READY", "RUN", "FAULT"};
+    static const char *const states[] = {
+        "INIT", "OFFSET_CAL", "READY",    "CATCH_SPIN", "ALIGN",
+        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",        "FAULT",
+    };
     const app_t *const app = console->app;
     const drive_t *const drive = &app->drive;
     const uint32_t load_pct = (console->hal->longest * 50U) / BOARD.timer_counts;
@@ -120,7 +123,7 @@ static void request(console_t *console, uint8_t what)
     command->request = what;
 }
 
-static void start(console_t *console)
+static void start_motor(console_t *console)
 {
     if (console->app->drive.state == DRIVE_STATE_FAULT) {
         console_say(console, "error: a fault is latched; clear it first");
@@ -189,7 +192,7 @@ static void do_line(console_t *console)
     if (speed != NULL) {
         set_speed(console, speed);
     } else if (same(line, "run")) {
-        start(console);
+        start_motor(console);
     } else if (same(line, "stop")) {
         stop(console);
     } else if (same(line, "clear")) {

@@ -1,11 +1,11 @@
 /*
- * The interrupt that this target handles, beside SysTick of startup.h; all others are
+ * The interrupt that this target handles, beside SysTick of reset.h; all others are
  * safe_state_handler().
  */
 #ifndef VECTORS_H
 #define VECTORS_H
 
-#include "startup.h"
+#include "reset.h"
 
 /* The control tick: ADC1's injected sequence is complete. Number 18. */
 void ADC1_2_IRQHandler(void);

@@ -1,5 +1,7 @@
 #include "describe.h"
 
+#include "numbers.h"
+
 #include <cmath>
 #include <type_traits>
 
@@ -10,7 +12,6 @@ namespace nf
 namespace
 {
 
-constexpr double TWO_PI = 6.28318530717958647692;
 constexpr int PI_INTEGRAL_BITS = 11; // of pi_cfg_t: gain = ki / 2^(ki_shift + 11)
 
 double scaled(std::int64_t value, int bits)
@@ -20,6 +21,7 @@ double scaled(std::int64_t value, int bits)
 
 struct Rows {
     const Config &config;
+    TuningSettings tuning; // with what it leaves to the motor
     const drive_cfg_t &built;
     Bases bases;
     std::vector<ConfigRow> rows;
@@ -50,6 +52,16 @@ struct Rows {
     double slow_period() const
     {
         return bases.control_period_s * static_cast<double>(built.slow_ticks);
+    }
+
+    double seconds(uint32_t ticks) const
+    {
+        return bases.control_period_s * ticks;
+    }
+
+    double rpm(step_t steps) const
+    {
+        return bases.rpm_from_step(steps);
     }
 };
 
@@ -155,6 +167,7 @@ void add_network(Rows &to)
     to.add("observer.weight_shift", c.weight_shift, "the three above are times 2^{}", weight);
     to.add("observer.flux_q27", c.flux_q27, "φ/L_d = {:.5g} A", scaled(c.flux_q27, 27) * base_x);
     to.add("observer.iq_gain_q14", c.iq_gain_q14, "L_d/L_q = {:.5g}", scaled(c.iq_gain_q14, 14));
+    to.add("observer.saliency_q13", c.saliency_q13, "L_q/L_d = {:.5g}", scaled(c.saliency_q13, 13));
     to.add("observer.current_shift", c.current_shift, "I_x = {:g} A", base_x);
 }
 
@@ -167,8 +180,12 @@ void add_adaptation(Rows &to)
            to.config.tuning.observer_kappa_p);
     to.add("observer.proportional_shift", c.proportional_shift, "of the proportional path");
     to.add("observer.momentum_q15", c.momentum_q15, "α = {:.5g}", scaled(c.momentum_q15, 15));
-    to.add("observer.speed_limit", c.speed_limit, "{:.6g} rpm",
-           to.bases.rpm_from_step(c.speed_limit));
+    to.add("observer.speed_limit", c.speed_limit, "{:.6g} rpm", to.rpm(c.speed_limit));
+    to.add("observer.corner", c.corner, "R/L_d = {:.5g} rad/s electrical",
+           scaled(c.corner, 32) * TWO_PI / to.bases.control_period_s);
+    to.add("observer.rho_max_q13", c.rho_max_q13, "largest ρ {:.5g}", scaled(c.rho_max_q13, 13));
+    to.add("observer.rho_speed_min", c.rho_speed_min, "ρ = 0 below {:.5g} rpm",
+           to.rpm(c.rho_speed_min));
 }
 
 void add_pi(Rows &to, const std::string &name, const pi_cfg_t &c)
@@ -180,19 +197,20 @@ void add_pi(Rows &to, const std::string &name, const pi_cfg_t &c)
     to.add(name + ".ki_shift", c.ki_shift, "of K_i·T, less {}", PI_INTEGRAL_BITS);
 }
 
-void add_current_loop(Rows &to)
+void add_current_loop(Rows &to, const std::string &name, const current_loop_cfg_t &c)
 {
-    const current_loop_cfg_t &c = to.built.current_loop;
     const double impedance = to.bases.voltage_v / to.bases.current_a;
     const double inductance = impedance / to.bases.speed_el_rad_s;
-    add_pi(to, "current_loop.pi_d", c.pi_d);
-    add_pi(to, "current_loop.pi_q", c.pi_q);
-    to.add("current_loop.reactance_d_q13", c.reactance_d_q13, "L_d = {:.5g} H",
+    add_pi(to, name + ".pi_d", c.pi_d);
+    add_pi(to, name + ".pi_q", c.pi_q);
+    to.add(name + ".reactance_d_q13", c.reactance_d_q13, "L_d = {:.5g} H",
            scaled(c.reactance_d_q13, 13) * inductance);
-    to.add("current_loop.reactance_q_q13", c.reactance_q_q13, "L_q = {:.5g} H",
+    to.add(name + ".reactance_q_q13", c.reactance_q_q13, "L_q = {:.5g} H",
            scaled(c.reactance_q_q13, 13) * inductance);
-    to.add("current_loop.emf_q13", c.emf_q13, "φ = {:.5g} Wb",
+    to.add(name + ".emf_q13", c.emf_q13, "φ = {:.5g} Wb",
            scaled(c.emf_q13, 13) * to.bases.voltage_v / to.bases.speed_el_rad_s);
+    to.add(name + ".resistance_q13", c.resistance_q13, "R = {:.5g} Ω",
+           scaled(c.resistance_q13, 13) * impedance);
 }
 
 void add_speed_loop(Rows &to)
@@ -220,10 +238,9 @@ void add_position_loop(Rows &to)
     to.add("position_loop.braking_inverse", c.braking_inverse,
            "brakes from full speed in {:.5g} electrical turns",
            std::exp2(30) / c.braking_inverse * unit);
-    to.add("position_loop.softness_q15", c.softness_q15, "settles with {:g} s",
-           to.config.tuning.position_softness_s);
-    to.add("position_loop.gain", c.gain, "bandwidth {:g} Hz",
-           to.config.tuning.position_bandwidth_hz);
+    to.add("position_loop.softness_q15", c.softness_q15, "settles with {:.5g} s",
+           to.tuning.position_softness_s);
+    to.add("position_loop.gain", c.gain, "bandwidth {:.5g} Hz", to.tuning.position_bandwidth_hz);
     to.add("position_loop.gain_shift", c.gain_shift, "of the gain");
     to.add("position_loop.distance_shift", c.distance_shift,
            "distance unit {:.4g} electrical turns", unit);
@@ -238,23 +255,122 @@ void add_modulator(Rows &to)
            scaled(c.ratio_max_q15, 15));
     to.add("modulator.inverse_max_q12", c.inverse_max_q12, "down to {:.5g} V",
            to.bases.voltage_v / scaled(c.inverse_max_q12, 12));
+    to.add("modulator.dead_time_q15", c.dead_time_q15, "{:.4g} s given back",
+           scaled(c.dead_time_q15, 15) * to.bases.control_period_s);
+    to.add("modulator.drop_q15", c.drop_q15, "{:.4g} V given back", to.volt(c.drop_q15));
+    to.add("modulator.ripple_q15", c.ripple_q15, "u·T/(12·L) = {:.4g} A", to.ampere(c.ripple_q15));
+    to.add("modulator.edge_slope", c.edge_slope, "all is given back {:.4g} A above the ripple",
+           to.bases.current_a / c.edge_slope);
+}
+
+void add_catch_spin(Rows &to)
+{
+    const catch_spin_cfg_t &c = to.built.startup.catch_spin;
+    to.add("startup.catch_spin.current", c.current, "a pulse ends above {:.5g} A",
+           to.ampere(c.current));
+    to.add("startup.catch_spin.pulse_ticks", c.pulse_ticks, "or after {:.4g} s",
+           to.seconds(c.pulse_ticks));
+    to.add("startup.catch_spin.gap_factor", c.gap_factor, "the pause, in pulses");
+    to.add("startup.catch_spin.emf_current", c.emf_current, "{:.5g} A a tick at {:g} rpm",
+           std::ldexp(c.emf_current, -16 - static_cast<int>(c.emf_shift)) *
+               to.bases.step_from_rpm(to.config.motor.rated_speed_rpm) / std::exp2(15) *
+               to.bases.current_a,
+           to.config.motor.rated_speed_rpm);
+    to.add("startup.catch_spin.emf_shift", c.emf_shift, "of the current for a speed");
+}
+
+void add_align(Rows &to)
+{
+    const align_cfg_t &c = to.built.startup.align;
+    to.add("startup.align.current_high", c.current_high, "{:.5g} A", to.ampere(c.current_high));
+    to.add("startup.align.current_low", c.current_low, "{:.5g} A", to.ampere(c.current_low));
+    to.add("startup.align.slope", c.slope, "{:.5g} A/s",
+           to.ampere(c.slope) / to.bases.control_period_s);
+    to.add("startup.align.sweep_speed", c.sweep_speed, "the vector turns with {:.5g} rpm",
+           to.rpm(c.sweep_speed));
+    to.add("startup.align.sweep_ticks", c.sweep_ticks, "for {:.4g} s", to.seconds(c.sweep_ticks));
+    to.add("startup.align.pull_ticks", c.pull_ticks, "and comes to rest until {:.4g} s",
+           to.seconds(c.pull_ticks));
+    to.add("startup.align.settle_ticks", c.settle_ticks, "{:.4g} s between the measurements",
+           to.seconds(c.settle_ticks));
+    to.add("startup.align.measure_log2", c.measure_log2, "means over {:.4g} s",
+           std::exp2(c.measure_log2) * to.bases.control_period_s);
+    to.add("startup.align.step_ticks", c.step_ticks, "{:.4g} s", to.seconds(c.step_ticks));
+    to.add("startup.align.step_voltage", c.step_voltage, "{:.5g} V lower for so long",
+           to.volt(c.step_voltage));
+    to.add("startup.align.step_fall", c.step_fall, "lowers the current by {:.5g} A",
+           to.ampere(c.step_fall));
+    to.add("startup.align.step_drop_q14", c.step_drop_q14, "R·t/(2·L_d) = {:.4g}",
+           scaled(c.step_drop_q14, 14));
+}
+
+void add_startup(Rows &to)
+{
+    const startup_cfg_t &c = to.built.startup;
+    add_catch_spin(to);
+    add_align(to);
+    to.add("startup.current_hold", c.current_hold, "{:.5g} A imposed at standstill",
+           to.ampere(c.current_hold));
+    to.add("startup.current_move", c.current_move, "{:.5g} A imposed in motion",
+           to.ampere(c.current_move));
+    to.add("startup.current_floor", c.current_floor, "at least {:.5g} A in RUN",
+           to.ampere(c.current_floor));
+    to.add("startup.current_slope", c.current_slope, "{:.5g} A/s",
+           to.ampere(c.current_slope) / to.bases.control_period_s);
+    to.add("startup.ramp", c.ramp, "the vector's ramp {:.6g} rpm/s",
+           to.rpm(c.ramp) / to.slow_period());
+    to.add("startup.track_speed", c.track_speed, "the observer runs free above {:.5g} rpm",
+           to.rpm(c.track_speed));
+    to.add("startup.handover_speed", c.handover_speed, "takes over above {:.5g} rpm",
+           to.rpm(c.handover_speed));
+    to.add("startup.hold_speed", c.hold_speed, "hands back below {:.5g} rpm", to.rpm(c.hold_speed));
+    to.add("startup.residual_max", c.residual_max, "takes over with a residual below {:.5g} A",
+           to.ampere(c.residual_max));
+    to.add("startup.residual_lost", c.residual_lost, "starts again with one above {:.5g} A",
+           to.ampere(c.residual_lost));
+    to.add("startup.handover_periods", c.handover_periods, "within {:.4g} s",
+           c.handover_periods * to.slow_period());
+    to.add("startup.attempts", c.attempts, "starts before it is a fault");
+}
+
+void add_model(Rows &to)
+{
+    const model_cfg_t &c = to.built.model;
+    to.add("model.resistance_limit_q14", c.resistance_limit_q14, "R is corrected by up to {:.4g} %",
+           100 * scaled(c.resistance_limit_q14, 14));
+    to.add("model.inductance_limit_q14", c.inductance_limit_q14, "L by up to {:.4g} %",
+           100 * scaled(c.inductance_limit_q14, 14));
+    to.add("model.flux_limit_q14", c.flux_limit_q14, "φ by up to {:.4g} %",
+           100 * scaled(c.flux_limit_q14, 14));
+    const double ratio_per_ampere = c.flux_rate * std::exp2(15 - 30) / to.bases.current_a;
+    to.add("model.flux_rate", c.flux_rate, "{:.4g} of φ a second and ampere",
+           ratio_per_ampere / to.slow_period());
+    to.add("model.flux_speed_min", c.flux_speed_min, "φ is corrected above {:.5g} rpm",
+           to.rpm(c.flux_speed_min));
 }
 
 } // namespace
 
 std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
 {
-    Rows to = {config, built, make_bases(config.motor, config.board), {}};
+    Rows to = {config,
+               for_motor(config.tuning, config.motor),
+               built,
+               make_bases(config.motor, config.board),
+               {}};
     add_sampling(to);
     add_protection(to);
     add_derating(to);
     add_network(to);
     add_adaptation(to);
-    add_current_loop(to);
+    add_current_loop(to, "current_loop", built.current_loop);
     add_speed_loop(to);
     add_position_loop(to);
     add_modulator(to);
     add_supervision(to);
+    add_current_loop(to, "hold_loop", built.hold_loop);
+    add_startup(to);
+    add_model(to);
     to.add("speed_shift", built.speed_shift, "steps to Q15 of Ω_b = {:.6g} rad/s electrical",
            to.bases.speed_el_rad_s);
     to.add("slow_ticks", built.slow_ticks, "slow period {:g} s", to.slow_period());

@@ -258,15 +258,15 @@ void what_the_firmware_cannot_hold_is_named_with_its_line()
                              without_reason(refusal()).c_str());
 }
 
-// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-14 a radian are
-// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.0962.
+// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-12 a radian are
+// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.385.
 void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
 {
     const Folder folder;
     folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.0812");
-    folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.1");
+    folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.4");
     TEST_ASSERT_EQUAL_STRING(
-        "tunings/t.toml:2: observer.kappa_p = 0.1: does not fit the firmware; allowed: at most 0.0962",
+        "tunings/t.toml:2: observer.kappa_p = 0.4: does not fit the firmware; allowed: at most 0.3848",
         without_reason(refusal({}, {"observer.kappa=0.01"})).c_str());
 }
 
@@ -284,21 +284,52 @@ void a_motor_of_little_flux_takes_the_usual_gains()
             .c_str());
 }
 
-void a_speed_too_near_the_forward_euler_limit_is_named_with_what_is_allowed()
+// 0.7 rad in 100 µs are 7000 rad/s, 33423 rpm with two pole pairs; the EMF of 0.02 Wb fits the bus there.
+void a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed()
 {
+    const std::vector<std::string> fast = {
+        "motor.resistance_ohm=0.133", "motor.inductance_d_h=0.000725",
+        "motor.inductance_q_h=0.000725", "motor.flux_linkage_wb=0.02",
+        "motor.inertia_kg_m2=1.2e-5"};
     const Folder folder;
-    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 9000");
-    // |1 − T/τ − jωT| = 1 at ω = √(2/(T·τ) − 1/τ²): 1905.32 rad/s, 9097 rpm with two pole pairs;
-    // 0.65 of it are 5913 rpm.
-    TEST_ASSERT_EQUAL_STRING("motors/m.toml:10: motor.max_speed_rpm = 9000: does not fit the "
-                             "firmware; allowed: at most 5913 rpm",
-                             before(refusal(), ": above it").c_str());
-    TEST_ASSERT_EQUAL_STRING(
-        "--set: motor.max_speed_rpm = 5920: does not fit the firmware",
-        before(refusal({}, {"motor.max_speed_rpm=5920", "motor.flux_linkage_wb=0.1"}), ";")
-            .c_str());
-    TEST_ASSERT_EQUAL_STRING(
-        "accepted", refusal({}, {"motor.max_speed_rpm=5913", "motor.flux_linkage_wb=0.1"}).c_str());
+    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 40000");
+    TEST_ASSERT_EQUAL_STRING("motors/m.toml:10: motor.max_speed_rpm = 40000: does not fit the "
+                             "firmware; allowed: at most 33420 rpm",
+                             before(refusal({}, fast), ": above it").c_str());
+    folder.edit("motors/m.toml", "max_speed_rpm = 2000", "max_speed_rpm = 33420");
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, fast).c_str());
+}
+
+// Start-up, adaptation and what the tuning leaves to the motor, key by key.
+void the_optional_settings_are_refused_outside_their_ranges()
+{
+    expect_override("motor.continuous_current_a=-1",
+                    "--set: motor.continuous_current_a = -1: is too "
+                    "small; allowed: 0 to 1000 A");
+    expect_override("observer.rho_max=4",
+                    "--set: observer.rho_max = 4: is too large; allowed: 0 to 3.9");
+    expect_override("startup.current_pct=201",
+                    "--set: startup.current_pct = 201: is too large; allowed: 0 to 200 %");
+    expect_override("startup.handover_speed_pct=0",
+                    "--set: startup.handover_speed_pct = 0: is too small; allowed: 1 to 50 %");
+    expect_override("adaptation.resistance_pct=91",
+                    "--set: adaptation.resistance_pct = 91: is too large; allowed: 0 to 90 %");
+    expect_override("adaptation.inductance_pct=51",
+                    "--set: adaptation.inductance_pct = 51: is too large; allowed: 0 to 50 %");
+    expect_override("adaptation.flux_pct=-1",
+                    "--set: adaptation.flux_pct = -1: is too small; allowed: 0 to 50 %");
+    expect_override("current_loop.floor_pct=51",
+                    "--set: current_loop.floor_pct = 51: is too large; allowed: 0 to 50 %");
+    expect_override("model.dead_time_s=2e-5",
+                    "--set: model.dead_time_s = 2e-05: is too large; allowed: -1 to 1e-05 s");
+    expect_override("model.device_drop_v=-2",
+                    "--set: model.device_drop_v = -2: is too small; allowed: -1 to 10 V");
+    expect_override(
+        "speed_loop.ramp_rpm_s=-1",
+        "--set: speed_loop.ramp_rpm_s = -1: is too small; allowed: 0 to 10000000 rpm/s");
+    expect_override(
+        "startup.curent_pct=1",
+        "--set: startup.curent_pct = 1: unknown key, did you mean startup.current_pct?");
 }
 
 // 0.95·310 V/√3 = 170.03 V at 2·0.387 Wb: 219.68 rad/s.
@@ -581,7 +612,8 @@ int main()
     RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_limit);
     RUN_TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be);
     RUN_TEST(a_motor_of_little_flux_takes_the_usual_gains);
-    RUN_TEST(a_speed_too_near_the_forward_euler_limit_is_named_with_what_is_allowed);
+    RUN_TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed);
+    RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
     RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);

@@ -77,10 +77,13 @@ void the_set_all_is_the_sum_of_its_parts()
     TEST_ASSERT_EQUAL_DOUBLE(5.0, plant.bus_ripple_pct);
 }
 
+// But for the dead time and drop of the board, which the drive is told.
 void imperfections_of_the_plant_leave_the_firmware_alone()
 {
     const drive_cfg_t plain = nf::build(nf::load_parts("motor_a", "bench_310v", "robust"));
-    const drive_cfg_t all = nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"all"}));
+    const drive_cfg_t all =
+        nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"all"},
+                                 {"model.dead_time_s=0", "model.device_drop_v=0"}));
     const drive_cfg_t imp = nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {"imp"}));
     TEST_ASSERT_EQUAL_MEMORY(&plain, &all, sizeof plain);
     TEST_ASSERT_NOT_EQUAL_INT(plain.observer.flux_q27, imp.observer.flux_q27);

@@ -67,8 +67,8 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
                             static_cast<int32_t>(radius * std::sin(direction))};
             const auto angle = static_cast<angle_t>(seeded.in(INT32_MIN, INT32_MAX));
             const dq_t ratio = modulator_ratio(&mod, v);
-            const compare_t c =
-                modulator_compare(&cfg, transforms_park_inverse(ratio, trig_sincos(angle)));
+            const compare_t c = modulator_compare(
+                &mod, &cfg, transforms_park_inverse(ratio, trig_sincos(angle)), ab_t{0, 0});
             const Vector volt =
                 nf::twin::park_inverse(s.voltage(v), angle / STEPS_PER_TURN * TWO_PI);
             const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, s.voltage(bus));
@@ -92,11 +92,13 @@ static void test_too_long_vectors_are_cut_like_the_twin()
                                  nf::reference::tuning());
     const double bound = 2.65 + 0.5 * Q15 / s.cfg.modulator.timer_counts;
     Seeded seeded(2);
+    modulator_t mod;
     double worst = 0;
 
+    modulator_reset(&mod);
     for (int k = 0; k < 100000; k++) {
         const ab_t ratio = {seeded.in(-32767, 32767), seeded.in(-32767, 32767)};
-        const compare_t c = modulator_compare(&s.cfg.modulator, ratio);
+        const compare_t c = modulator_compare(&mod, &s.cfg.modulator, ratio, ab_t{0, 0});
         const Eigen::Vector3d exact =
             nf::twin::Modulator::duties(Vector(ratio.alpha, ratio.beta), Q15);
         const Eigen::Vector3d duty =
@@ -107,10 +109,74 @@ static void test_too_long_vectors_are_cut_like_the_twin()
     figure_check("cut duties beside their twin, LSB of Q15", worst, bound, LEAST_SHARE);
 }
 
+// Give-back beside its twin, in LSB of Q15 of the duty. The phases of ratio and current are rounded down, PHASE_LSB.
+//   crossing  s twice the phase, and 9·u²: 2·u, rounded down                    2·1.6 + 9·(2·u·1.6 + 1)
+//   ripple    its own share of that, rounded down                               ripple·crossing + 1
+//   share     the edge's slope times the errors of ripple and of the current
+//   loss      drop times the reciprocal of the bus, which is settled to 1.5/4096, rounded down
+//   duty      rounded down; counts rounded to nearest
+// The twin is as steep at most, so that a sign that differs near zero counts no more.
+static constexpr double PHASE_LSB = 1.6;
+static constexpr double LONGEST_RATIO = 0.577;
+
+static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
+{
+    nf::ModelScales losses;
+    losses.dead_time_s = 2e-6;
+    losses.device_drop_v = 1.2;
+    const nf::reference::Setup s(nf::reference::motor_a(), nf::reference::board(),
+                                 nf::reference::tuning());
+    const modulator_cfg_t cfg = nf::make_drive_cfg(nf::reference::motor_a(), nf::reference::board(),
+                                                   nf::reference::tuning(), losses)
+                                    .modulator;
+    const int32_t bus = 22573; // 310 V
+    const double bus_v = s.voltage(bus);
+    const nf::twin::Modulator::Losses twin = {cfg.dead_time_q15 / Q15, s.voltage(cfg.drop_q15),
+                                              s.current(cfg.ripple_q15),
+                                              cfg.edge_slope / s.current(Q15)};
+    const double loss = (twin.dead_time_share + twin.drop_v / bus_v) * Q15;
+    const double crossing = 2 * PHASE_LSB + 9 * (2 * LONGEST_RATIO * PHASE_LSB + 1);
+    const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
+    const double share = cfg.edge_slope * (ripple + PHASE_LSB) / Q15;
+    const double of_loss = cfg.drop_q15 * 1.5 / 4096 + 1;
+    const double bound = share * loss + of_loss + 1 + PHASE_LSB + 0.5 * Q15 / cfg.timer_counts;
+    Seeded seeded(3);
+    modulator_t mod;
+    double worst = 0;
+
+    modulator_reset(&mod);
+    for (int k = 0; k < 12; k++) {
+        modulator_track_bus(&mod, &cfg, bus);
+    }
+    for (int k = 0; k < 100000; k++) {
+        const double direction = seeded.in(0, 1 << 20) * TWO_PI / (1 << 20);
+        const double radius = seeded.in(0, 16000);
+        const double ahead = seeded.in(0, 1 << 20) * TWO_PI / (1 << 20);
+        const double size = seeded.in(0, (k % 2 == 0) ? 800 : 12000);
+        const ab_t ratio = {static_cast<int32_t>(radius * std::cos(direction)),
+                            static_cast<int32_t>(radius * std::sin(direction))};
+        const ab_t current = {static_cast<int32_t>(size * std::cos(ahead)),
+                              static_cast<int32_t>(size * std::sin(ahead))};
+        const compare_t c = modulator_compare(&mod, &cfg, ratio, current);
+        const Vector volt = Vector(ratio.alpha, ratio.beta) / Q15 * bus_v;
+        const Vector ampere(s.current(current.alpha), s.current(current.beta));
+        const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, bus_v) +
+                                      nf::twin::Modulator::give_back(twin, volt, bus_v, ampere);
+        const Eigen::Vector3d duty =
+            Eigen::Vector3d(c.phase[0], c.phase[1], c.phase[2]) / cfg.timer_counts;
+
+        TEST_ASSERT_TRUE(exact.maxCoeff() < 1 && exact.minCoeff() > 0);
+        worst = std::max(worst, (duty - exact).cwiseAbs().maxCoeff() * Q15);
+    }
+    figure_check("duties with the dead time given back beside their twin, LSB of Q15", worst, bound,
+                 LEAST_SHARE);
+}
+
 int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin);
     RUN_TEST(test_too_long_vectors_are_cut_like_the_twin);
+    RUN_TEST(test_dead_time_given_back_stays_within_the_roundings_of_the_twin);
     return UNITY_END();
 }

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <complex>
 
-using nf::reference::Q14;
+using nf::reference::Q13;
 using nf::reference::Q15;
 using nf::reference::Q27;
 using nf::reference::Seeded;
@@ -22,7 +22,8 @@ using nf::reference::TWO_PI;
 using nf::twin::NnObserver;
 using nf::twin::Vector;
 
-static constexpr double LEAST_SHARE = 0.05;
+// Each rounding at its worst with the worst sign in every tick is far from what happens.
+static constexpr double LEAST_SHARE = 0.03;
 // 25736 stands for 2π·4096 in the weight W2.
 static constexpr double WEIGHT_MISMATCH = 25736.0 / (TWO_PI * 4096.0) - 1.0;
 
@@ -53,29 +54,56 @@ static auto worst_sum(const State &f, const Input &g,
     return sum;
 }
 
-// Roundings of one tick of the network, A of x and y. States of k − 1 enter the products rounded down to Q15 of
-// I_x (4096 units of Q27), times 1 − W1 and W2; the products are rounded down, 1 unit each, and W2 in
-// Q28 by ½; then constants that do not agree as integers: W2's own, the flux drive with decay
-// times flux, decay_q with decay_d·L_d/L_q.
+// Largest errors of the firmware's four numbers of a rotation, for the turn |Δ| = |ω|·T and h = Δ/2: each number rounded
+// down, to 2^-16 or 2^-28, and what that does to the next; times `series`, the terms that the series leave out.
+struct RotationErrors {
+    RotationErrors(double turn, double series)
+    {
+        const double q16 = 1.0 / 65536.0;
+        const double q28 = 1.0 / 268435456.0;
+        const double h = turn / 2;
+        const double third = std::abs(43691.0 / 65536.0 - 2.0 / 3.0); // the constant for 2/3
+        const double half_rounded = q16 + q28;
+        const double square = q16 + 2 * h * half_rounded;
+        const double sixth = q16 + square * 2 / 3 + h * h * third;
+        half = half_rounded + series * h * h * h / 6;
+        half_versine = square / 2 + q16 + series * std::pow(h, 4) / 24;
+        sine = 2 * q28 + turn * (sixth + WEIGHT_MISMATCH) + series * std::pow(turn, 5) / 120;
+        versine = 2 * q28 + turn * (half_rounded + turn * WEIGHT_MISMATCH) +
+                  turn * turn / 2 * (sixth / 2 + q16) + series * std::pow(turn, 6) / 720;
+    }
+    double half;
+    double half_versine;
+    double sine;
+    double versine;
+};
+
+// Roundings of one tick of the network, A of x and y. States of k − 1 and φ/L_d enter the products rounded down to Q15
+// of I_x (4096 units of Q27), times decay, sine and versine; the change is rounded down, 1 unit, and the four products
+// of the rotation, 4; then the rotation's own errors; decay_q does not agree with decay_d·L_d/L_q as integers.
 static Vector network_roundings(const Setup &s, const NnObserver &twin, double speed,
-                                const Vector &state)
+                                const Vector &state, const Vector &change, double series = 1.0)
 {
+    const double turn = std::abs(speed) * s.bases.control_period_s;
+    const RotationErrors r(turn, series);
     const nn_observer_cfg_t &c = s.cfg.observer;
     const double weight = std::ldexp(1.0, -12 - static_cast<int>(c.weight_shift));
-    const double unit = s.state_base() / Q27;
     const double decay_d = c.decay_d * weight;
     const double decay_q = c.decay_q * weight;
-    const double w2 = std::abs(twin.weights(speed)(0, 1));
-    const double drive = std::abs(c.flux_drive_q27 - decay_d * c.flux_q27);
-    const double mismatch = std::abs(decay_q - decay_d * c.iq_gain_q14 / Q14);
+    const double mismatch = std::abs(decay_q - twin.decay()(1, 1));
+    const double turned = std::sin(turn) + 1 - std::cos(turn);
+    const double products = 5 + turn;
+    const double unit = s.state_base() / Q27;
     const Vector size = state.cwiseAbs();
-    return {unit * (4096.0 * (decay_d + w2) + 2.5 + drive) + w2 * WEIGHT_MISMATCH * size.y(),
-            unit * (4096.0 * (decay_q + w2) + 2.5) + w2 * WEIGHT_MISMATCH * size.x() +
-                mismatch * size.y()};
+    const Vector changed = change.cwiseAbs() + Vector(0, mismatch * size.y());
+    return Vector(4096.0 * (decay_d + turned) + products, 4096.0 * (decay_q + turned) + products) *
+               unit +
+           r.sine * Vector(size.y(), size.x()) + r.versine * size +
+           r.half * Vector(changed.y(), changed.x()) + r.half_versine * changed +
+           mismatch * Vector(turn, 1.0) * size.y();
 }
 
-// The network alone: speed prescribed, nothing trained. For L_d = L_q its sum is the rounding over
-// 1 − |W1 + jW2|.
+// The network alone: speed prescribed, nothing trained. For L_d = L_q its sum is the rounding over 1 − |W|.
 static double compare_network(const Setup &base, double speed, double *bound)
 {
     Setup s = base;
@@ -88,6 +116,7 @@ static double compare_network(const Setup &base, double speed, double *bound)
     const double exact_speed = s.speed_of_step(step);
     dq_t voltage = {0, 0};
     Vector largest = Vector::Zero();
+    Vector largest_change = Vector::Zero();
     double worst = 0;
 
     nn_observer_reset(&obs, &s.cfg.observer);
@@ -102,6 +131,8 @@ static double compare_network(const Setup &base, double speed, double *bound)
             voltage.q =
                 static_cast<int32_t>(std::lround(emf / s.voltage(1))) + seeded.in(-650, 650);
         }
+        largest_change =
+            largest_change.cwiseMax(twin.change(twin.state(), s.voltage(voltage)).cwiseAbs());
         nn_observer_step(&obs, &s.cfg.observer, dq_t{0, 0}, voltage);
         twin.step(Vector::Zero(), s.voltage(voltage));
         const Vector state(obs.x_q27 / Q27 * s.state_base(), obs.y_q27 / Q27 * s.state_base());
@@ -111,7 +142,7 @@ static double compare_network(const Setup &base, double speed, double *bound)
     }
     const Vector sum = worst_sum(Eigen::Matrix2d(twin.weights(exact_speed)),
                                  Eigen::Matrix2d(Eigen::Matrix2d::Identity()),
-                                 network_roundings(s, twin, exact_speed, largest));
+                                 network_roundings(s, twin, exact_speed, largest, largest_change));
     *bound = sum.maxCoeff();
     return worst;
 }
@@ -144,6 +175,7 @@ struct Motor {
     double speed;
     double angle = 0;
     Vector current = Vector::Zero();
+    int steps = 40;
 
     // The voltage that keeps i_d = 0 and this i_q.
     Vector steady_voltage(double current_q) const
@@ -152,11 +184,11 @@ struct Motor {
                 p.resistance_ohm * current_q + speed * p.flux_wb};
     }
 
-    // One period of a voltage that is constant in the stationary frame; 40 steps of Heun's method.
+    // One period of a voltage that is constant in the stationary frame, in steps of Heun's method.
     void run(const Vector &stationary)
     {
-        const double h = p.period_s / 40;
-        for (int i = 0; i < 40; i++) {
+        const double h = p.period_s / steps;
+        for (int i = 0; i < steps; i++) {
             const Vector first = slope(current, stationary, angle);
             const Vector second = slope(current + h * first, stationary, angle + h * speed);
             current += h / 2 * (first + second);
@@ -175,6 +207,24 @@ struct Motor {
     }
 };
 
+// What a small deviation of ω_out by 1 does to the network's next state around a steady one: d/dω of
+// R(−ωT)·z + R(−ωT/2)·c, with R(−ωT/2)·c = z − R(−ωT)·z.
+static Vector effect_of_speed(const NnObserver &twin, const NnObserver::Params &p, double speed,
+                              const Vector &state)
+{
+    const Vector middle = 0.5 * (state + twin.rotation(speed, 1.0) * state);
+    return p.period_s * Vector(middle.y(), -middle.x());
+}
+
+// b = e'_q·x − e'_d·y as a function of e around a steady state, where e is small.
+static Eigen::RowVector2d effect_on_descent(const NnObserver::Params &p, double rho,
+                                            const Vector &state)
+{
+    Eigen::Matrix2d turn;
+    turn << 1.0, rho * p.saliency, -rho, p.saliency;
+    return Eigen::RowVector2d(-state.y(), state.x()) * turn;
+}
+
 // Difference of observer and twin: states δx, δy, δω, δω_out, δ(ΔW2); inputs the roundings of x, y, i_d,
 // i_q, b, ΔW2, ω_out. Both see the same measurement, so θ̂ does not close this loop.
 struct Difference {
@@ -182,24 +232,24 @@ struct Difference {
     Eigen::Matrix<double, 5, 7> g;
 };
 
-static Difference difference_system(const NnObserver &twin, const NnObserver::Params &p,
+static Difference difference_system(const NnObserver &twin, const NnObserver::Params &p, double rho,
                                     double speed, const Vector &state)
 {
-    const double gain_q = p.inductance_d_h / p.inductance_q_h;
+    const Vector gain(1.0, p.inductance_d_h / p.inductance_q_h);
     const double flux2 = twin.flux_current() * twin.flux_current();
+    const Eigen::RowVector2d descent = effect_on_descent(p, rho, state);
     Difference d;
     d.f.setZero();
     d.g.setZero();
     d.f.topLeftCorner<2, 2>() = twin.weights(speed);
-    d.f(0, 3) = p.period_s * state.y();
-    d.f(1, 3) = -p.period_s * state.x();
+    d.f.block<2, 1>(0, 3) = effect_of_speed(twin, p, speed, state);
     d.g(0, 0) = 1;
     d.g(1, 1) = 1;
-    // δb = −L_d/L_q·δy·x + δx·y with the new states, and the roundings of the currents and of b.
-    const auto f_b = (-gain_q * state.x() * d.f.row(1) + state.y() * d.f.row(0)).eval();
-    auto g_b = (-gain_q * state.x() * d.g.row(1) + state.y() * d.g.row(0)).eval();
-    g_b(2) += state.y();
-    g_b(3) += state.x();
+    // δe = −(δx, δy·L_d/L_q) with the new states; the roundings of the currents and of b.
+    const Eigen::RowVector2d of_state = -descent * gain.asDiagonal();
+    const auto f_b = (of_state * d.f.topRows<2>()).eval();
+    auto g_b = (of_state * d.g.topRows<2>()).eval();
+    g_b.segment<2>(2) += descent;
     g_b(4) += 1;
     d.f.row(4) = p.eta * f_b;
     d.f(4, 4) += p.alpha;
@@ -214,15 +264,76 @@ static Difference difference_system(const NnObserver &twin, const NnObserver::Pa
     return d;
 }
 
+// Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. î rounded down 1 LSB (i_q twice); of b: the error
+// of i_q scaled 1 LSB, turned and added 1 in each axis; b >> 12; x, y in b as Q15 of I_x times the error. ΔW2
+// rounded down to a step, its momentum to two; ω_out to a step.
+static Eigen::Matrix<double, 5, 1> training_roundings(const Setup &s, const NnObserver::Params &p,
+                                                      double rho, const Vector &state,
+                                                      double largest_error)
+{
+    const double lsb = s.current(1);
+    const double base_x = s.state_base();
+    const Vector size = state.cwiseAbs();
+    const double scaled = size.x() + std::abs(rho) * size.y();
+    const double step = s.speed_of_step(1);
+    Eigen::Matrix<double, 5, 1> r;
+    r << lsb, lsb + base_x / Q27,
+        lsb * (scaled + size.x() + size.y()) + 4096.0 * lsb * base_x / Q15 +
+            2.0 * largest_error * base_x / Q15,
+        (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
+    return r;
+}
+
 struct Comparison {
     double speed;     // largest difference of ω̂, as a share of its bound
     double speed_out; // of ω̂_out
     double current;   // of the states
 };
 
+// Firmware and twin at the same point, with the same ρ.
+static void start_both(const Setup &s, const Vector &state, double speed, nn_observer_t &obs,
+                       NnObserver &twin)
+{
+    const double base_x = s.state_base();
+
+    nn_observer_reset(&obs, &s.cfg.observer);
+    obs.x_q27 = static_cast<int32_t>(std::lround(state.x() / base_x * Q27));
+    obs.y_q27 = static_cast<int32_t>(std::lround(state.y() / base_x * Q27));
+    obs.speed = static_cast<step_t>(std::lround(s.step_of_speed(speed)));
+    obs.speed_out = obs.speed;
+    nn_observer_update_rho(&obs, &s.cfg.observer);
+    twin.set({obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x}, s.speed_of_step(obs.speed),
+             s.speed_of_step(obs.speed));
+    twin.set_rho(obs.rho_q13 / Q13);
+}
+
+// Motor and inverter as the firmware sees them with the angle that it has estimated.
+struct Bench {
+    dq_t measured;
+    dq_t voltage; // of the last period
+
+    static dq_t rounded(const Vector &v)
+    {
+        return {static_cast<int32_t>(std::lround(v.x())), static_cast<int32_t>(std::lround(v.y()))};
+    }
+
+    // One period, in which the voltage that keeps current_q acts and the estimate goes on by step.
+    Bench(const Setup &s, Motor &motor, double current_q, angle_t &angle, step_t step)
+    {
+        const double middle = (angle + 0.5 * step) / STEPS_PER_TURN * TWO_PI;
+        const Vector stationary = nf::twin::park_inverse(
+            motor.steady_voltage(current_q), motor.angle + 0.5 * motor.speed * motor.p.period_s);
+        motor.run(stationary);
+        angle += static_cast<angle_t>(step);
+        measured = rounded(nf::twin::park(nf::twin::park_inverse(motor.current, motor.angle),
+                                          angle / STEPS_PER_TURN * TWO_PI) /
+                           s.current(1));
+        voltage = rounded(nf::twin::park(stationary, middle) / s.voltage(1));
+    }
+};
+
 static Comparison compare_running(const Setup &s, double speed, double current_q)
 {
-    const nn_observer_cfg_t &c = s.cfg.observer;
     const NnObserver::Params p = nf::reference::observer_params(s);
     const double base_x = s.state_base();
     NnObserver twin(p);
@@ -230,54 +341,30 @@ static Comparison compare_running(const Setup &s, double speed, double current_q
     Motor motor{p, speed};
     const Vector state(twin.flux_current(), current_q * p.inductance_q_h / p.inductance_d_h);
     angle_t angle = 0;
-    Vector stationary = Vector::Zero();
     double largest_error = 0;
     Vector worst_state = Vector::Zero();
     double worst_speed = 0;
     double worst_out = 0;
 
     motor.current = {0, current_q};
-    nn_observer_reset(&obs, &c);
-    obs.x_q27 = static_cast<int32_t>(std::lround(state.x() / base_x * Q27));
-    obs.y_q27 = static_cast<int32_t>(std::lround(state.y() / base_x * Q27));
-    obs.speed = static_cast<step_t>(std::lround(s.step_of_speed(speed)));
-    obs.speed_out = obs.speed;
-    twin.set({obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x}, s.speed_of_step(obs.speed),
-             s.speed_of_step(obs.speed));
-    stationary = nf::twin::park_inverse(motor.steady_voltage(current_q), 0.5 * speed * p.period_s);
+    start_both(s, state, speed, obs, twin);
     for (int k = 0; k < 8000; k++) {
-        const double middle =
-            angle / STEPS_PER_TURN * TWO_PI + 0.5 * obs.speed_out / STEPS_PER_TURN * TWO_PI;
-        motor.run(stationary);
-        angle += static_cast<angle_t>(obs.speed_out);
-        const Vector i = nf::twin::park(nf::twin::park_inverse(motor.current, motor.angle),
-                                        angle / STEPS_PER_TURN * TWO_PI) /
-                         s.current(1);
-        const Vector v = nf::twin::park(stationary, middle) / s.voltage(1);
-        const dq_t measured = {static_cast<int32_t>(std::lround(i.x())),
-                               static_cast<int32_t>(std::lround(i.y()))};
-        const dq_t voltage = {static_cast<int32_t>(std::lround(v.x())),
-                              static_cast<int32_t>(std::lround(v.y()))};
-        nn_observer_step(&obs, &c, measured, voltage);
-        twin.step(s.current(measured), s.voltage(voltage));
-        stationary = nf::twin::park_inverse(motor.steady_voltage(current_q),
-                                            motor.angle + 0.5 * speed * p.period_s);
+        const Bench bench(s, motor, current_q, angle, obs.speed_out);
+        nn_observer_step(&obs, &s.cfg.observer, bench.measured, bench.voltage);
+        twin.step(s.current(bench.measured), s.voltage(bench.voltage));
         const Vector own(obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x);
         worst_state = worst_state.cwiseMax((own - twin.state()).cwiseAbs());
         worst_speed = std::max(worst_speed, std::abs(s.speed_of_step(obs.speed) - twin.speed()));
         worst_out =
             std::max(worst_out, std::abs(s.speed_of_step(obs.speed_out) - twin.speed_out()));
-        largest_error = std::max(largest_error, twin.error().cwiseAbs().maxCoeff());
+        largest_error = std::max(largest_error, twin.turned().cwiseAbs().maxCoeff());
     }
-    const Vector network = network_roundings(s, twin, speed, state);
-    const double step = s.speed_of_step(1);
+    const double rho = obs.rho_q13 / Q13;
     Eigen::Matrix<double, 7, 1> r;
-    // î rounded down 1 LSB (i_q twice); b >> 14, and x, y in b as Q15 of I_x times the error; ΔW2 rounded down
-    // to a step, its momentum to two; ω_out to a step.
-    r << network.x(), network.y(), s.current(1), s.current(1) + base_x / Q27,
-        16384.0 * s.current(1) * base_x / Q15 + 2.0 * largest_error * base_x / Q15,
-        (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
-    const Difference d = difference_system(twin, p, speed, state);
+    r << network_roundings(s, twin, speed, state,
+                           twin.change(state, motor.steady_voltage(current_q))),
+        training_roundings(s, p, rho, state, largest_error);
+    const Difference d = difference_system(twin, p, rho, speed, state);
     const auto bound = worst_sum(d.f, d.g, r);
     return {worst_speed / bound(2), worst_out / bound(3),
             std::max(worst_state.x() / bound(0), worst_state.y() / bound(1))};
@@ -319,11 +406,216 @@ static void test_momentum_stays_within_the_contracted_roundings_of_the_twin()
     check_running("motor A with momentum", nf::reference::motor_a(), tuning, 377.0, 10000);
 }
 
+static void test_turned_error_stays_within_the_contracted_roundings_of_the_twin()
+{
+    nf::TuningSettings tuning = nf::reference::tuning();
+
+    tuning.observer_rho_max = 2;
+    check_running("motor A with its error turned", nf::reference::motor_a(), tuning, 377.0, 10000);
+    check_running("motor B with its error turned", nf::reference::motor_b(), tuning, 251.0, 20000);
+}
+
+// ρ in units of 2^-13: rounded towards zero, 1; corner and speed in units of 1024 steps, 1 each.
+static void test_rho_stays_within_the_roundings_of_the_twin()
+{
+    nf::TuningSettings tuning = nf::reference::tuning();
+    tuning.observer_rho_max = 2;
+    const Setup s(nf::reference::motor_a(), nf::reference::board(), tuning);
+    const nn_observer_cfg_t &c = s.cfg.observer;
+    const NnObserver twin(nf::reference::observer_params(s));
+    nn_observer_t obs;
+    Seeded seeded(1);
+    double share = 0;
+
+    nn_observer_reset(&obs, &c);
+    for (int k = 0; k < 20000; k++) {
+        obs.speed = seeded.in(-c.speed_limit, c.speed_limit);
+        nn_observer_update_rho(&obs, &c);
+        const double exact = twin.rho_at(s.speed_of_step(obs.speed)) * Q13;
+        const double units = std::max(std::abs(obs.speed) / 1024.0 - 1.0, 1.0);
+        const double bound = 1.0 + std::abs(exact) * (1024.0 / c.corner + 1.0 / units);
+        share = std::max(share, std::abs(obs.rho_q13 - exact) / bound);
+    }
+    figure_check("rho beside its twin, share of the bound", share, 1.0, LEAST_SHARE);
+}
+
+// The weights of (14)–(16) are the first order of the rotation's: with Δ = ω·T the largest difference of a step is
+//     |R(−Δ)·z − (1 + Δ·J)·z| ≤ Δ²/2·|z|   and   |R(−Δ/2)·c − c| ≤ Δ/2·|c|,
+// c the change by resistance and voltage in a period, itself of first order in T.
+static void test_paper_weights_are_those_of_the_network_to_first_order()
+{
+    const Setup s(nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning());
+    const double base_x = s.state_base();
+    NnObserver twin(nf::reference::observer_params(s));
+    Seeded seeded(1);
+
+    for (const double turn : {0.01, 0.02, 0.04, -0.04}) {
+        const double speed = turn / s.bases.control_period_s;
+        double worst = 0;
+
+        for (int k = 0; k < 2000; k++) {
+            const Vector start(twin.flux_current() + seeded.in(-10000, 10000) * 1e-3,
+                               seeded.in(-20000, 20000) * 1e-3);
+            const dq_t voltage = {seeded.in(-9000, 9000), seeded.in(-9000, 9000)};
+            nn_observer_t obs;
+            start_both(s, start, speed, obs, twin);
+            const Vector before = twin.state();
+            const double exact_speed = twin.speed();
+            const Vector printed = twin.paper_predicted(before, s.voltage(voltage), exact_speed);
+            const Vector change = twin.change(before, s.voltage(voltage));
+            nn_observer_follow(&obs, &s.cfg.observer, dq_t{0, 0}, voltage, obs.speed);
+            const Vector after(obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x);
+            const double bound = turn * turn / 2 * before.norm() +
+                                 std::abs(turn) / 2 * change.norm() +
+                                 network_roundings(s, twin, exact_speed, before, change).norm();
+            worst = std::max(worst, (after - printed).norm() / bound);
+        }
+        char text[80];
+        std::snprintf(text, sizeof text, "network beside the printed one, turn %g, share", turn);
+        figure_check(text, worst, 1.0, 0.5);
+    }
+}
+
+// Observer and motor around the steady state z of the motor, with the estimated angle in the loop: states δx, δy, δω,
+// δω_out, δθ; inputs as above, and first what the network does not know of the motor, in x and y.
+struct ClosedLoop {
+    Eigen::Matrix<double, 5, 5> f;
+    Eigen::Matrix<double, 5, 7> g;
+};
+
+static ClosedLoop closed_loop(const NnObserver &twin, const NnObserver::Params &p, double speed,
+                              const Vector &state, const Vector &current, const Vector &voltage)
+{
+    const double flux2 = twin.flux_current() * twin.flux_current();
+    const double gain = p.period_s / p.inductance_d_h;
+    // A frame ahead by δθ sees a vector turned back.
+    const Vector voltage_turned =
+        gain * twin.rotation(speed, 0.5) * Vector(voltage.y(), -voltage.x());
+    const Vector current_turned(current.y(), -current.x());
+    const Vector scale(1.0, p.inductance_d_h / p.inductance_q_h);
+    const Eigen::RowVector2d descent = effect_on_descent(p, 0.0, state);
+    ClosedLoop c;
+    c.f.setZero();
+    c.g.setZero();
+    c.f.topLeftCorner<2, 2>() = twin.weights(speed);
+    c.f.block<2, 1>(0, 3) =
+        effect_of_speed(twin, p, speed, state) + 0.5 * p.period_s * voltage_turned;
+    c.f.block<2, 1>(0, 4) = voltage_turned;
+    c.f.row(4) << 0, 0, 0, p.period_s, 1;
+    c.g.topLeftCorner<2, 2>().setIdentity();
+    Eigen::Matrix<double, 2, 5> f_e = -(scale.asDiagonal() * c.f.topRows<2>());
+    Eigen::Matrix<double, 2, 7> g_e = -(scale.asDiagonal() * c.g.topRows<2>());
+    f_e += current_turned * c.f.row(4);
+    g_e.middleCols<2>(2) += Eigen::Matrix2d::Identity();
+    const auto f_b = (descent * f_e).eval();
+    auto g_b = (descent * g_e).eval();
+    g_b(4) += 1;
+    c.f.row(2) = -p.eta / p.period_s * f_b;
+    c.f(2, 2) += 1;
+    c.g.row(2) = -p.eta / p.period_s * g_b;
+    c.g(2, 5) -= 1 / p.period_s;
+    c.f.row(3) = c.f.row(2) - p.kappa_p / p.period_s / flux2 * f_b;
+    c.g.row(3) = c.g.row(2) - p.kappa_p / p.period_s / flux2 * g_b;
+    c.g(3, 6) += 1;
+    return c;
+}
+
+// Motor A sixteen times as fast: R, L and φ a sixteenth, so that τ and φ/L stay; J a 256th, so that it accelerates
+// sixteen times as fast too. ω·T = 0.7 at its highest speed.
+static nf::MotorSettings fast_motor()
+{
+    nf::MotorSettings m = nf::reference::motor_a();
+    m.resistance_ohm /= 16;
+    m.inductance_d_h /= 16;
+    m.inductance_q_h /= 16;
+    m.flux_linkage_wb /= 16;
+    m.inertia_kg_m2 /= 256;
+    m.max_speed_rpm = 33420;
+    m.rated_speed_rpm = 30000;
+    return m;
+}
+
+// What the network does not know of the motor in a tick, the same in each: resistance acts on the current of
+// k − 1 at the middle of the turn, while the current differs from it in between. The voltage stands still in
+// the stationary frame and turns by ±h = ±Δ/2 against the rotor, which moves the current by at most
+// T/L·|v|·h/4 at the middle; and the drop itself turns, h²/6 of it. The rotation's series leaves out h³/6, Δ⁵/120, Δ⁶/720.
+static double unknown_to_the_network(const NnObserver &twin, const NnObserver::Params &p,
+                                     double turn, const Vector &state, const Vector &current,
+                                     const Vector &voltage)
+{
+    const double h = turn / 2;
+    const double ripple = p.period_s / p.inductance_d_h * voltage.norm() * h / 4;
+    const double left_out = h * h * h / 6 * twin.change(state, voltage).norm() +
+                            (std::pow(turn, 5) / 120 + std::pow(turn, 6) / 720) * state.norm();
+    return twin.decay()(0, 0) * (ripple + h * h / 6 * current.norm()) + left_out;
+}
+
+// At 0.7 rad in a period the observer, trained and with its own angle in the loop, holds the motor's state: constant
+// errors count by the closed loop's steady gain, roundings by their worst sum. Forward Euler, as
+// printed, stretches the state by √((1 − T/τ)² + 0.49) = 1.2 in each period and is lost.
+static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges()
+{
+    const double current_q = 4;
+    const Setup s(fast_motor(), nf::reference::board(), nf::reference::tuning());
+    const NnObserver::Params p = nf::reference::observer_params(s);
+    const double turn = 0.7;
+    const double speed = turn / p.period_s;
+    const double base_x = s.state_base();
+    NnObserver twin(p);
+    nn_observer_t obs;
+    Motor motor{p, speed};
+    Vector printed(twin.flux_current(), current_q);
+    angle_t angle = 0;
+    double largest_error = 0;
+    double worst = 0;
+
+    motor.steps = 400;
+    motor.current = {0, current_q};
+    start_both(s, printed + Vector(1, -1), speed, obs, twin);
+    for (int k = 0; k < 6000; k++) {
+        const Bench bench(s, motor, current_q, angle, obs.speed_out);
+        nn_observer_step(&obs, &s.cfg.observer, bench.measured, bench.voltage);
+        if (printed.norm() < 1e6) {
+            printed = twin.paper_predicted(printed, s.voltage(bench.voltage), speed);
+        }
+        if (k >= 3000) {
+            const Vector own(obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x);
+            const Vector true_state = motor.current + Vector(twin.flux_current(), 0);
+            worst = std::max(worst, (own - true_state).cwiseAbs().maxCoeff());
+            largest_error = std::max({largest_error, s.current(std::abs(obs.turned.d)),
+                                      s.current(std::abs(obs.turned.q))});
+        }
+    }
+    const Vector voltage = motor.steady_voltage(current_q);
+    const Vector state = motor.current + Vector(twin.flux_current(), 0);
+    const ClosedLoop loop = closed_loop(twin, p, speed, state, motor.current, voltage);
+    const double constant = unknown_to_the_network(twin, p, turn, state, motor.current, voltage);
+    const auto steady =
+        ((Eigen::Matrix<double, 5, 5>::Identity() - loop.f).inverse() * loop.g.leftCols<2>())
+            .eval();
+    const double of_voltage = p.period_s / p.inductance_d_h * s.voltage(1);
+    Eigen::Matrix<double, 7, 1> r;
+    // Samples are rounded to nearest, ½ LSB; the voltage in both axes, which turn into each other.
+    r << network_roundings(s, twin, speed, state, twin.change(state, voltage), 0.0) +
+             Vector::Constant(of_voltage),
+        training_roundings(s, p, 0.0, state, largest_error);
+    r.segment<2>(2).array() += 0.5 * s.current(1);
+    const auto noise = worst_sum(loop.f, loop.g, r);
+    const double bound =
+        (steady.cwiseAbs() * Vector::Constant(constant) + noise).head<2>().maxCoeff();
+    TEST_ASSERT_TRUE(printed.norm() > 1e6);
+    figure_check("state at 0.7 rad in a period beside the motor, A", worst, bound, LEAST_SHARE);
+}
+
 int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_network_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_trained_network_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_momentum_stays_within_the_contracted_roundings_of_the_twin);
+    RUN_TEST(test_turned_error_stays_within_the_contracted_roundings_of_the_twin);
+    RUN_TEST(test_rho_stays_within_the_roundings_of_the_twin);
+    RUN_TEST(test_paper_weights_are_those_of_the_network_to_first_order);
+    RUN_TEST(test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverges);
     return UNITY_END();
 }

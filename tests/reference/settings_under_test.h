@@ -100,8 +100,17 @@ inline TuningSettings tuning()
 // The firmware's numbers for a motor, with the SI meaning of one.
 struct Setup {
     Setup(const MotorSettings &motor, const BoardSettings &board, const TuningSettings &tuning)
-        : bases(make_bases(motor, board)), cfg(make_drive_cfg(motor, board, tuning, ModelScales()))
+        : bases(make_bases(motor, board)), cfg(make_drive_cfg(motor, board, tuning, no_losses()))
     {
+    }
+
+    // The motor as in its file, and an inverter without dead time and drop.
+    static ModelScales no_losses()
+    {
+        ModelScales scales;
+        scales.dead_time_s = 0;
+        scales.device_drop_v = 0;
+        return scales;
     }
 
     double current(double q15) const
@@ -158,8 +167,8 @@ inline twin::NnObserver::Params observer_params(const Setup &s)
     const double base_x = s.state_base();
     const double ld = period / (c.volt_gain * weight) * s.bases.voltage_v / base_x;
     const double flux_current = c.flux_q27 / Q27 * base_x;
-    // From b in A² to steps: b/(I_b·I_x)·2^30/2^14·mantissa/2^shift; steps to radians a sample.
-    const double descent = 65536.0 / (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
+    // From b in A² to steps: b/(I_b·I_x)·2^30/2^12·mantissa/2^shift; steps to radians a sample.
+    const double descent = 262144.0 / (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
 
     twin::NnObserver::Params p{};
     p.period_s = period;
@@ -168,6 +177,10 @@ inline twin::NnObserver::Params observer_params(const Setup &s)
     p.resistance_ohm = c.decay_d * weight / period * ld;
     p.flux_wb = flux_current * ld;
     p.eta = std::ldexp(c.rate, -static_cast<int>(c.rate_shift)) * descent;
+    p.saliency = c.saliency_q13 / Q13;
+    p.corner_rad_s = s.speed_of_step(c.corner);
+    p.rho_max = c.rho_max_q13 / Q13;
+    p.rho_speed_min = s.speed_of_step(c.rho_speed_min);
     p.alpha = c.momentum_q15 / Q15;
     p.kappa_p = std::ldexp(c.proportional, -static_cast<int>(c.proportional_shift)) * descent *
                 flux_current * flux_current;
@@ -180,9 +193,11 @@ inline twin::CurrentLoop::Params current_loop_params(const Setup &s)
     const double resistance = s.bases.voltage_v / s.bases.current_a;
     const double reactance = resistance / s.bases.speed_el_rad_s / Q13;
     return {pi_params(c.pi_d, s.bases.voltage_v, s.bases.current_a),
-            pi_params(c.pi_q, s.bases.voltage_v, s.bases.current_a), c.reactance_d_q13 * reactance,
+            pi_params(c.pi_q, s.bases.voltage_v, s.bases.current_a),
+            c.reactance_d_q13 * reactance,
             c.reactance_q_q13 * reactance,
-            c.emf_q13 / Q13 * s.bases.voltage_v / s.bases.speed_el_rad_s};
+            c.emf_q13 / Q13 * s.bases.voltage_v / s.bases.speed_el_rad_s,
+            c.resistance_q13 / Q13 * resistance};
 }
 
 inline twin::SpeedLoop::Params speed_loop_params(const Setup &s)

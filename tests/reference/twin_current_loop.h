@@ -1,5 +1,5 @@
 // Current control in the rotor frame, in A, V and rad/s: PI an axis, decoupling by the motor equations
-// (1), (2) of paper A, voltage limited to a circle with the d axis first.
+// (1), (2) of paper A (the resistance by the reference), voltage limited to a circle with the d axis first.
 #pragma once
 
 #include "twin_pi.h"
@@ -20,6 +20,7 @@ public:
         double inductance_d_h;
         double inductance_q_h;
         double flux_wb;
+        double resistance_ohm;
     };
 
     explicit CurrentLoop(const Params &params) : p_(params), pi_d_(params.pi_d), pi_q_(params.pi_q)
@@ -31,9 +32,11 @@ public:
                 double limit_v)
     {
         const Vector error = reference_a - measured_a;
-        const double emf_d = -speed_rad_s * p_.inductance_q_h * measured_a.y();
-        const double emf_q = speed_rad_s * (p_.inductance_d_h * measured_a.x() + p_.flux_wb);
-        Vector v(pi_d_.step(error.x(), emf_d, limit_v), pi_q_.step(error.y(), emf_q, limit_v));
+        const Vector emf(-speed_rad_s * p_.inductance_q_h * measured_a.y(),
+                         speed_rad_s * (p_.inductance_d_h * measured_a.x() + p_.flux_wb));
+        const Vector known = p_.resistance_ohm * reference_a + emf;
+        Vector v(pi_d_.step(error.x(), known.x(), limit_v),
+                 pi_q_.step(error.y(), known.y(), limit_v));
         const double room = std::sqrt(std::max(0.0, limit_v * limit_v - v.x() * v.x()));
 
         cut_ = std::abs(v.y()) > room;

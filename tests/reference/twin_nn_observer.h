@@ -1,7 +1,10 @@
-// Neural-network speed observer, paper A (14)–(22), in SI units and without any limit.
+// Neural-network speed observer, paper A (14)–(22), in SI units and without any limit: with the exact rotation by
+// W2, and as the paper prints it.
 #pragma once
 
 #include "twin_transforms.h"
+
+#include <algorithm>
 
 namespace nf::twin
 {
@@ -14,10 +17,14 @@ public:
         double resistance_ohm;
         double inductance_d_h;
         double inductance_q_h;
+        double saliency; // L_q/L_d as it scales the error of i_q
         double flux_wb;
-        double eta;     // learning rate of (19)
-        double alpha;   // momentum of (19)
-        double kappa_p; // proportional path; 0 is the paper
+        double eta;           // learning rate of (19)
+        double alpha;         // momentum of (19)
+        double kappa_p;       // proportional path; 0 is the paper
+        double corner_rad_s;  // R/L_d, for ρ
+        double rho_max;       // 0 is the paper
+        double rho_speed_min; // rad/s; below it ρ = 0
     };
 
     explicit NnObserver(const Params &params) : p_(params)
@@ -31,27 +38,81 @@ public:
         return p_.flux_wb / p_.inductance_d_h;
     }
 
-    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v, the weights at speed ω.
+    // What a vector at rest does in a frame that turns by ω·T·share.
+    Eigen::Matrix2d rotation(double speed_rad_s, double share) const
+    {
+        return Eigen::Rotation2Dd(-speed_rad_s * p_.period_s * share).toRotationMatrix();
+    }
+
+    // T·R/L, the decay of both states in a period.
+    Eigen::Matrix2d decay() const
+    {
+        return Vector(p_.period_s * p_.resistance_ohm / p_.inductance_d_h,
+                      p_.period_s * p_.resistance_ohm / p_.inductance_q_h)
+            .asDiagonal();
+    }
+
+    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v, the weights at speed ω: the state turned through −ω·T, what the resistance
+    // takes acts in the middle of the turn, and so does v.
     Eigen::Matrix2d weights(double speed_rad_s) const
     {
-        const double w1_d = 1.0 - p_.period_s * p_.resistance_ohm / p_.inductance_d_h;
-        const double w1_q = 1.0 - p_.period_s * p_.resistance_ohm / p_.inductance_q_h;
+        return rotation(speed_rad_s, 1.0) - rotation(speed_rad_s, 0.5) * decay();
+    }
+
+    // The same as printed: W1 = 1 − T/τ, W2 = −T·ω.
+    Eigen::Matrix2d paper_weights(double speed_rad_s) const
+    {
         const double w2 = -p_.period_s * speed_rad_s;
-        Eigen::Matrix2d w;
-        w << w1_d, -w2, w2, w1_q;
-        return w;
+        Eigen::Matrix2d turn;
+        turn << 0.0, -w2, w2, 0.0;
+        return Eigen::Matrix2d::Identity() - decay() + turn;
+    }
+
+    // T·(v_x, v_y) of (8).
+    Vector drive(const Vector &voltage_v) const
+    {
+        return p_.period_s * (voltage_v + Vector(p_.resistance_ohm * flux_current(), 0.0)) /
+               p_.inductance_d_h;
+    }
+
+    // What resistance and voltage change of a state in a period, in the frame at its middle.
+    Vector change(const Vector &state, const Vector &voltage_v) const
+    {
+        return drive(voltage_v) - decay() * state;
+    }
+
+    // The network's next state from any other, and as printed.
+    Vector predicted(const Vector &state, const Vector &voltage_v, double speed_rad_s) const
+    {
+        return weights(speed_rad_s) * state + rotation(speed_rad_s, 0.5) * drive(voltage_v);
+    }
+    Vector paper_predicted(const Vector &state, const Vector &voltage_v, double speed_rad_s) const
+    {
+        return paper_weights(speed_rad_s) * state + drive(voltage_v);
     }
 
     // One tick: currents in A and the voltage of the last interval in V, both in the estimated frame.
     void step(const Vector &current_a, const Vector &voltage_v)
     {
         const Vector before = state_;
-        const Vector drive =
-            (voltage_v + Vector(p_.resistance_ohm * flux_current(), 0.0)) / p_.inductance_d_h;
 
-        state_ = weights(speed_out_) * before + p_.period_s * drive;
+        state_ = predicted(before, voltage_v, speed_out_);
         error_ = current_a - current();
-        train(error_.y() * before.x() - error_.x() * before.y());
+        const double flux_error_q = p_.saliency * error_.y();
+        turned_ = {error_.x() + rho_ * flux_error_q, flux_error_q - rho_ * error_.x()};
+        train(turned_.y() * before.x() - turned_.x() * before.y());
+    }
+
+    // ρ = R/(ω̂·L_d), limited; nothing at low speed.
+    double rho_at(double speed_rad_s) const
+    {
+        const bool slow = std::abs(speed_rad_s) < p_.rho_speed_min;
+        return slow ? 0.0 : std::clamp(p_.corner_rad_s / speed_rad_s, -p_.rho_max, p_.rho_max);
+    }
+
+    void set_rho(double rho)
+    {
+        rho_ = rho;
     }
 
     // î_d, î_q: the shift of (7) and the scale of y undone.
@@ -63,6 +124,12 @@ public:
     const Vector &error() const
     {
         return error_;
+    }
+
+    // e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)
+    const Vector &turned() const
+    {
+        return turned_;
     }
 
     // x̂ = i_d + φ/L_d, ŷ = (L_q/L_d)·i_q.
@@ -103,6 +170,8 @@ private:
     Params p_;
     Vector state_;
     Vector error_ = Vector::Zero();
+    Vector turned_ = Vector::Zero();
+    double rho_ = 0;
     double weight_change_ = 0;
     double speed_ = 0;
     double speed_out_ = 0;

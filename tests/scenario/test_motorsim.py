@@ -11,12 +11,13 @@ from pathlib import Path
 MOTORSIM = Path(sys.argv.pop(1)).resolve()
 HOLDS, BROKEN, BAD_INPUT = 0, 1, 2
 RATED_RPM = 1800
+ROUNDING = 1e-3  # of a parameter in the firmware's numbers
 
 METRICS = """
 scenario with seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults state_final
-gates_enabled_final saturations saturation_internal_count accepted failed_limits""".split()
+gates_enabled_final parameters saturations saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
 time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm
 position_command_rad position_rad position_estimated_rad angle_el_deg angle_estimated_el_deg
@@ -96,6 +97,14 @@ class Metrics(MotorsimTest):
         self.assertEqual((held["state_final"], held["gates_enabled_final"]), ("RUN", True))
         tripped = self.metrics("s1", "--set", "plant.bus_ripple_pct=40")
         self.assertEqual((tripped["state_final"], tripped["gates_enabled_final"]), ("FAULT", False))
+
+    def test_the_parameters_are_told_as_estimated_actual_and_configured(self):
+        parameters = self.metrics("s1", "--set", "plant.resistance_scale=1.02")["parameters"]
+        resistance = parameters["resistance_ohm"]
+        self.assertAlmostEqual(resistance["actual"], 1.02 * 2.125)
+        self.assertAlmostEqual(resistance["configured"], 2.125)
+        for name, value in parameters.items():  # nothing is corrected as published
+            self.assertAlmostEqual(value["estimated"] / value["configured"], 1, delta=ROUNDING, msg=name)
 
     def test_only_json_goes_to_standard_output(self):
         done = self.assert_status(BROKEN, "run", self.short(angle=0), "--json", "-")

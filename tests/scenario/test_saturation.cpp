@@ -148,7 +148,7 @@ void test_largest_ratio_of_either_axis()
 void test_limits_are_not_internal()
 {
     Frame frame = calm();
-    frame.drive.signals.current_ref_q = -CURRENT_MAX;
+    frame.drive.signals.current_ref.q = -CURRENT_MAX;
     frame.drive.signals.voltage = {0, 12000};
     frame.out.compare.phase[1] = 0;
     Saturations saturations;

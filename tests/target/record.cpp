@@ -1,6 +1,6 @@
 // Records a run of the simulator for the replay on targets:
 //
-//     record FOLDER SCENARIO [IMPERFECTION...]
+//     record FOLDER SCENARIO [IMPERFECTION | SECTION.KEY=VALUE]...
 //
 // writes FOLDER/frames.nfr, what the drive was given, and FOLDER/results.nfr, what it made of it, tick
 // by tick from the first one on (hal/mps2/recording.h). Exit status: 0, or 2 with a line on stderr.
@@ -70,9 +70,14 @@ private:
 };
 
 void record(const std::filesystem::path &folder, const std::string &scenario,
-            const std::vector<std::string> &with)
+            const std::vector<std::string> &choices)
 {
-    const nf::Config config = nf::load_scenario(scenario, with);
+    std::vector<std::string> with;
+    std::vector<std::string> set;
+    for (const std::string &choice : choices) {
+        (choice.find('=') == std::string::npos ? with : set).push_back(choice);
+    }
+    const nf::Config config = nf::load_scenario(scenario, with, set);
     Recorder recorder;
     nf::RunOptions options;
     options.sink = &recorder;
@@ -87,7 +92,7 @@ int main(int argc, char **argv)
 {
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     if (arguments.size() < 2) {
-        std::fputs("usage: record FOLDER SCENARIO [IMPERFECTION...]\n", stderr);
+        std::fputs("usage: record FOLDER SCENARIO [IMPERFECTION | SECTION.KEY=VALUE]...\n", stderr);
         return BAD_INPUT;
     }
     try {

@@ -2,14 +2,14 @@
  * From reset to main() on any Cortex-M, and one place where everything unexpected ends.
  *
  * The vector table has two parts, which sections.ld puts one behind the other: the core's own
- * entries are in startup.c; a target adds its interrupts as
+ * entries are in reset.c; a target adds its interrupts as
  *
  *     const vector_t device_vectors[N] __attribute__((section(".vectors.device"), used)) = {...};
  *
  * with safe_state_handler for each that it does not use.
  */
-#ifndef STARTUP_H
-#define STARTUP_H
+#ifndef RESET_H
+#define RESET_H
 
 typedef void (*vector_t)(void);
 

@@ -1,4 +1,4 @@
-#include "startup.h"
+#include "reset.h"
 
 #include <stdint.h>
 

@@ -1,0 +1,251 @@
+// From the motor file to the gains: what a tuning leaves open is filled in by the motor, see FILES.md.
+#include "folder.h"
+
+#include "low_speed_units.h"
+#include "numbers.h"
+
+#include "unity.h"
+
+#include <algorithm>
+
+using test::Folder;
+
+namespace
+{
+
+// The step of an integer field: a number rounded to it is off by half of one.
+constexpr double ROUNDING = 0.5;
+// Settings go through one or two products of doubles.
+constexpr double RELATIVE = 1e-12;
+
+// [speed_loop] and [position_loop] of the valid tuning, all left to the motor.
+const std::vector<std::string> OPEN = {
+    "speed_loop.bandwidth_hz=0",    "speed_loop.ramp_rpm_s=0",
+    "position_loop.bandwidth_hz=0", "position_loop.speed_rpm=0",
+    "position_loop.softness_s=0",   "position_loop.acceleration_rad_s2=0",
+};
+const std::vector<std::string> START_UP = {"startup.current_pct=100",
+                                           "startup.handover_speed_pct=10"};
+
+std::vector<std::string> also(std::vector<std::string> a, const std::vector<std::string> &b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+nf::TuningSettings filled(const std::vector<std::string> &set)
+{
+    const nf::Config config = nf::load_scenario("s", {}, set);
+    return nf::for_motor(config.tuning, config.motor);
+}
+
+drive_cfg_t built(const std::vector<std::string> &set, const std::vector<std::string> &with = {})
+{
+    return nf::build(nf::load_scenario("s", with, set));
+}
+
+void expect_ratio(double expected, double a, double b)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(RELATIVE * expected, expected, a / b);
+}
+
+// T_max/J: a motor of twice the inertia gets half the bandwidth, ramp and profile, with the same shape.
+void what_is_left_open_follows_the_torque_over_the_inertia()
+{
+    const Folder folder;
+    const nf::TuningSettings light = filled(OPEN);
+    const nf::TuningSettings heavy = filled(also(OPEN, {"motor.inertia_kg_m2=0.006"}));
+    expect_ratio(2, light.speed_bandwidth_hz, heavy.speed_bandwidth_hz);
+    expect_ratio(2, light.speed_ramp_rpm_s, heavy.speed_ramp_rpm_s);
+    expect_ratio(2, light.position_bandwidth_hz, heavy.position_bandwidth_hz);
+    expect_ratio(2, light.position_acceleration_rad_s2, heavy.position_acceleration_rad_s2);
+    expect_ratio(2, heavy.position_softness_s, light.position_softness_s);
+    expect_ratio(1, light.position_speed_rpm, heavy.position_speed_rpm);
+}
+
+void ramp_and_profile_leave_torque_to_the_load()
+{
+    const Folder folder;
+    const nf::TuningSettings t = filled(OPEN);
+    const double torque = 1.5 * 2 * 0.387 * 10; // N·m, of the largest current
+    const double ramp_rad_s2 = nf::rad_s_from_rpm(t.speed_ramp_rpm_s);
+    TEST_ASSERT_TRUE(0.003 * ramp_rad_s2 < torque / 2);
+    TEST_ASSERT_TRUE(0.003 * t.position_acceleration_rad_s2 < torque / 2);
+    TEST_ASSERT_TRUE(t.position_bandwidth_hz < t.speed_bandwidth_hz);
+    TEST_ASSERT_TRUE(t.position_speed_rpm < 1800);
+}
+
+void what_the_tuning_says_is_not_changed()
+{
+    const Folder folder;
+    const nf::TuningSettings t = filled({});
+    TEST_ASSERT_EQUAL_DOUBLE(20, t.speed_bandwidth_hz);
+    TEST_ASSERT_EQUAL_DOUBLE(10000, t.speed_ramp_rpm_s);
+    TEST_ASSERT_EQUAL_DOUBLE(5, t.position_bandwidth_hz);
+    TEST_ASSERT_EQUAL_DOUBLE(900, t.position_speed_rpm);
+    TEST_ASSERT_EQUAL_DOUBLE(800, t.position_acceleration_rad_s2);
+    TEST_ASSERT_EQUAL_DOUBLE(0.01, t.position_softness_s);
+    const nf::TuningSettings one = filled(also(OPEN, {"speed_loop.bandwidth_hz=7"}));
+    TEST_ASSERT_EQUAL_DOUBLE(7, one.speed_bandwidth_hz);
+    TEST_ASSERT_TRUE(one.speed_ramp_rpm_s > 0);
+}
+
+// 7.8 N·m at 1.5·2·0.387 N·m/A.
+void the_continuous_current_is_that_of_rated_torque_unless_written()
+{
+    nf::MotorSettings motor;
+    motor.pole_pairs = 2;
+    motor.flux_linkage_wb = 0.387;
+    motor.rated_torque_nm = 7.8;
+    motor.max_current_a = 10;
+    TEST_ASSERT_DOUBLE_WITHIN(RELATIVE, 7.8 / (3 * 0.387), nf::continuous_current(motor));
+    motor.continuous_current_a = 4;
+    TEST_ASSERT_EQUAL_DOUBLE(4, nf::continuous_current(motor));
+    motor.continuous_current_a = 12;
+    TEST_ASSERT_EQUAL_DOUBLE(10, nf::continuous_current(motor));
+}
+
+void without_a_start_up_current_there_is_no_start_up()
+{
+    const Folder folder;
+    const startup_cfg_t c = built({}).startup;
+    TEST_ASSERT_EQUAL_INT32(0, c.current_hold);
+    TEST_ASSERT_EQUAL_INT32(0, c.handover_speed);
+}
+
+// I_b = 40 A; 50 % of 4 A, and a tenth of 1800 rpm.
+void start_up_current_and_hand_over_are_shares_of_the_motor()
+{
+    const Folder folder;
+    const std::vector<std::string> set = {"startup.current_pct=50", "motor.continuous_current_a=4",
+                                          "startup.handover_speed_pct=10"};
+    const nf::Config config = nf::load_scenario("s", {}, set);
+    const startup_cfg_t c = nf::build(config).startup;
+    const nf::Bases bases = nf::make_bases(config.motor, config.board);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 2.0 / 40 * 32768, c.current_hold);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 10.0 / 40 * 32768, c.current_move);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, bases.step_from_rpm(180), c.handover_speed);
+    TEST_ASSERT_TRUE(0 < c.track_speed && c.track_speed < c.hold_speed);
+    TEST_ASSERT_TRUE(c.hold_speed < c.handover_speed);
+    TEST_ASSERT_TRUE(c.residual_max < c.residual_lost);
+    TEST_ASSERT_TRUE(0 < c.ramp && c.ramp < nf::build(config).speed_loop.ramp);
+    TEST_ASSERT_EQUAL_INT32(c.current_hold, c.align.current_high);
+    TEST_ASSERT_TRUE(0 < c.align.current_low && c.align.current_low < c.align.current_high);
+}
+
+// Whatever the motor, the alignment is as long in swings of the rotor: ω_n falls with the root of the inertia.
+void the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia()
+{
+    const Folder folder;
+    const align_cfg_t light = built(START_UP).startup.align;
+    const align_cfg_t heavy = built(also(START_UP, {"motor.inertia_kg_m2=0.012"})).startup.align;
+    // Both counts of ticks are rounded up.
+    TEST_ASSERT_INT_WITHIN(2, 2 * light.pull_ticks, heavy.pull_ticks);
+    TEST_ASSERT_INT_WITHIN(2, 2 * light.sweep_ticks, heavy.sweep_ticks);
+    TEST_ASSERT_INT_WITHIN(2, 2 * light.settle_ticks, heavy.settle_ticks);
+    // The sweep is half a turn: 2^31, and each tick's step is rounded.
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING * light.sweep_ticks, 2147483648.0,
+                              static_cast<double>(light.sweep_speed) * light.sweep_ticks);
+}
+
+void the_scenario_begins_after_the_start_up()
+{
+    const Folder folder;
+    const nf::Config plain = nf::load_scenario("s");
+    const nf::Config started = nf::load_scenario("s", {}, START_UP);
+    const double start_s = nf::startup_time(started.motor, started.board, started.tuning);
+    TEST_ASSERT_TRUE(start_s > 0);
+    TEST_ASSERT_EQUAL_DOUBLE(0, nf::startup_time(plain.motor, plain.board, plain.tuning));
+    TEST_ASSERT_EQUAL_DOUBLE(plain.scenario.prelude_s + start_s, started.scenario.prelude_s);
+}
+
+// 1 µs of 100 µs; 0.9 V of 450 V.
+void a_belief_of_minus_one_is_what_the_plant_has()
+{
+    const Folder folder;
+    const std::vector<std::string> plant = {"plant.dead_time_s=1e-6", "plant.device_drop_v=0.9"};
+    const modulator_cfg_t as_plant = built(plant).modulator;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.01 * 32768, as_plant.dead_time_q15);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.002 * 32768, as_plant.drop_q15);
+    const modulator_cfg_t told =
+        built(also(plant, {"model.dead_time_s=2e-6", "model.device_drop_v=0"})).modulator;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.02 * 32768, told.dead_time_q15);
+    TEST_ASSERT_EQUAL_INT32(0, told.drop_q15);
+    TEST_ASSERT_EQUAL_INT32(0, built({}).modulator.dead_time_q15);
+}
+
+// 14 % of 4 A of I_b = 40 A.
+void the_least_current_is_there_only_where_dead_time_or_drop_is_compensated()
+{
+    const Folder folder;
+    const std::vector<std::string> set =
+        also(START_UP, {"current_loop.floor_pct=14", "motor.continuous_current_a=4"});
+    TEST_ASSERT_EQUAL_INT32(0, built(set).startup.current_floor);
+    const int32_t floor = built(also(set, {"plant.dead_time_s=1e-6"})).startup.current_floor;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.14 * 4 / 40 * 32768, floor);
+}
+
+void the_model_may_be_corrected_as_far_as_the_tuning_says()
+{
+    const Folder folder;
+    const model_cfg_t off = built({}).model;
+    TEST_ASSERT_EQUAL_INT32(0, off.resistance_limit_q14 | off.inductance_limit_q14 |
+                                   off.flux_limit_q14);
+    const model_cfg_t c = built({"adaptation.resistance_pct=60", "adaptation.inductance_pct=40",
+                                 "adaptation.flux_pct=25"})
+                              .model;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.60 * 16384, c.resistance_limit_q14);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.40 * 16384, c.inductance_limit_q14);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.25 * 16384, c.flux_limit_q14);
+}
+
+// The weights keep room for the largest correction: none of them may end at 15 bits.
+void the_weights_have_room_for_the_largest_correction()
+{
+    const Folder folder;
+    const nn_observer_cfg_t c =
+        built({"adaptation.resistance_pct=60", "adaptation.inductance_pct=40",
+               "adaptation.flux_pct=25", "observer.kappa_p=0.1"})
+            .observer;
+    const int32_t largest_weight = std::max({c.decay_d, c.decay_q, c.volt_gain});
+    TEST_ASSERT_TRUE(largest_weight * (1.6 / 0.6) <= 32767);
+    TEST_ASSERT_TRUE(c.rate * 1.4 * 1.4 <= 32767);
+    TEST_ASSERT_TRUE(c.proportional * 1.4 * 1.4 <= 32767);
+    TEST_ASSERT_TRUE(c.flux_q27 * (1.25 / 0.6) <= 134217727);
+}
+
+void rho_is_the_tunings_limit_and_off_by_default()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_INT32(0, built({}).observer.rho_max_q13);
+    TEST_ASSERT_EQUAL_INT32(2 * 8192, built({"observer.rho_max=2"}).observer.rho_max_q13);
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(what_is_left_open_follows_the_torque_over_the_inertia);
+    RUN_TEST(ramp_and_profile_leave_torque_to_the_load);
+    RUN_TEST(what_the_tuning_says_is_not_changed);
+    RUN_TEST(the_continuous_current_is_that_of_rated_torque_unless_written);
+    RUN_TEST(without_a_start_up_current_there_is_no_start_up);
+    RUN_TEST(start_up_current_and_hand_over_are_shares_of_the_motor);
+    RUN_TEST(the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia);
+    RUN_TEST(the_scenario_begins_after_the_start_up);
+    RUN_TEST(a_belief_of_minus_one_is_what_the_plant_has);
+    RUN_TEST(the_least_current_is_there_only_where_dead_time_or_drop_is_compensated);
+    RUN_TEST(the_model_may_be_corrected_as_far_as_the_tuning_says);
+    RUN_TEST(the_weights_have_room_for_the_largest_correction);
+    RUN_TEST(rho_is_the_tunings_limit_and_off_by_default);
+    return UNITY_END();
+}
