@@ -75,15 +75,16 @@ typedef struct {
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
-    dq_t turned;        /* e', same range: d is the error of the flux' magnitude, q that of the angle */
-    int32_t rho_q13;    /* ρ in force */
+    dq_t turned; /* e', same range: d is the error of the flux' magnitude, q that of the angle */
+    int32_t rho_q13; /* ρ in force */
 } nn_observer_t;
 
 /* Start at rest with no current: x̂ = φ/L_d, everything else zero. */
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
 /* Start at a speed with a current (Q15 of I_b, ±32767) in the estimated frame. */
-void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current);
+void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed,
+                       dq_t current);
 
 /*
  * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂, |i| ≤ 65535. voltage: what the

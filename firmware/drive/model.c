@@ -53,7 +53,8 @@ static void apply_weights(model_t *model, const model_nominal_t *nominal)
     to->rate = times(from->rate, l_squared);
     to->proportional = times(from->proportional, l_squared);
     to->corner = times_wide(from->corner, decay);
-    model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, model->resistance_q14);
+    model->run_loop.resistance_q13 =
+        times(nominal->run_loop->resistance_q13, model->resistance_q14);
     model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;
 }
 

@@ -22,7 +22,7 @@ typedef struct {
     int32_t inductance_limit_q14; /* 0…8192 */
     int32_t flux_limit_q14;       /* 0…8192 */
     int32_t flux_rate;            /* ratio in Q30 a slow period = −e'_d · flux_rate, 0…32767 */
-    step_t flux_speed_min;        /* flux is corrected above it */
+    step_t flux_speed_min;        /* flux is corrected from this speed on, 0…2^29 */
 } model_cfg_t;
 
 typedef struct {

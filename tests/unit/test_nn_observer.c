@@ -254,7 +254,6 @@ static void test_current_output_is_in_the_base_of_the_measurement(void)
     /* 1000 LSB of I_b = 500 of I_x in Q15. L_d/L_q = ½ halves i_q. */
     cfg.decay_d = 0;
     cfg.decay_q = 0;
-    cfg.flux_drive_q27 = 0;
     cfg.iq_gain_q14 = 8192;
     obs.x_q27 = cfg.flux_q27 - (500 * 4096);
     obs.y_q27 = 500 * 4096;
@@ -300,7 +299,6 @@ static void test_training_goes_down_along_both_errors(void)
 
     cfg.decay_d = 0;
     cfg.decay_q = 0;
-    cfg.flux_drive_q27 = 0;
     cfg.flux_q27 = 8192 * 4096;
     for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
         nn_observer_reset(&obs, &cfg);
@@ -425,7 +423,6 @@ static void test_errors_saturate_to_14_bits_on_both_sides(void)
 
     /* A network that stays at zero current. */
     cfg.decay_d = 0;
-    cfg.flux_drive_q27 = 0;
     cfg.rate = 0;
     cfg.proportional = 0;
     for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
@@ -484,7 +481,6 @@ static nn_observer_cfg_t largest_cfg(seeded_t *seed)
         .volt_gain = 32767,
         .weight_shift = (uint32_t)seeded_in(seed, 2, 15),
         .flux_q27 = ((seeded_u32(seed) & 1U) != 0U) ? STATE_LIMIT : 1,
-        .flux_drive_q27 = ((seeded_u32(seed) & 1U) != 0U) ? (1 << 26) : 0,
         .iq_gain_q14 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 1,
         .current_shift = (uint32_t)seeded_in(seed, 0, 10),
         .rate = 32767,
