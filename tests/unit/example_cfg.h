@@ -209,7 +209,7 @@ static inline startup_cfg_t example_startup_cfg(void)
         .current_move = 8192, /* 10 A */
         .current_floor = 0,
         .current_slope = 65,
-        .ramp = 7759,              /* 542 rpm/s */
+        .ramp = 37036,             /* 2587 rpm/s */
         .track_speed = 1288490,    /* 90 rpm */
         .handover_speed = 2576980, /* 180 rpm */
         .hold_speed = 1803886,     /* 126 rpm */
