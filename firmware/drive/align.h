@@ -81,12 +81,15 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
 
 #define ALIGN_UNKNOWN (-1)
 
-/* In this tick v_d is lowered by step_voltage and the current control rests. */
+/*
+ * The current control rests in this tick: v_d stays, lowered by step_voltage once in the first tick of STEP. True from
+ * the tick that ends MEASURE_HIGH on.
+ */
 bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg);
 
 /*
- * What was measured, when DONE: R in U_b/I_b, Q13, and the ratio L_d / nominal in Q14, both at
- * most 32767; ALIGN_UNKNOWN where it cannot be told. One division each.
+ * What was measured, when DONE: R in U_b/I_b, Q13, 0…32767, and the ratio L_d / nominal in Q14, 1…32767, to first
+ * order in the nominal R·t/(2·L_d); ALIGN_UNKNOWN where it cannot be told. One division each.
  */
 int32_t align_resistance_q13(const align_t *align);
 int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg);
