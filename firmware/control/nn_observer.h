@@ -57,7 +57,7 @@ typedef struct {
     int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     int32_t saliency_q13;        /* L_q/L_d: an error of i_q as one of y, 1…32767 */
     uint32_t current_shift;      /* s, 0…10 */
-    int32_t rate;                /* η: ΔW2 in steps = (b >> 12, 16 bits)·rate / 2^rate_shift */
+    int32_t rate;                /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
     uint32_t rate_shift;         /* 0…30 */
     int32_t proportional;        /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
     uint32_t proportional_shift; /* 0…30 */

@@ -44,11 +44,11 @@ static inline nn_observer_cfg_t example_observer_cfg(void)
         .iq_gain_q14 = 16384, /* L_d/L_q = 1 */
         .saliency_q13 = 8192, /* L_q/L_d = 1 */
         .current_shift = 1U,
-        /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^14 */
+        /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^12 */
         .rate = 19192,
-        .rate_shift = 7U,
-        .proportional = 23990, /* 0.183031, times 2^14, times 2^3 */
-        .proportional_shift = 3U,
+        .rate_shift = 9U,
+        .proportional = 23990, /* 0.183031, times 2^12, times 2^5 */
+        .proportional_shift = 5U,
         .momentum_q15 = 0,
         .speed_limit = 35791394,  /* 2500 rpm */
         .corner = 12522209,       /* R/L = 183.19 rad/s */
