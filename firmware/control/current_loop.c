@@ -13,8 +13,8 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
     const ab_t integral = {pi_output(&loop->pi_d), pi_output(&loop->pi_q)};
     const dq_t turned = transforms_park(integral, angle);
 
-    pi_reset(&loop->pi_d, turned.d);
-    pi_reset(&loop->pi_q, turned.q);
+    pi_reset(&loop->pi_d, fx_sat16(turned.d));
+    pi_reset(&loop->pi_q, fx_sat16(turned.q));
 }
 
 /* speed × gain, Q15. */
@@ -47,10 +47,9 @@ dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
     const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, REACTANCE_BITS);
     const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, REACTANCE_BITS);
     const dq_t wanted = {
-        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, drop_d - cross_d,
+        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, drop_d - cross_d, limit),
+        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, drop_q + cross_q + emf,
                      limit),
-        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q,
-                     drop_q + cross_q + emf, limit),
     };
 
     return (dq_t){.d = wanted.d, .q = limit_q(&loop->pi_q, wanted, limit)};

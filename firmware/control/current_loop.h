@@ -33,11 +33,14 @@ typedef struct {
 /* Zero both integrals. */
 void current_loop_reset(current_loop_t *loop);
 
-/* Go on in a frame turned by `angle` against the present one: the integrals turn back by it. */
+/*
+ * Go on in a frame turned by `angle` against the present one: the integrals turn back by it, rounded, and
+ * saturate at ±1.
+ */
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 16384, |measured| ≤ 32770, |speed| ≤ 32767,
+ * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
  * limit 0…32767; speed times each gain, Q15, stays within ±65000 (params_check sees to it). The square
  * root of the circle is taken only when the demand leaves it; the cut is given back to the q integral.
  */

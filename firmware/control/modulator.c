@@ -64,7 +64,8 @@ static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
 static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span, int32_t ratio,
                          int32_t current)
 {
-    const int32_t crossing = fx_usat15(span - (9 * fx_asr(ratio * ratio, 15U)));
+    const int32_t u = fx_sat16(ratio);
+    const int32_t crossing = fx_usat15(span - (9 * fx_asr(u * u, 15U)));
     const int32_t ripple = fx_asr(crossing * cfg->ripple_q15, 15U);
     const int32_t above = fx_min(fx_max(fx_abs(current) - ripple, 0), FX_Q15_MAX);
     const int32_t share_q15 = fx_usat15(above * cfg->edge_slope);

@@ -33,7 +33,7 @@ typedef struct {
     int32_t dead_time_q15;   /* t_d/T, 0…8192 */
     int32_t drop_q15;        /* v_d, Q15 of U_b, 0…2048 */
     int32_t ripple_q15;      /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
-    int32_t edge_slope;      /* 1 / the current from none to all, in Q15 of I_b times 2^-15, 1…32767 */
+    int32_t edge_slope; /* 1 / the current from none to all, in Q15 of I_b times 2^-15, 1…32767 */
 } modulator_cfg_t;
 
 typedef struct {

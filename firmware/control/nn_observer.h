@@ -23,9 +23,10 @@
  * stator flux linkages over L_d, for which the rotation by W2 is the same.
  *
  * Rotation. Forward Euler in (14) turns and stretches: it grows for ω > √(2/(T·τ)), τ = L/R. Here the state
- * is turned by the exact rotation through −ω̂_out·T (sine and 1 − cosine by their series, error below
- * 1e-4 at ω·T = 0.7), resistance and voltage act in the middle of the turn. To first order in ω·T these
- * are the paper's weights; no speed makes the network grow.
+ * is turned through −Δ = −ω̂_out·T by sine and 1 − cosine, each two terms of its series: short by Δ^6/144 of its
+ * length and by Δ^5/120 of its angle, 8·10^-4 and 1.2·10^-3 rad at Δ = 0.7. Resistance and voltage act in the
+ * middle of the turn. To first order in Δ these are the paper's weights; no speed makes the network grow by more
+ * than the rounding, Δ·2^-16 a tick, which the resistance of any winding outweighs.
  *
  * Static part. A constant current error e answers a voltage error ε = (R + jωL)·e. The back-EMF error that
  * a wrong angle causes is along d, so the angle is in Re ε; what the paper trains with, Im e, has at low
@@ -56,7 +57,7 @@ typedef struct {
     int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     int32_t saliency_q13;        /* L_q/L_d: an error of i_q as one of y, 1…32767 */
     uint32_t current_shift;      /* s, 0…10 */
-    int32_t rate;                /* η: ΔW2 in steps = (b >> 12, 16 bits)·rate / 2^rate_shift */
+    int32_t rate;                /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
     uint32_t rate_shift;         /* 0…30 */
     int32_t proportional;        /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
     uint32_t proportional_shift; /* 0…30 */
@@ -75,15 +76,16 @@ typedef struct {
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
-    dq_t turned;        /* e', same range: d is the error of the flux' magnitude, q that of the angle */
-    int32_t rho_q13;    /* ρ in force */
+    dq_t turned; /* e', same range: d is the error of the flux' magnitude, q that of the angle */
+    int32_t rho_q13; /* ρ in force */
 } nn_observer_t;
 
 /* Start at rest with no current: x̂ = φ/L_d, everything else zero. */
 void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
 /* Start at a speed with a current (Q15 of I_b, ±32767) in the estimated frame. */
-void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current);
+void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed,
+                       dq_t current);
 
 /*
  * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂, |i| ≤ 65535. voltage: what the

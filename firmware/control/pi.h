@@ -22,14 +22,14 @@ typedef struct {
     int32_t integral_q26;
 } pi_t;
 
-/* Set the integral so that the next output starts at `output` (Q15, ±32767) with zero error. */
+/* Set the integral so that the next output starts at `output` (Q15, −32768…32767) with zero error. */
 void pi_reset(pi_t *pi, int32_t output);
 
 /* The output with zero error: the integral, Q15. */
 int32_t pi_output(const pi_t *pi);
 
 /*
- * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^17; limit: 0…32767, all Q15.
+ * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^18; limit: 0…32767, all Q15.
  * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit the integral does
  * not move further into it; it saturates at ±1.
  */

@@ -12,8 +12,7 @@ void align_reset(align_t *align, bool backwards)
 
 void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref)
 {
-    *align = (align_t){
-        .phase = ALIGN_PULL, .tick = cfg->sweep_ticks, .current_ref = current_ref};
+    *align = (align_t){.phase = ALIGN_PULL, .tick = cfg->sweep_ticks, .current_ref = current_ref};
 }
 
 static void next_phase(align_t *align)
@@ -46,7 +45,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     }
 }
 
-/* A voltage asked for in tick k acts from k + 1 on: what n ticks of it have done is seen in tick n + 1. */
+/* A voltage asked for in tick k acts from k + 1 on: what n ticks of it have done is seen in tick n + 2. */
 static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
 {
     if (align->tick == 1U) {
@@ -109,8 +108,9 @@ int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg)
     int32_t result = ALIGN_UNKNOWN;
 
     if (align->step_fall > 0) {
-        result = fx_min(((cfg->step_fall * ONE_Q14) / align->step_fall) - cfg->step_drop_q14,
-                        FX_Q15_MAX);
+        const int32_t ratio = ((cfg->step_fall * ONE_Q14) / align->step_fall) - cfg->step_drop_q14;
+
+        result = (ratio > 0) ? fx_min(ratio, FX_Q15_MAX) : ALIGN_UNKNOWN;
     }
     return result;
 }

@@ -24,18 +24,20 @@
 #include <stdint.h>
 
 typedef struct {
-    int32_t current_high;   /* Q15 of I_b, 1…16384 */
-    int32_t current_low;    /* of the second measurement, below current_high */
-    int32_t slope;          /* rise of the current in a tick, Q15 of I_b, 1…16384 */
-    step_t sweep_speed;     /* of the vector while it turns, 1…2^29 */
-    uint32_t sweep_ticks;   /* half a turn takes so long, 1…2^20 */
-    uint32_t pull_ticks;    /* the whole PULL, 1…2^20 */
-    uint32_t settle_ticks;  /* 1…2^20 */
-    uint32_t measure_log2;  /* the means are over 2^n ticks, 6…16 */
-    uint32_t step_ticks;    /* 2…16 */
-    int32_t step_voltage;   /* Q15 of U_b, 1…32767 */
-    int32_t step_fall;      /* it alone, on the nominal L_d, lowers the current so far, Q15 of I_b, 1…16384 */
-    int32_t step_drop_q14;  /* R·t/(2·L_d): the falling current's own part in it, 0…8192 */
+    int32_t current_high; /* Q15 of I_b, 1…16384 */
+    int32_t current_low;  /* of the second measurement, 0…current_high − 1 */
+    int32_t slope;        /* rise of the current in a tick, Q15 of I_b, 1…16384 */
+    step_t
+        sweep_speed; /* of the vector while it turns, 1…2^29, within the observer's speed_limit */
+    uint32_t sweep_ticks;  /* half a turn takes so long, 1…pull_ticks */
+    uint32_t pull_ticks;   /* the whole PULL, 1…2^20 */
+    uint32_t settle_ticks; /* 1…2^20 */
+    uint32_t measure_log2; /* the means are over 2^n ticks, 6…16 */
+    uint32_t step_ticks;   /* 2…16 */
+    int32_t step_voltage;  /* Q15 of U_b, 1…32767 */
+    int32_t
+        step_fall; /* it alone, on the nominal L_d, lowers the current so far, Q15 of I_b, 1…16384 */
+    int32_t step_drop_q14; /* R·t/(2·L_d): the falling current's own part in it, 0…8192 */
 } align_cfg_t;
 
 typedef enum {
@@ -55,8 +57,8 @@ typedef struct {
 
 typedef struct {
     align_phase_t phase;
-    uint32_t tick; /* of the phase */
-    bool backwards; /* the vector turns from β to α */
+    uint32_t tick;       /* of the phase */
+    bool backwards;      /* the vector turns from β to α */
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
     int32_t step_start; /* i_d before the step acts */
@@ -79,12 +81,15 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
 
 #define ALIGN_UNKNOWN (-1)
 
-/* In this tick v_d is lowered by step_voltage and the current control rests. */
+/*
+ * The current control rests in this tick: v_d stays, lowered by step_voltage once in the first tick of STEP. True from
+ * the tick that ends MEASURE_HIGH on.
+ */
 bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg);
 
 /*
- * What was measured, when DONE: R in U_b/I_b, Q13, and the ratio L_d / nominal in Q14, both at
- * most 32767; ALIGN_UNKNOWN where it cannot be told. One division each.
+ * What was measured, when DONE: R in U_b/I_b, Q13, 0…32767, and the ratio L_d / nominal in Q14, 1…32767, to first
+ * order in the nominal R·t/(2·L_d); ALIGN_UNKNOWN where it cannot be told. One division each.
  */
 int32_t align_resistance_q13(const align_t *align);
 int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg);

@@ -4,6 +4,8 @@
 
 #define ONE_Q30 (0x40000000)
 #define Q14_TO_Q30 (16U)
+#define FLUX_MAX_Q27 (0x7FFFFFF)
+#define CORNER_MAX (0x8000000)
 
 static int32_t limited(int32_t ratio_q14, int32_t limit_q14)
 {
@@ -16,10 +18,10 @@ static int32_t times(int32_t mantissa, int32_t ratio_q14)
     return fx_min(fx_asr(mantissa * ratio_q14, 14U), FX_Q15_MAX);
 }
 
-/* A word of at most 29 bits times a ratio below 2. */
+/* A word of at most 2^28 times a ratio below 2. */
 static int32_t times_wide(int32_t word, int32_t ratio_q14)
 {
-    return fx_mul_32x16(word, ratio_q14) * 4;
+    return fx_mul_32x16(word * 4, ratio_q14);
 }
 
 static int32_t inverse_q14(int32_t ratio_q14)
@@ -30,30 +32,33 @@ static int32_t inverse_q14(int32_t ratio_q14)
 static void apply_flux(model_t *model, const model_nominal_t *nominal)
 {
     const int32_t flux_q14 = fx_asr(model->flux_q30, Q14_TO_Q30);
-    const int32_t current_q14 = times(flux_q14, model->inductance_inverse_q14);
+    const int32_t flux_q27 = times_wide(nominal->observer->flux_q27, flux_q14);
 
-    model->observer.flux_q27 = times_wide(nominal->observer->flux_q27, current_q14);
+    model->observer.flux_q27 =
+        fx_min(times_wide(flux_q27, model->inductance_inverse_q14), FLUX_MAX_Q27);
     model->run_loop.emf_q13 = times(nominal->run_loop->emf_q13, flux_q14);
     model->hold_loop.emf_q13 = model->run_loop.emf_q13;
 }
 
-/* W1, W3 and η of paper A with R and L: T·R/L, T/L and what keeps κ = η·(φ/L)². */
+/*
+ * W1, W3 and η of paper A with R and L: T·R/L, T/L and what keeps κ = η·(φ/L)². One ratio after the other: their
+ * product may be more than 2.
+ */
 static void apply_weights(model_t *model, const model_nominal_t *nominal)
 {
     const nn_observer_cfg_t *const from = nominal->observer;
     nn_observer_cfg_t *const to = &model->observer;
+    const int32_t r = model->resistance_q14;
     const int32_t l = model->inductance_q14;
-    const int32_t l_squared = times(l, l);
-    const int32_t voltage = model->inductance_inverse_q14;
-    const int32_t decay = times(model->resistance_q14, voltage);
+    const int32_t inverse = model->inductance_inverse_q14;
 
-    to->decay_d = times(from->decay_d, decay);
-    to->decay_q = times(from->decay_q, decay);
-    to->volt_gain = times(from->volt_gain, voltage);
-    to->rate = times(from->rate, l_squared);
-    to->proportional = times(from->proportional, l_squared);
-    to->corner = times_wide(from->corner, decay);
-    model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, model->resistance_q14);
+    to->decay_d = times(times(from->decay_d, r), inverse);
+    to->decay_q = times(times(from->decay_q, r), inverse);
+    to->volt_gain = times(from->volt_gain, inverse);
+    to->rate = times(times(from->rate, l), l);
+    to->proportional = times(times(from->proportional, l), l);
+    to->corner = fx_min(times_wide(times_wide(from->corner, r), inverse), CORNER_MAX);
+    model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, r);
     model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;
 }
 

@@ -3,7 +3,8 @@
  * what the drive has measured.
  *
  * Each correction is a ratio to the configured value, within ±limit_q14 around 1, and can be switched
- * off. It reaches the observer's weights and the feed-forward of both current loops.
+ * off. It reaches the observer's weights and, but for the inductance, the feed-forward of both current
+ * loops. Corrected numbers are rounded down and saturate at their formats.
  *
  * Flux: at speed the observer's static error e' along d is the flux error, (φ̂ − φ)/L_d: an integrator removes it.
  */
@@ -22,7 +23,7 @@ typedef struct {
     int32_t inductance_limit_q14; /* 0…8192 */
     int32_t flux_limit_q14;       /* 0…8192 */
     int32_t flux_rate;            /* ratio in Q30 a slow period = −e'_d · flux_rate, 0…32767 */
-    step_t flux_speed_min;        /* flux is corrected above it */
+    step_t flux_speed_min;        /* flux is corrected from this speed on, 0…2^29 */
 } model_cfg_t;
 
 typedef struct {

@@ -16,6 +16,7 @@
 #define TURN_QUARTER (0x40000000)
 #define SOFTNESS_MAX (12288)
 #define REACH_MAX (65000) /* times a current of 1 it stays below 2^31 */
+#define TICKS_MAX (0x100000)
 
 /* A shift or other count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
@@ -118,6 +119,7 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
     bad = range(bad, "observer.weight_shift", shift_value(cfg->weight_shift), 2, 15);
     bad = range(bad, "observer.flux_q27", cfg->flux_q27, 1, Q27_ONE - 1);
     bad = range(bad, "observer.iq_gain_q14", cfg->iq_gain_q14, 1, FX_Q15_MAX);
+    bad = range(bad, "observer.saliency_q13", cfg->saliency_q13, 1, FX_Q15_MAX);
     bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 10);
     bad = range(bad, "observer.rate", cfg->rate, 0, FX_Q15_MAX);
     bad = range(bad, "observer.rate_shift", shift_value(cfg->rate_shift), 0, SHIFT_MAX);
@@ -142,10 +144,10 @@ static const char *check_speed_base(const char *before, const drive_cfg_t *cfg)
     return bad;
 }
 
-/* Voltage per unit at the highest speed, for each gain of the decoupling. */
-static const char *check_reach(const char *before, const drive_cfg_t *cfg)
+/* Voltage per unit at the highest speed, for each gain of a loop's decoupling. */
+static const char *check_reach(const char *before, const drive_cfg_t *cfg,
+                               const current_loop_cfg_t *loop)
 {
-    const current_loop_cfg_t *const loop = &cfg->current_loop;
     const int32_t largest_gain =
         fx_max(fx_max(loop->reactance_d_q13, loop->reactance_q_q13), loop->emf_q13);
     const char *bad = before;
@@ -193,15 +195,51 @@ static const char *check_pi(const char *before, const char *name, const pi_cfg_t
     return range(bad, name, shift_value(cfg->ki_shift), 1, SHIFT_MAX);
 }
 
-static const char *check_current_loop(const char *before, const current_loop_cfg_t *cfg)
+/* A current loop's fields by their names in drive_cfg_t. */
+typedef struct {
+    const char *pi_d;
+    const char *pi_q;
+    const char *reactance_d;
+    const char *reactance_q;
+    const char *emf;
+    const char *resistance;
+} loop_names_t;
+
+static const char *check_loop(const char *before, const loop_names_t *names,
+                              const current_loop_cfg_t *cfg)
 {
     const char *bad = before;
 
-    bad = check_pi(bad, "current_loop.pi_d", &cfg->pi_d);
-    bad = check_pi(bad, "current_loop.pi_q", &cfg->pi_q);
-    bad = range(bad, "current_loop.reactance_d_q13", cfg->reactance_d_q13, 0, FX_Q15_MAX);
-    bad = range(bad, "current_loop.reactance_q_q13", cfg->reactance_q_q13, 0, FX_Q15_MAX);
-    return range(bad, "current_loop.emf_q13", cfg->emf_q13, 0, FX_Q15_MAX);
+    bad = check_pi(bad, names->pi_d, &cfg->pi_d);
+    bad = check_pi(bad, names->pi_q, &cfg->pi_q);
+    bad = range(bad, names->reactance_d, cfg->reactance_d_q13, 0, FX_Q15_MAX);
+    bad = range(bad, names->reactance_q, cfg->reactance_q_q13, 0, FX_Q15_MAX);
+    bad = range(bad, names->emf, cfg->emf_q13, 0, FX_Q15_MAX);
+    return range(bad, names->resistance, cfg->resistance_q13, 0, FX_Q15_MAX);
+}
+
+static const char *check_current_loops(const char *before, const drive_cfg_t *cfg)
+{
+    static const loop_names_t run_names = {
+        "current_loop.pi_d",
+        "current_loop.pi_q",
+        "current_loop.reactance_d_q13",
+        "current_loop.reactance_q_q13",
+        "current_loop.emf_q13",
+        "current_loop.resistance_q13",
+    };
+    static const loop_names_t hold_names = {
+        "hold_loop.pi_d",
+        "hold_loop.pi_q",
+        "hold_loop.reactance_d_q13",
+        "hold_loop.reactance_q_q13",
+        "hold_loop.emf_q13",
+        "hold_loop.resistance_q13",
+    };
+    const char *bad = before;
+
+    bad = check_loop(bad, &run_names, &cfg->current_loop);
+    return check_loop(bad, &hold_names, &cfg->hold_loop);
 }
 
 static const char *check_speed_loop(const char *before, const speed_loop_cfg_t *cfg)
@@ -229,6 +267,86 @@ static const char *check_position_loop(const char *before, const position_loop_c
     return range(bad, "position_loop.distance_shift", shift_value(cfg->distance_shift), 8, 48);
 }
 
+static const char *check_modulator(const char *before, const modulator_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "modulator.timer_counts", cfg->timer_counts, 1, FX_Q15_MAX);
+    bad = range(bad, "modulator.ratio_max_q15", cfg->ratio_max_q15, 1, 18918);
+    bad = range(bad, "modulator.inverse_max_q12", cfg->inverse_max_q12, 4096, FX_Q15_MAX);
+    bad = range(bad, "modulator.dead_time_q15", cfg->dead_time_q15, 0, 8192);
+    bad = range(bad, "modulator.drop_q15", cfg->drop_q15, 0, 2048);
+    bad = range(bad, "modulator.ripple_q15", cfg->ripple_q15, 0, CURRENT_MAX);
+    return range(bad, "modulator.edge_slope", cfg->edge_slope, 1, FX_Q15_MAX);
+}
+
+static const char *check_catch_spin(const char *before, const catch_spin_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "startup.catch_spin.current", cfg->current, 1, CURRENT_MAX);
+    bad = range(bad, "startup.catch_spin.pulse_ticks", shift_value(cfg->pulse_ticks), 1, 16);
+    bad = range(bad, "startup.catch_spin.gap_factor", shift_value(cfg->gap_factor), 1, 16);
+    bad = range(bad, "startup.catch_spin.emf_current", cfg->emf_current, 1, FX_Q15_MAX);
+    return range(bad, "startup.catch_spin.emf_shift", shift_value(cfg->emf_shift), 0, SHIFT_MAX);
+}
+
+static const char *check_align(const char *before, const align_cfg_t *cfg, step_t speed_limit)
+{
+    const char *bad = before;
+
+    bad = range(bad, "startup.align.current_high", cfg->current_high, 1, CURRENT_MAX);
+    bad = range(bad, "startup.align.current_low", cfg->current_low, 0,
+                fx_max(cfg->current_high, 1) - 1);
+    bad = range(bad, "startup.align.slope", cfg->slope, 1, CURRENT_MAX);
+    bad = range(bad, "startup.align.sweep_speed", cfg->sweep_speed, 1, speed_limit);
+    bad = range(bad, "startup.align.pull_ticks", shift_value(cfg->pull_ticks), 1, TICKS_MAX);
+    bad = range(bad, "startup.align.sweep_ticks", shift_value(cfg->sweep_ticks), 1,
+                shift_value(cfg->pull_ticks));
+    bad = range(bad, "startup.align.settle_ticks", shift_value(cfg->settle_ticks), 1, TICKS_MAX);
+    bad = range(bad, "startup.align.measure_log2", shift_value(cfg->measure_log2), 6, 16);
+    bad = range(bad, "startup.align.step_ticks", shift_value(cfg->step_ticks), 2, 16);
+    bad = range(bad, "startup.align.step_voltage", cfg->step_voltage, 1, FX_Q15_MAX);
+    bad = range(bad, "startup.align.step_fall", cfg->step_fall, 1, CURRENT_MAX);
+    return range(bad, "startup.align.step_drop_q14", cfg->step_drop_q14, 0, 8192);
+}
+
+static const char *check_startup(const char *before, const startup_cfg_t *cfg, step_t speed_limit)
+{
+    const char *bad = range(before, "startup.current_hold", cfg->current_hold, 0, CURRENT_MAX);
+
+    if (cfg->current_hold != 0) {
+        bad = check_catch_spin(bad, &cfg->catch_spin);
+        bad = check_align(bad, &cfg->align, speed_limit);
+        bad = range(bad, "startup.current_move", cfg->current_move, cfg->current_hold, CURRENT_MAX);
+        bad = range(bad, "startup.current_floor", cfg->current_floor, 0, CURRENT_MAX);
+        bad = range(bad, "startup.current_slope", cfg->current_slope, 1, CURRENT_MAX);
+        bad = range(bad, "startup.ramp", cfg->ramp, 1, STEP_MAX);
+        bad = range(bad, "startup.handover_speed", cfg->handover_speed, 1, STEP_MAX);
+        bad = range(bad, "startup.track_speed", cfg->track_speed, 1, cfg->handover_speed);
+        bad = range(bad, "startup.hold_speed", cfg->hold_speed, 1,
+                    fx_max(cfg->handover_speed, 1) - 1);
+        bad = range(bad, "startup.residual_max", cfg->residual_max, 1, CURRENT_MAX);
+        bad =
+            range(bad, "startup.residual_lost", cfg->residual_lost, cfg->residual_max, CURRENT_MAX);
+        bad = range(bad, "startup.lost_periods", shift_value(cfg->lost_periods), 1, 60000);
+        bad = range(bad, "startup.handover_periods", shift_value(cfg->handover_periods), 1, 60000);
+        bad = range(bad, "startup.attempts", shift_value(cfg->attempts), 1, 100);
+    }
+    return bad;
+}
+
+static const char *check_model(const char *before, const model_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "model.resistance_limit_q14", cfg->resistance_limit_q14, 0, 15000);
+    bad = range(bad, "model.inductance_limit_q14", cfg->inductance_limit_q14, 0, 8192);
+    bad = range(bad, "model.flux_limit_q14", cfg->flux_limit_q14, 0, 8192);
+    bad = range(bad, "model.flux_rate", cfg->flux_rate, 0, FX_Q15_MAX);
+    return range(bad, "model.flux_speed_min", cfg->flux_speed_min, 0, STEP_MAX);
+}
+
 const char *params_check(const drive_cfg_t *cfg)
 {
     const char *bad = NULL;
@@ -238,15 +356,16 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_derating(bad, &cfg->derating);
     bad = check_observer(bad, &cfg->observer);
     bad = check_speed_base(bad, cfg);
-    bad = check_current_loop(bad, &cfg->current_loop);
+    bad = check_current_loops(bad, cfg);
     bad = check_speed_loop(bad, &cfg->speed_loop);
     bad = check_position_loop(bad, &cfg->position_loop);
     bad = check_supervision(bad, &cfg->supervision);
-    bad = check_reach(bad, cfg);
+    bad = check_reach(bad, cfg, &cfg->current_loop);
+    bad = check_reach(bad, cfg, &cfg->hold_loop);
     bad = check_agreement(bad, cfg);
     bad = check_rails(bad, cfg);
-    bad = range(bad, "modulator.timer_counts", cfg->modulator.timer_counts, 1, FX_Q15_MAX);
-    bad = range(bad, "modulator.ratio_max_q15", cfg->modulator.ratio_max_q15, 1, 18918);
-    bad = range(bad, "modulator.inverse_max_q12", cfg->modulator.inverse_max_q12, 4096, FX_Q15_MAX);
+    bad = check_modulator(bad, &cfg->modulator);
+    bad = check_startup(bad, &cfg->startup, cfg->observer.speed_limit);
+    bad = check_model(bad, &cfg->model);
     return range(bad, "slow_ticks", shift_value(cfg->slow_ticks), 2, 100);
 }

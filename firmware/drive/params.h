@@ -11,10 +11,10 @@
 #include "current_loop.h"
 #include "derating.h"
 #include "fx.h"
+#include "model.h"
 #include "modulator.h"
 #include "motion_loop.h"
 #include "nn_observer.h"
-#include "model.h"
 #include "protection.h"
 #include "startup.h"
 #include "supervision.h"
@@ -39,7 +39,8 @@ typedef struct {
     derating_cfg_t derating;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
-    current_loop_cfg_t hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
+    current_loop_cfg_t
+        hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
     startup_cfg_t startup;
     model_cfg_t model;
     supervision_cfg_t supervision;

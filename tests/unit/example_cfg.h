@@ -40,17 +40,20 @@ static inline nn_observer_cfg_t example_observer_cfg(void)
         .decay_q = 9604,    /* the same: L_d = L_q */
         .volt_gain = 25423, /* T/L·U_b/I_x = 0.0484914, times 2^19 */
         .weight_shift = 7U,
-        .flux_q27 = 55972264,      /* 33.362 A / 80 A, times 2^27 */
-        .flux_drive_q27 = 1025354, /* 0.0183190 of it */
-        .iq_gain_q14 = 16384,      /* L_d/L_q = 1 */
+        .flux_q27 = 55972264, /* 33.362 A / 80 A, times 2^27 */
+        .iq_gain_q14 = 16384, /* L_d/L_q = 1 */
+        .saliency_q13 = 8192, /* L_q/L_d = 1 */
         .current_shift = 1U,
-        /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^14 */
+        /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^12 */
         .rate = 19192,
-        .rate_shift = 7U,
-        .proportional = 23990, /* 0.183031, times 2^14, times 2^3 */
-        .proportional_shift = 3U,
+        .rate_shift = 9U,
+        .proportional = 23990, /* 0.183031, times 2^12, times 2^5 */
+        .proportional_shift = 5U,
         .momentum_q15 = 0,
-        .speed_limit = 35791394, /* 2500 rpm */
+        .speed_limit = 35791394,  /* 2500 rpm */
+        .corner = 12522209,       /* R/L = 183.19 rad/s */
+        .rho_max_q13 = 0,         /* off */
+        .rho_speed_min = 1288490, /* 90 rpm */
     };
 }
 
@@ -65,7 +68,8 @@ static inline current_loop_cfg_t example_current_loop_cfg(void)
         .pi_q = pi,
         .reactance_d_q13 = 8293, /* Ω_b·L·I_b/U_b = 1.01229 */
         .reactance_q_q13 = 8293,
-        .emf_q13 = 6917, /* Ω_b·φ/U_b = 0.844303 */
+        .emf_q13 = 6917,        /* Ω_b·φ/U_b = 0.844303 */
+        .resistance_q13 = 1547, /* R·I_b/U_b = 0.188889 */
     };
 }
 
@@ -148,9 +152,107 @@ static inline modulator_cfg_t example_modulator_cfg(void)
         .timer_counts = 8500,     /* 170 MHz / (2·10 kHz) */
         .ratio_max_q15 = 17972,   /* 0.95/√3, rounded down */
         .inverse_max_q12 = 11520, /* 450 V / 160 V */
+        .dead_time_q15 = 0,
+        .drop_q15 = 0,
+        .ripple_q15 = 182, /* 310 V·T/(12·L) = 0.2227 A */
+        .edge_slope = 819, /* 5 counts of the converter are 40 LSB */
     };
 }
 
+/* 2 µs of dead time and 1.2 V of device drop in each leg. */
+static inline modulator_cfg_t example_modulator_cfg_with_dead_time(void)
+{
+    modulator_cfg_t cfg = example_modulator_cfg();
+
+    cfg.dead_time_q15 = 655; /* 2 µs / T */
+    cfg.drop_q15 = 87;       /* 1.2 V / 450 V */
+    return cfg;
+}
+
+/* Pulses of up to 8 ticks, pauses 8 times as long. */
+static inline catch_spin_cfg_t example_catch_spin_cfg(void)
+{
+    return (catch_spin_cfg_t){
+        .current = 410, /* 0.5 A */
+        .pulse_ticks = 8U,
+        .gap_factor = 8U,
+        .emf_current = 21465, /* φ/L/I_b = 0.834052: 3.9982e-5 LSB a tick per step, times 2^29 */
+        .emf_shift = 13U,
+    };
+}
+
+/* In the field of 8 A the rotor swings with 79 rad/s. */
+static inline align_cfg_t example_align_cfg(void)
+{
+    return (align_cfg_t){
+        .current_high = 6554, /* 8 A */
+        .current_low = 3932,  /* 4.8 A */
+        .slope = 65,
+        .sweep_speed = 2111587, /* half a turn in 1017 ticks */
+        .sweep_ticks = 1017U,
+        .pull_ticks = 3050U,
+        .settle_ticks = 763U,
+        .measure_log2 = 9U,
+        .step_ticks = 4U,
+        .step_voltage = 6772, /* 93 V */
+        .step_fall = 2627,    /* 93 V·4·T/L = 3.207 A */
+        .step_drop_q14 = 600, /* R·4·T/(2·L) = 0.036638 */
+    };
+}
+
+static inline startup_cfg_t example_startup_cfg(void)
+{
+    return (startup_cfg_t){
+        .catch_spin = example_catch_spin_cfg(),
+        .align = example_align_cfg(),
+        .current_hold = 6554,
+        .current_move = 8192, /* 10 A */
+        .current_floor = 0,
+        .current_slope = 65,
+        .ramp = 37036,             /* 2587 rpm/s */
+        .track_speed = 1288490,    /* 90 rpm */
+        .handover_speed = 2576980, /* 180 rpm */
+        .hold_speed = 1803886,     /* 126 rpm */
+        .residual_max = 1638,      /* 2 A */
+        .residual_lost = 4915,     /* 6 A */
+        .lost_periods = 100U,
+        .handover_periods = 100U,
+        .attempts = 5U,
+    };
+}
+
+/* Soft: damps the rotor's swing in the field of 8 A. */
+static inline current_loop_cfg_t example_hold_loop_cfg(void)
+{
+    const pi_cfg_t pi = {.kp = 27682, .ki = 25526, .kp_shift = 19U, .ki_shift = 15U};
+    current_loop_cfg_t cfg = example_current_loop_cfg();
+
+    cfg.pi_d = pi;
+    cfg.pi_q = pi;
+    return cfg;
+}
+
+/* All corrections off. */
+static inline model_cfg_t example_model_cfg(void)
+{
+    return (model_cfg_t){
+        .flux_rate = 786,          /* 1 ms / 50 ms · I_b/(φ/L), times 2^15 */
+        .flux_speed_min = 5153961, /* 360 rpm */
+    };
+}
+
+/* R by 60 %, L by 40 %, φ by 25 %. */
+static inline model_cfg_t example_model_cfg_with_corrections(void)
+{
+    model_cfg_t cfg = example_model_cfg();
+
+    cfg.resistance_limit_q14 = 9830;
+    cfg.inductance_limit_q14 = 6554;
+    cfg.flux_limit_q14 = 4096;
+    return cfg;
+}
+
+/* As published: no start-up, the model as it is, no dead time. */
 static inline drive_cfg_t example_drive_cfg(void)
 {
     drive_cfg_t cfg = {
@@ -163,11 +265,26 @@ static inline drive_cfg_t example_drive_cfg(void)
         .speed_loop = example_speed_loop_cfg(),
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
+        .hold_loop = example_current_loop_cfg(),
+        .model = example_model_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,
     };
 
     cfg.crc = config_guard_crc(&cfg);
+    return cfg;
+}
+
+/* The same with everything that starts it from any angle and corrects its model. */
+static inline drive_cfg_t example_drive_cfg_with_startup(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.observer.rho_max_q13 = 16384;
+    cfg.modulator = example_modulator_cfg_with_dead_time();
+    cfg.hold_loop = example_hold_loop_cfg();
+    cfg.startup = example_startup_cfg();
+    cfg.model = example_model_cfg_with_corrections();
     return cfg;
 }
 

@@ -6,6 +6,7 @@
 #include "unity.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #define ONE (32768.0)
@@ -44,6 +45,11 @@ void setUp(void)
 
 void tearDown(void)
 {
+}
+
+static compare_t compare_without_current(ab_t ratio)
+{
+    return modulator_compare(&mod, &cfg, ratio, (ab_t){0, 0});
 }
 
 /* Error of the reciprocal relative to 1/bus. */
@@ -199,7 +205,7 @@ static void test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_l
 
 static void test_null_vector_gives_half_duty_on_all_phases(void)
 {
-    const compare_t compare = modulator_compare(&cfg, (ab_t){0, 0});
+    const compare_t compare = compare_without_current((ab_t){0, 0});
 
     for (int32_t p = 0; p < 3; p++) {
         TEST_ASSERT_EQUAL_UINT16(4250U, compare.phase[p]);
@@ -211,9 +217,9 @@ static void test_counts_round_to_nearest_with_ties_up(void)
     compare_t compare;
 
     cfg.timer_counts = 1;
-    compare = modulator_compare(&cfg, (ab_t){0, 0});
+    compare = compare_without_current((ab_t){0, 0});
     TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[0]);
-    compare = modulator_compare(&cfg, (ab_t){0, 2});
+    compare = compare_without_current((ab_t){0, 2});
     TEST_ASSERT_EQUAL_UINT16(1U, compare.phase[1]);
     TEST_ASSERT_EQUAL_UINT16(0U, compare.phase[2]);
 }
@@ -221,7 +227,7 @@ static void test_counts_round_to_nearest_with_ties_up(void)
 static void test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike(void)
 {
     /* a = 0.3, b = c = −0.15; common −(0.3 − 0.15)/2: duties 0.725 and 0.275. */
-    const compare_t compare = modulator_compare(&cfg, (ab_t){9830, 0});
+    const compare_t compare = compare_without_current((ab_t){9830, 0});
 
     TEST_ASSERT_UINT16_WITHIN(1U, 6162U, compare.phase[0]);
     TEST_ASSERT_UINT16_WITHIN(1U, 2338U, compare.phase[1]);
@@ -230,7 +236,7 @@ static void test_vector_along_alpha_raises_phase_a_and_lowers_the_others_alike(v
 
 static void test_vector_along_beta_raises_phase_b_against_phase_c(void)
 {
-    const compare_t compare = modulator_compare(&cfg, (ab_t){0, 9830});
+    const compare_t compare = compare_without_current((ab_t){0, 9830});
 
     TEST_ASSERT_UINT16_WITHIN(1U, 4250U, compare.phase[0]);
     TEST_ASSERT_TRUE(compare.phase[1] > 4250U);
@@ -240,7 +246,7 @@ static void test_vector_along_beta_raises_phase_b_against_phase_c(void)
 /* Largest deviation of a phase-to-phase voltage from the demand, in counts. */
 static double line_error(ab_t ratio)
 {
-    const compare_t c = modulator_compare(&cfg, ratio);
+    const compare_t c = compare_without_current(ratio);
     const double scale = cfg.timer_counts / ONE;
     const double a = ratio.alpha * scale;
     const double b = ((HALF_SQRT3 * ratio.beta) - (0.5 * ratio.alpha)) * scale;
@@ -277,8 +283,8 @@ static void test_duties_are_symmetric_about_one_half(void)
 {
     for (int32_t k = 0; k < 4096; k++) {
         const double angle = TWO_PI * k / 4096.0;
-        const compare_t c = modulator_compare(&cfg, (ab_t){(int32_t)trunc(18918.0 * cos(angle)),
-                                                           (int32_t)trunc(18918.0 * sin(angle))});
+        const compare_t c = compare_without_current(
+            (ab_t){(int32_t)trunc(18918.0 * cos(angle)), (int32_t)trunc(18918.0 * sin(angle))});
         const int32_t high = abs((c.phase[0] > c.phase[1]) ? c.phase[0] : c.phase[1]);
         const int32_t low = abs((c.phase[0] < c.phase[1]) ? c.phase[0] : c.phase[1]);
         const int32_t highest = (high > c.phase[2]) ? high : c.phase[2];
@@ -299,7 +305,7 @@ static void test_duties_stay_between_zero_and_one_for_any_vector(void)
         compare_t c;
 
         cfg.timer_counts = ((k % 2) == 0) ? 32767 : seeded_in(&seed, 1, 32767);
-        c = modulator_compare(&cfg, ratio);
+        c = compare_without_current(ratio);
         for (int32_t p = 0; p < 3; p++) {
             TEST_ASSERT_TRUE(c.phase[p] <= cfg.timer_counts);
         }
@@ -313,7 +319,7 @@ static void test_too_long_a_vector_is_cut_at_duty_zero_and_one(void)
     static const uint16_t low[] = {1, 0, 2, 1};
 
     for (uint32_t i = 0U; i < 4U; i++) {
-        const compare_t c = modulator_compare(&cfg, corners[i]);
+        const compare_t c = compare_without_current(corners[i]);
 
         TEST_ASSERT_EQUAL_UINT16(8500U, c.phase[high[i]]);
         TEST_ASSERT_EQUAL_UINT16(0U, c.phase[low[i]]);
@@ -330,10 +336,228 @@ static void test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_abo
         compare_t c;
 
         cfg.timer_counts = timers[i];
-        c = modulator_compare(&cfg, (ab_t){32767, 0});
+        c = compare_without_current((ab_t){32767, 0});
         TEST_ASSERT_EQUAL_UINT16(highest[i], c.phase[0]);
         TEST_ASSERT_EQUAL_UINT16(0U, c.phase[1]);
         TEST_ASSERT_EQUAL_UINT16(0U, c.phase[2]);
+    }
+}
+
+/* ---- dead time and device drop ---- */
+
+#define BUS_310V (22573)
+
+/* What 2 µs and 1.2 V take from a leg at 310 V, in Q15: 655.4 and 126.8 less 0.7 for two roundings down. */
+#define LOSS_Q15 (781)
+/* Of the current, from none to all of it: 32768/819 = 40.01, so that 41 LSB are enough. */
+#define EDGE_LSB (41)
+/* The share ends at 32767/32768 and the product is rounded down, 1; counts of 1/32767 are rounded, 1. */
+#define SHARE_LSB (2)
+
+/* Timer of 32767 counts: a count is a LSB of the duty. */
+static void use_dead_time(void)
+{
+    cfg = example_modulator_cfg_with_dead_time();
+    cfg.timer_counts = 32767;
+    for (int32_t k = 0; k < 8; k++) {
+        modulator_track_bus(&mod, &cfg, BUS_310V);
+    }
+}
+
+/* By how many counts the current changes the compare value of a phase. */
+static int32_t given_back(ab_t ratio, ab_t current, uint32_t phase)
+{
+    const compare_t with = modulator_compare(&mod, &cfg, ratio, current);
+    const compare_t without = modulator_compare(&mod, &cfg, ratio, (ab_t){0, 0});
+
+    return (int32_t)with.phase[phase] - (int32_t)without.phase[phase];
+}
+
+/* A phase current of the vector, as a real number. */
+static double phase_current(ab_t current, uint32_t phase)
+{
+    static const double beta_part[] = {0.0, HALF_SQRT3, -HALF_SQRT3};
+
+    return ((phase == 0U) ? (double)current.alpha : (-0.5 * current.alpha)) +
+           (beta_part[phase] * current.beta);
+}
+
+/* A phase current is rounded down by up to 2 LSB: one more below zero. */
+static void test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current(void)
+{
+    use_dead_time();
+    for (int32_t k = 0; k < 720; k++) {
+        const double angle = TWO_PI * k / 720.0;
+        const ab_t current = {(int32_t)lround(3000.0 * cos(angle)),
+                              (int32_t)lround(3000.0 * sin(angle))};
+
+        for (uint32_t p = 0U; p < 3U; p++) {
+            const double i = phase_current(current, p);
+
+            if (fabs(i) > (EDGE_LSB + 2)) {
+                TEST_ASSERT_INT32_WITHIN(SHARE_LSB, (i > 0.0) ? LOSS_Q15 : -LOSS_Q15,
+                                         given_back((ab_t){0, 0}, current, p));
+            }
+        }
+    }
+}
+
+static void test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not(void)
+{
+    static const int32_t inverses[] = {4096, 6144, 8192};
+    const ab_t current = {3000, 0};
+
+    use_dead_time();
+    for (uint32_t i = 0U; i < 3U; i++) {
+        mod.inverse_bus_q12 = inverses[i];
+        cfg.dead_time_q15 = 0;
+        cfg.drop_q15 = 1000;
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000 * inverses[i] / 4096,
+                                 given_back((ab_t){0, 0}, current, 0U));
+        cfg.dead_time_q15 = 1000;
+        cfg.drop_q15 = 0;
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000, given_back((ab_t){0, 0}, current, 0U));
+    }
+}
+
+static void test_without_dead_time_and_drop_the_current_changes_nothing(void)
+{
+    seeded_t seed = {0xDEAD0U};
+
+    for (int32_t k = 0; k < 10000; k++) {
+        const ab_t ratio = {seeded_in(&seed, -18918, 18918), seeded_in(&seed, -18918, 18918)};
+        const ab_t current = {seeded_in(&seed, -32770, 32770), seeded_in(&seed, -32770, 32770)};
+
+        for (uint32_t p = 0U; p < 3U; p++) {
+            TEST_ASSERT_EQUAL_INT32(0, given_back(ratio, current, p));
+        }
+    }
+}
+
+/*
+ * A ratio along β leaves leg a in the middle, at u = 0: the ripple at its edges is ripple·s with
+ * s = √3·β = 20784 (less 1 for rounding), 20784·2000/2^15 = 1268.5.
+ */
+static void test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it(void)
+{
+    const ab_t ratio = {0, 12000};
+
+    use_dead_time();
+    cfg.ripple_q15 = 2000;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (int32_t i = 0; i <= 1267; i++) {
+            TEST_ASSERT_EQUAL_INT32(0, given_back(ratio, (ab_t){sign * i, 0}, 0U));
+        }
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, sign * LOSS_Q15,
+                                 given_back(ratio, (ab_t){sign * (1269 + EDGE_LSB), 0}, 0U));
+    }
+    /* The highest and the lowest leg: 9·u² is more than s. */
+    TEST_ASSERT_INT32_WITHIN(SHARE_LSB, -LOSS_Q15, given_back(ratio, (ab_t){200, 0}, 1U));
+    TEST_ASSERT_INT32_WITHIN(SHARE_LSB, -LOSS_Q15, given_back(ratio, (ab_t){200, 0}, 2U));
+}
+
+/*
+ * r = ripple·(s − 9·u²) of the leg in the middle, found as the current from which on something is given back.
+ * s holds three roundings down and 9·u² nine, 12·16384/2^15 = 6; the first LSB of duty that shows takes
+ * 2·2^15/(819·781) < 1 of current more, and r is rounded down.
+ */
+#define RIPPLE_LSB (8.0)
+
+static void test_ripple_follows_the_edges_of_the_leg_in_the_middle(void)
+{
+    use_dead_time();
+    cfg.ripple_q15 = 16384;
+    for (int32_t alpha = -2000; alpha <= 2000; alpha += 100) {
+        const ab_t ratio = {alpha, 12000};
+        const double u = alpha / ONE;
+        const double span = sqrt(3.0) * 12000.0 / ONE;
+        const double expected = 16384.0 * (span - (9.0 * u * u));
+        int32_t first = 0;
+
+        while ((first < 16384) && (given_back(ratio, (ab_t){first, 0}, 0U) == 0)) {
+            first++;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(RIPPLE_LSB, expected, first);
+    }
+}
+
+/*
+ * The current of a leg is rounded down, so that of the opposite vector differs by up to 2 LSB: 819·781/2^15 = 19.5
+ * of duty each. Two differences of rounded counts: 2.
+ */
+#define SYMMETRY_LSB (41)
+
+static void test_the_opposite_current_is_given_back_the_opposite(void)
+{
+    seeded_t seed = {0x0DD5U};
+
+    use_dead_time();
+    for (int32_t k = 0; k < 20000; k++) {
+        const ab_t ratio = {seeded_in(&seed, -10000, 10000), seeded_in(&seed, -10000, 10000)};
+        const ab_t i = {seeded_in(&seed, -300, 300), seeded_in(&seed, -300, 300)};
+
+        for (uint32_t p = 0U; p < 3U; p++) {
+            TEST_ASSERT_INT32_WITHIN(SYMMETRY_LSB, 0,
+                                     given_back(ratio, i, p) +
+                                         given_back(ratio, (ab_t){-i.alpha, -i.beta}, p));
+        }
+    }
+}
+
+/* The slope 819·781/2^15 = 19.5 of duty for a LSB of current, rounded to counts. */
+static void test_duty_goes_steadily_through_zero_current_without_a_jump(void)
+{
+    static const ab_t ratios[] = {{0, 0}, {0, 12000}, {9000, 0}, {-7000, 5000}};
+
+    use_dead_time();
+    for (uint32_t r = 0U; r < 4U; r++) {
+        int32_t before = given_back(ratios[r], (ab_t){-300, 0}, 0U);
+
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, -LOSS_Q15, before);
+        TEST_ASSERT_EQUAL_INT32(0, given_back(ratios[r], (ab_t){0, 0}, 0U));
+        for (int32_t i = -299; i <= 300; i++) {
+            const int32_t now = given_back(ratios[r], (ab_t){i, 0}, 0U);
+
+            TEST_ASSERT_TRUE((now >= before) && (now <= (before + 21)));
+            before = now;
+        }
+        TEST_ASSERT_INT32_WITHIN(SHARE_LSB, LOSS_Q15, before);
+    }
+}
+
+static void test_what_is_given_back_cannot_leave_duty_zero_to_one(void)
+{
+    compare_t c;
+
+    use_dead_time();
+    cfg.timer_counts = 8500;
+    /* Duties 0.9921 and 0.0079 besides the loss of 0.0238. */
+    c = modulator_compare(&mod, &cfg, (ab_t){21500, 0}, (ab_t){3000, 0});
+    TEST_ASSERT_EQUAL_UINT16(8500U, c.phase[0]);
+    TEST_ASSERT_EQUAL_UINT16(0U, c.phase[1]);
+    TEST_ASSERT_EQUAL_UINT16(0U, c.phase[2]);
+}
+
+static void test_duties_stay_between_zero_and_one_for_any_current_and_any_loss(void)
+{
+    seeded_t seed = {0xD07E6U};
+
+    for (int32_t k = 0; k < 200000; k++) {
+        const ab_t ratio = {seeded_in(&seed, -46341, 46341), seeded_in(&seed, -46341, 46341)};
+        const ab_t current = {seeded_in(&seed, -32770, 32770), seeded_in(&seed, -32770, 32770)};
+        const bool ends = (k % 2) == 0;
+        compare_t c;
+
+        cfg.timer_counts = ends ? 32767 : seeded_in(&seed, 1, 32767);
+        cfg.dead_time_q15 = ends ? 8192 : seeded_in(&seed, 0, 8192);
+        cfg.drop_q15 = ends ? 2048 : seeded_in(&seed, 0, 2048);
+        cfg.ripple_q15 = ends ? 16384 : seeded_in(&seed, 0, 16384);
+        cfg.edge_slope = ends ? 32767 : seeded_in(&seed, 1, 32767);
+        mod.inverse_bus_q12 = ends ? 32767 : seeded_in(&seed, 1, 32767);
+        c = modulator_compare(&mod, &cfg, ratio, current);
+        for (int32_t p = 0; p < 3; p++) {
+            TEST_ASSERT_TRUE(c.phase[p] <= cfg.timer_counts);
+        }
     }
 }
 
@@ -359,5 +583,14 @@ int main(void)
     RUN_TEST(test_duties_stay_between_zero_and_one_for_any_vector);
     RUN_TEST(test_too_long_a_vector_is_cut_at_duty_zero_and_one);
     RUN_TEST(test_largest_duty_is_full_up_to_16384_counts_and_one_count_short_above);
+    RUN_TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current);
+    RUN_TEST(test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not);
+    RUN_TEST(test_without_dead_time_and_drop_the_current_changes_nothing);
+    RUN_TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it);
+    RUN_TEST(test_ripple_follows_the_edges_of_the_leg_in_the_middle);
+    RUN_TEST(test_the_opposite_current_is_given_back_the_opposite);
+    RUN_TEST(test_duty_goes_steadily_through_zero_current_without_a_jump);
+    RUN_TEST(test_what_is_given_back_cannot_leave_duty_zero_to_one);
+    RUN_TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss);
     return UNITY_END();
 }

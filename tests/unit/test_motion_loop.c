@@ -149,6 +149,74 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
     }
 }
 
+static void test_acceleration_gives_the_feed_forward_alone_and_takes_the_reference_over(void)
+{
+    speed_loop_t whole = speed_loop;
+
+    speed_cfg.pi.kp = 0;
+    speed_cfg.pi.ki = 0;
+    for (int32_t k = 1; k <= 20; k++) {
+        const step_t reference = ((k % 3) - 1) * k * 10000;
+
+        TEST_ASSERT_EQUAL_INT32(speed_loop_step(&whole, &speed_cfg, reference, 0),
+                                speed_loop_accelerate(&speed_loop, &speed_cfg, reference));
+        TEST_ASSERT_EQUAL_INT32(reference, speed_loop.reference);
+    }
+}
+
+static void test_acceleration_leaves_the_integral_alone(void)
+{
+    speed_loop.pi.integral_q26 = 12345678;
+    (void)speed_loop_accelerate(&speed_loop, &speed_cfg, 1000000);
+    TEST_ASSERT_EQUAL_INT32(12345678, speed_loop.pi.integral_q26);
+}
+
+static void test_acceleration_is_limited_in_current_and_reference_for_any_jump(void)
+{
+    static const step_t ends[] = {INT32_MAX, INT32_MIN, 0x20000000, -0x20000000, 0, 1, -1};
+
+    speed_cfg.speed_max = 0x20000000;
+    speed_cfg.inertia = 32767;
+    speed_cfg.inertia_shift = 0U;
+    for (uint32_t i = 0U; i < 49U; i++) {
+        const int32_t unlimited_from = fx_clamp(ends[i / 7U], -0x20000000, 0x20000000);
+        const int32_t to = fx_clamp(ends[i % 7U], -0x20000000, 0x20000000);
+        int32_t current = 0;
+
+        speed_loop_reset(&speed_loop, unlimited_from);
+        current = speed_loop_accelerate(&speed_loop, &speed_cfg, ends[i % 7U]);
+        TEST_ASSERT_EQUAL_INT32(to, speed_loop.reference);
+        TEST_ASSERT_TRUE(abs(current) <= speed_cfg.current_max);
+        /* A change of 1 is half a LSB, rounded down. */
+        if (abs(to - unlimited_from) > 2) {
+            TEST_ASSERT_EQUAL_INT((to > unlimited_from), (current > 0));
+        }
+    }
+}
+
+static void test_start_goes_on_with_the_given_current_at_a_steady_speed(void)
+{
+    static const int32_t currents[] = {0, 1, -1, 4321, -4321, 8192, -8192};
+
+    for (uint32_t i = 0U; i < (sizeof currents / sizeof currents[0]); i++) {
+        speed_loop.pi.integral_q26 = -999999;
+        speed_loop_start(&speed_loop, 5000000, currents[i]);
+        for (int32_t k = 0; k < 3; k++) {
+            TEST_ASSERT_EQUAL_INT32(currents[i],
+                                    speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000));
+        }
+    }
+}
+
+static void test_start_with_more_than_the_largest_current_is_limited_in_the_first_period(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        speed_loop_start(&speed_loop, 5000000, sign * 32767);
+        TEST_ASSERT_EQUAL_INT32(sign * speed_cfg.current_max,
+                                speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000));
+    }
+}
+
 /* ---- position ---- */
 
 /* Slow periods that the profile may need for a distance: full speed all the way, twice the time to
@@ -546,5 +614,10 @@ int main(void)
     RUN_TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile);
     RUN_TEST(
         test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most);
+    RUN_TEST(test_acceleration_gives_the_feed_forward_alone_and_takes_the_reference_over);
+    RUN_TEST(test_acceleration_leaves_the_integral_alone);
+    RUN_TEST(test_acceleration_is_limited_in_current_and_reference_for_any_jump);
+    RUN_TEST(test_start_goes_on_with_the_given_current_at_a_steady_speed);
+    RUN_TEST(test_start_with_more_than_the_largest_current_is_limited_in_the_first_period);
     return UNITY_END();
 }

@@ -3,6 +3,7 @@
 #include "params.h"
 #include "unity.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -11,7 +12,7 @@
 
 /*
  * All fields are 32 bits wide; a shift is unsigned. lowest and highest are accepted in the example
- * configuration. One beyond them `below` and `above` are named: another field where the two must agree.
+ * configuration with start-up. One beyond them `below` and `above` are named: another field where the two must agree.
  */
 typedef struct {
     const char *name;
@@ -31,7 +32,12 @@ typedef struct {
         PI_PART(path, ki_shift, 1, 30)
 #define FADE(path) \
     PI_PART(path, zero, 0, 65535), PI_PART(path, gain, -32767, 32767), PI_PART(path, shift, 0, 16)
+/* At observer.speed_limit, 17476 in Q15 of Ω_b: 17476·30469/2^13 = 64999.5, 30470 gives 65001.7. */
 #define DECOUPLING(path) WITHIN(path, #path, 0, 30469, "observer.speed_limit")
+#define LOOP(path) \
+    PI(path.pi_d), PI(path.pi_q), DECOUPLING(path.reactance_d_q13), \
+        DECOUPLING(path.reactance_q_q13), DECOUPLING(path.emf_q13), \
+        FIELD(path.resistance_q13, 0, 32767)
 
 static const field_t FIELDS[] = {
     FIELD(sampling.current_shift, 0, 7),
@@ -77,8 +83,8 @@ static const field_t FIELDS[] = {
     FIELD(observer.volt_gain, 1, 32767),
     FIELD(observer.weight_shift, 2, 15),
     FIELD(observer.flux_q27, 1, 0x7FFFFFF),
-    FIELD(observer.flux_drive_q27, 0, 0x4000000),
     FIELD(observer.iq_gain_q14, 1, 32767),
+    FIELD(observer.saliency_q13, 1, 32767),
     FIELD(observer.current_shift, 0, 10),
     FIELD(observer.rate, 0, 32767),
     FIELD(observer.rate_shift, 0, 30),
@@ -88,14 +94,13 @@ static const field_t FIELDS[] = {
     /* From speed_loop.speed_max to 32767 in Q15 of Ω_b at speed_shift 11. */
     WITHIN(observer.speed_limit, "speed_loop.speed_max", 28633115, (32768 * 2048) - 1,
            "observer.speed_limit"),
+    FIELD(observer.corner, 0, 0x8000000),
+    FIELD(observer.rho_max_q13, 0, 32767),
+    FIELD(observer.rho_speed_min, 1, 0x20000000),
     WITHIN(speed_shift, "observer.speed_limit", 11, 16,
            "speed_shift"), /* from where the limit fits */
-    PI(current_loop.pi_d),
-    PI(current_loop.pi_q),
-    /* At observer.speed_limit, 17476 in Q15 of Ω_b: 17476·30469/2^13 = 64999.5, 30470 gives 65001.7. */
-    DECOUPLING(current_loop.reactance_d_q13),
-    DECOUPLING(current_loop.reactance_q_q13),
-    DECOUPLING(current_loop.emf_q13),
+    LOOP(current_loop),
+    LOOP(hold_loop),
     PI(speed_loop.pi),
     FIELD(speed_loop.ramp, 1, 0x20000000),
     FIELD(speed_loop.speed_max, 1, 35791394), /* up to observer.speed_limit */
@@ -109,9 +114,52 @@ static const field_t FIELDS[] = {
     FIELD(position_loop.gain, 0, 32767),
     FIELD(position_loop.gain_shift, 0, 30),
     FIELD(position_loop.distance_shift, 8, 48),
+    /* From 0, which needs no further field; up to current_move, which is then too small. */
+    WITHIN(startup.current_hold, "startup.current_hold", 0, 8192, "startup.current_move"),
     FIELD(modulator.timer_counts, 1, 32767),
     FIELD(modulator.ratio_max_q15, 1, 18918),
     FIELD(modulator.inverse_max_q12, 4096, 32767),
+    FIELD(modulator.dead_time_q15, 0, 8192),
+    FIELD(modulator.drop_q15, 0, 2048),
+    FIELD(modulator.ripple_q15, 0, 16384),
+    FIELD(modulator.edge_slope, 1, 32767),
+    FIELD(startup.catch_spin.current, 1, 16384),
+    FIELD(startup.catch_spin.pulse_ticks, 1, 16),
+    FIELD(startup.catch_spin.gap_factor, 1, 16),
+    FIELD(startup.catch_spin.emf_current, 1, 32767),
+    FIELD(startup.catch_spin.emf_shift, 0, 30),
+    WITHIN(startup.align.current_high, "startup.align.current_low", 3933, 16384,
+           "startup.align.current_high"),
+    FIELD(startup.align.current_low, 0, 6553), /* below current_high */
+    FIELD(startup.align.slope, 1, 16384),
+    FIELD(startup.align.sweep_speed, 1, 35791394), /* up to observer.speed_limit */
+    FIELD(startup.align.sweep_ticks, 1, 3050),     /* up to pull_ticks */
+    WITHIN(startup.align.pull_ticks, "startup.align.sweep_ticks", 1017, 0x100000,
+           "startup.align.pull_ticks"),
+    FIELD(startup.align.settle_ticks, 1, 0x100000),
+    FIELD(startup.align.measure_log2, 6, 16),
+    FIELD(startup.align.step_ticks, 2, 16),
+    FIELD(startup.align.step_voltage, 1, 32767),
+    FIELD(startup.align.step_fall, 1, 16384),
+    FIELD(startup.align.step_drop_q14, 0, 8192),
+    FIELD(startup.current_move, 6554, 16384), /* from current_hold on */
+    FIELD(startup.current_floor, 0, 16384),
+    FIELD(startup.current_slope, 1, 16384),
+    FIELD(startup.ramp, 1, 0x20000000),
+    FIELD(startup.track_speed, 1, 2576980), /* up to handover_speed */
+    WITHIN(startup.handover_speed, "startup.hold_speed", 1803887, 0x20000000,
+           "startup.handover_speed"),
+    FIELD(startup.hold_speed, 1, 2576979), /* below handover_speed */
+    WITHIN(startup.residual_max, "startup.residual_max", 1, 4915, "startup.residual_lost"),
+    FIELD(startup.residual_lost, 1638, 16384), /* from residual_max on */
+    FIELD(startup.lost_periods, 1, 60000),
+    FIELD(startup.handover_periods, 1, 60000),
+    FIELD(startup.attempts, 1, 100),
+    FIELD(model.resistance_limit_q14, 0, 15000),
+    FIELD(model.inductance_limit_q14, 0, 8192),
+    FIELD(model.flux_limit_q14, 0, 8192),
+    FIELD(model.flux_rate, 0, 32767),
+    FIELD(model.flux_speed_min, 0, 0x20000000),
     FIELD(slow_ticks, 2, 100),
 };
 
@@ -125,7 +173,7 @@ void tearDown(void)
 
 static const char *check_with(const field_t *field, int32_t value)
 {
-    drive_cfg_t cfg = example_drive_cfg();
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
 
     memcpy((char *)&cfg + field->offset, &value, sizeof value);
     return params_check(&cfg);
@@ -151,9 +199,11 @@ static void assert_accepted(const field_t *field, int32_t value)
 
 static void test_valid_configuration_is_accepted(void)
 {
-    const drive_cfg_t cfg = example_drive_cfg();
+    const drive_cfg_t published = example_drive_cfg();
+    const drive_cfg_t with_startup = example_drive_cfg_with_startup();
 
-    TEST_ASSERT_NULL(params_check(&cfg));
+    TEST_ASSERT_NULL(params_check(&published));
+    TEST_ASSERT_NULL(params_check(&with_startup));
 }
 
 static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
@@ -186,12 +236,15 @@ static void test_every_field_is_named_at_the_ends_of_its_type(void)
     }
 }
 
-/* speed·gain/2^13 of each gain of the decoupling, the others zero. */
+/* speed·gain/2^13 of each gain of both loops' decoupling, the others zero. */
 static const char *check_reach_of(int32_t speed, int32_t gain, size_t which)
 {
     drive_cfg_t cfg = example_drive_cfg();
-    int32_t *const gains[] = {&cfg.current_loop.reactance_d_q13, &cfg.current_loop.reactance_q_q13,
-                              &cfg.current_loop.emf_q13};
+    int32_t *const gains[] = {
+        &cfg.current_loop.reactance_d_q13, &cfg.current_loop.reactance_q_q13,
+        &cfg.current_loop.emf_q13,         &cfg.hold_loop.reactance_d_q13,
+        &cfg.hold_loop.reactance_q_q13,    &cfg.hold_loop.emf_q13,
+    };
 
     for (size_t i = 0; i < COUNT(gains); i++) {
         *gains[i] = (i == which) ? gain : 0;
@@ -203,7 +256,7 @@ static const char *check_reach_of(int32_t speed, int32_t gain, size_t which)
 
 static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(void)
 {
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 6; i++) {
         /* 65000 exactly, then 65001.97. */
         TEST_ASSERT_NULL(check_reach_of(16384, 32500, i));
         TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16385, 32499, i));
@@ -214,6 +267,60 @@ static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(voi
         TEST_ASSERT_NULL(check_reach_of(32767, 16250, i));
         TEST_ASSERT_NOT_NULL(check_reach_of(1, 32768, i));
     }
+}
+
+static bool is_of_startup(const field_t *field)
+{
+    return (strncmp(field->name, "startup.", 8) == 0) &&
+           (strcmp(field->name, "startup.current_hold") != 0);
+}
+
+/* It is not looked at then: RUN starts at once. */
+static void test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything(void)
+{
+    static const int32_t values[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
+    uint32_t checked = 0U;
+
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        for (size_t v = 0; (v < COUNT(values)) && is_of_startup(&FIELDS[i]); v++) {
+            drive_cfg_t cfg = example_drive_cfg();
+
+            memcpy((char *)&cfg + FIELDS[i].offset, &values[v], sizeof values[v]);
+            TEST_ASSERT_NULL_MESSAGE(params_check(&cfg), FIELDS[i].name);
+            checked++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32((sizeof(startup_cfg_t) / sizeof(int32_t) - 1U) * COUNT(values),
+                             checked);
+}
+
+static void test_thresholds_of_the_startup_out_of_order_are_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.startup.hold_speed = cfg.startup.handover_speed;
+    TEST_ASSERT_EQUAL_STRING("startup.hold_speed", params_check(&cfg));
+    cfg.startup.hold_speed = cfg.startup.handover_speed - 1;
+    cfg.startup.track_speed = cfg.startup.handover_speed;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.startup.track_speed++;
+    TEST_ASSERT_EQUAL_STRING("startup.track_speed", params_check(&cfg));
+    cfg.startup.track_speed = 1;
+    cfg.startup.current_move = cfg.startup.current_hold;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.startup.current_move--;
+    TEST_ASSERT_EQUAL_STRING("startup.current_move", params_check(&cfg));
+}
+
+static void test_the_vector_turns_no_faster_than_the_observer_follows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.speed_loop.speed_max = 1;
+    cfg.observer.speed_limit = cfg.startup.align.sweep_speed;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.observer.speed_limit--;
+    TEST_ASSERT_EQUAL_STRING("startup.align.sweep_speed", params_check(&cfg));
 }
 
 static void test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows(void)
@@ -321,6 +428,9 @@ int main(void)
     RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
     RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
+    RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);
+    RUN_TEST(test_thresholds_of_the_startup_out_of_order_are_named);
+    RUN_TEST(test_the_vector_turns_no_faster_than_the_observer_follows);
     RUN_TEST(test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows);
     RUN_TEST(test_current_demand_is_at_most_what_the_protection_allows);
     RUN_TEST(test_bus_limits_out_of_order_are_named);

@@ -1,4 +1,5 @@
 /* PI controller: its law, its limits and what its integral does at them. */
+#include "fx.h"
 #include "pi.h"
 #include "seeded.h"
 #include "unity.h"
@@ -333,6 +334,31 @@ static void test_seeded_steps_follow_the_law_from_any_state(void)
     }
 }
 
+static void test_output_without_error_is_what_the_next_step_gives_and_changes_nothing(void)
+{
+    seeded_t seed = {0x0075EEDU};
+
+    for (int32_t i = 0; i < SEEDED_CASES; i++) {
+        pi_t before;
+
+        (void)pi_step(&pi, &PLAIN, seeded_in(&seed, -65535, 65535), 0, 32767);
+        before = pi;
+        TEST_ASSERT_EQUAL_INT32(pi_step(&pi, &PLAIN, 0, 0, 32767),
+                                fx_clamp(pi_output(&before), -32767, 32767));
+        TEST_ASSERT_EQUAL_INT32(before.integral_q26, pi.integral_q26);
+    }
+}
+
+static void test_output_is_what_reset_was_given(void)
+{
+    static const int32_t starts[] = {0, 1, -1, 12345, -12345, 32767, -32768};
+
+    for (size_t i = 0; i < COUNT(starts); i++) {
+        pi_reset(&pi, starts[i]);
+        TEST_ASSERT_EQUAL_INT32(starts[i], pi_output(&pi));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -357,5 +383,7 @@ int main(void)
     RUN_TEST(test_unwinding_again_and_again_beside_a_held_limit_ends_at_one);
     RUN_TEST(test_no_sum_overflows_at_the_ends_of_all_ranges);
     RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
+    RUN_TEST(test_output_without_error_is_what_the_next_step_gives_and_changes_nothing);
+    RUN_TEST(test_output_is_what_reset_was_given);
     return UNITY_END();
 }

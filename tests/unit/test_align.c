@@ -1,0 +1,433 @@
+/* Alignment: its phases, the turning vector, and R and L of a circuit with an offset voltage. */
+#include "align.h"
+#include "example_cfg.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Motor A and the bases of example_cfg.h. */
+#define PERIOD_S (1e-4)
+#define RESISTANCE (2.125)
+#define INDUCTANCE (0.0116)
+#define CURRENT_LSB_A (40.0 / 32768.0)
+#define VOLTAGE_LSB_V (450.0 / 32768.0)
+#define RESISTANCE_Q13 (RESISTANCE * 40.0 / 450.0 * 8192.0)
+
+static align_cfg_t cfg;
+static align_t align;
+
+void setUp(void)
+{
+    cfg = example_align_cfg();
+    align_reset(&align, false);
+}
+
+void tearDown(void)
+{
+}
+
+/* Ticks until the phase has changed, with nothing measured. */
+static uint32_t ticks_of(align_phase_t phase)
+{
+    uint32_t count = 0U;
+
+    TEST_ASSERT_EQUAL_INT(phase, align.phase);
+    while (align.phase == phase) {
+        align_step(&align, &cfg, 0, 0);
+        count++;
+    }
+    return count;
+}
+
+static void go_to(align_phase_t phase)
+{
+    while (align.phase != phase) {
+        align_step(&align, &cfg, 0, 0);
+    }
+}
+
+/* ---- phases ---- */
+
+static void test_phases_follow_each_other_and_take_their_ticks(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(cfg.pull_ticks, ticks_of(ALIGN_PULL));
+    TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_HIGH));
+    TEST_ASSERT_EQUAL_UINT32(cfg.step_ticks + 2U,
+                             ticks_of(ALIGN_STEP)); /* acts and is seen later */
+    TEST_ASSERT_EQUAL_UINT32(cfg.settle_ticks, ticks_of(ALIGN_SETTLE));
+    TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_LOW));
+    for (int32_t k = 0; k < 1000; k++) {
+        TEST_ASSERT_EQUAL_INT(ALIGN_DONE, align.phase);
+        align_step(&align, &cfg, 1000, 1000);
+    }
+}
+
+static void test_shortest_phases_take_their_ticks_too(void)
+{
+    cfg.sweep_ticks = 1U;
+    cfg.pull_ticks = 1U;
+    cfg.settle_ticks = 1U;
+    cfg.measure_log2 = 6U;
+    cfg.step_ticks = 2U;
+    TEST_ASSERT_EQUAL_UINT32(1U, ticks_of(ALIGN_PULL));
+    TEST_ASSERT_EQUAL_UINT32(64U, ticks_of(ALIGN_MEASURE_HIGH));
+    TEST_ASSERT_EQUAL_UINT32(4U, ticks_of(ALIGN_STEP));
+    TEST_ASSERT_EQUAL_UINT32(1U, ticks_of(ALIGN_SETTLE));
+    TEST_ASSERT_EQUAL_UINT32(64U, ticks_of(ALIGN_MEASURE_LOW));
+}
+
+static void test_reset_forgets_what_was_there_before(void)
+{
+    memset(&align, 0x5A, sizeof align);
+    align_reset(&align, true);
+    TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
+    TEST_ASSERT_EQUAL_UINT32(0U, align.tick);
+    TEST_ASSERT_TRUE(align.backwards);
+    TEST_ASSERT_EQUAL_INT32(0, align.current_ref);
+    TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
+    TEST_ASSERT_EQUAL_INT32(0, align.high.current | align.high.voltage | align.low.current |
+                                   align.low.voltage | align.step_fall);
+}
+
+static void
+test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step(void)
+{
+    int32_t before = 0;
+
+    while (align.phase == ALIGN_PULL) {
+        const int32_t expected = before + cfg.slope;
+
+        align_step(&align, &cfg, 0, 0);
+        TEST_ASSERT_EQUAL_INT32((expected < cfg.current_high) ? expected : cfg.current_high,
+                                align.current_ref);
+        before = align.current_ref;
+    }
+    TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
+    while (align.phase != ALIGN_DONE) {
+        const bool control = !align_steps_voltage(&align, &cfg);
+
+        align_step(&align, &cfg, 0, 0);
+        if (control && (align.phase > ALIGN_STEP)) {
+            TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
+        } else if (align.phase == ALIGN_MEASURE_HIGH) {
+            TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
+        } else {
+            /* in the step */
+        }
+    }
+}
+
+static void test_control_takes_the_lower_level_as_soon_as_it_acts_again(void)
+{
+    go_to(ALIGN_STEP);
+    while (align_steps_voltage(&align, &cfg)) {
+        align_step(&align, &cfg, 0, 0);
+    }
+    TEST_ASSERT_EQUAL_INT(ALIGN_STEP, align.phase);
+    TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
+}
+
+static void test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_the_step(void)
+{
+    uint32_t rests = 0U;
+
+    while (align.phase != ALIGN_DONE) {
+        align_step(&align, &cfg, 0, 0);
+        if (align_steps_voltage(&align, &cfg)) {
+            TEST_ASSERT_EQUAL_INT(ALIGN_STEP, align.phase);
+            TEST_ASSERT_EQUAL_UINT32(rests, align.tick); /* 0 in the tick that ends the mean */
+            rests++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(cfg.step_ticks + 1U, rests);
+}
+
+/* sweep_speed is rounded: half a step for each tick of the sweep. */
+static void test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_rests(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const int64_t half_turn = (int64_t)1 << 31;
+        int64_t turned = 0;
+        uint32_t tick = 0U;
+
+        align_reset(&align, sign < 0);
+        while (align.phase != ALIGN_DONE) {
+            align_step(&align, &cfg, 0, 0);
+            turned += align.frame_speed;
+            tick++;
+            TEST_ASSERT_EQUAL_INT32((tick <= cfg.sweep_ticks) ? (sign * cfg.sweep_speed) : 0,
+                                    align.frame_speed);
+        }
+        TEST_ASSERT_TRUE(llabs((sign * turned) - half_turn) <= (int64_t)(cfg.sweep_ticks / 2U));
+    }
+}
+
+static void test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull(void)
+{
+    align_reset_held(&align, &cfg, 5000);
+    for (uint32_t k = cfg.sweep_ticks + 1U; k <= cfg.pull_ticks; k++) {
+        const int32_t before = align.current_ref;
+
+        TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
+        align_step(&align, &cfg, 0, 0);
+        TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
+        TEST_ASSERT_TRUE((align.current_ref >= before) &&
+                         (align.current_ref <= (before + cfg.slope)));
+    }
+    TEST_ASSERT_EQUAL_INT(ALIGN_MEASURE_HIGH, align.phase);
+    TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
+}
+
+/* ---- means ---- */
+
+static void test_means_are_64_times_what_was_measured_for_every_length(void)
+{
+    static const int32_t values[] = {0, 1, -1, 12345, -12345, 32767, -32767};
+
+    cfg.pull_ticks = 1U;
+    cfg.sweep_ticks = 1U;
+    cfg.settle_ticks = 1U;
+    for (uint32_t log2 = 6U; log2 <= 16U; log2 += 5U) {
+        for (uint32_t i = 0U; i < 7U; i++) {
+            const int32_t current = values[i];
+            const int32_t voltage = values[6U - i];
+
+            cfg.measure_log2 = log2;
+            align_reset(&align, false);
+            while (align.phase != ALIGN_DONE) {
+                align_step(&align, &cfg, current, voltage);
+            }
+            TEST_ASSERT_EQUAL_INT32(64 * current, align.high.current);
+            TEST_ASSERT_EQUAL_INT32(64 * voltage, align.high.voltage);
+            TEST_ASSERT_EQUAL_INT32(64 * current, align.low.current);
+            TEST_ASSERT_EQUAL_INT32(64 * voltage, align.low.voltage);
+        }
+    }
+}
+
+static void test_each_mean_holds_its_own_phase_and_no_other(void)
+{
+    static const int32_t of_phase[] = {9999, 300, -7777, 8888, 100, 5555};
+
+    while (align.phase != ALIGN_DONE) {
+        align_step(&align, &cfg, of_phase[align.phase], 2 * of_phase[align.phase]);
+    }
+    TEST_ASSERT_EQUAL_INT32(64 * 300, align.high.current);
+    TEST_ASSERT_EQUAL_INT32(64 * 600, align.high.voltage);
+    TEST_ASSERT_EQUAL_INT32(64 * 100, align.low.current);
+    TEST_ASSERT_EQUAL_INT32(64 * 200, align.low.voltage);
+}
+
+/* ---- R and L of a circuit ---- */
+
+typedef struct {
+    double resistance;
+    double inductance;
+    double offset_v; /* against the current: dead time and drop */
+} circuit_t;
+
+/* Bandwidth 100 Hz, its integral at R/L of motor A; a demand acts in the period after its own. */
+static void measure(const circuit_t *circuit)
+{
+    const double gain = 6.2832 * 100.0 * INDUCTANCE * CURRENT_LSB_A / VOLTAGE_LSB_V;
+    const double decay = exp(-circuit->resistance / circuit->inductance * PERIOD_S);
+    double current_a = 0.0;
+    double integral = 0.0;
+    int32_t asked = 0;
+
+    while (align.phase != ALIGN_DONE) {
+        const int32_t measured = (int32_t)lround(current_a / CURRENT_LSB_A);
+        const double drop_v = (current_a > 0.0) ? circuit->offset_v : 0.0;
+        const double final_a = ((asked * VOLTAGE_LSB_V) - drop_v) / circuit->resistance;
+
+        align_step(&align, &cfg, measured, asked);
+        if (!align_steps_voltage(&align, &cfg)) {
+            const double error = align.current_ref - measured;
+
+            integral += error * gain * RESISTANCE / INDUCTANCE * PERIOD_S;
+            asked = (int32_t)lround((error * gain) + integral);
+        } else if (align.tick == 1U) {
+            asked -= cfg.step_voltage;
+        } else {
+            /* it stays */
+        }
+        current_a = final_a + ((current_a - final_a) * decay);
+    }
+}
+
+/*
+ * 2622 LSB of current apart. Means of the current are off by up to ½, those of the voltage by ½ of
+ * 495 LSB at R: 2·½/2622 + 2·½/495; what the regulator has left of the settling, e^-4; the difference
+ * of the currents in 1/10488; the result rounded down.
+ */
+#define R_TOLERANCE (0.0004 + 0.0021 + 0.0005 + 0.0001 + 0.0007)
+
+static void test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance(void)
+{
+    static const double offsets_v[] = {0.0, 6.2, 15.0};
+    static const double inductances[] = {0.7, 1.0, 1.3};
+    static const double resistances[] = {0.7, 1.0, 1.3, 1.8};
+
+    for (uint32_t i = 0U; i < 36U; i++) {
+        const double ratio = resistances[i / 9U];
+        const circuit_t circuit = {ratio * RESISTANCE, inductances[(i / 3U) % 3U] * INDUCTANCE,
+                                   offsets_v[i % 3U]};
+
+        align_reset(&align, (i % 2U) != 0U);
+        measure(&circuit);
+        TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE * RESISTANCE_Q13 * fmax(ratio, 1.0),
+                                  ratio * RESISTANCE_Q13, align_resistance_q13(&align));
+    }
+}
+
+/*
+ * With x = R·t/L = 0.073 (nominal) the fall is V·t/L·(1 − x/2 + x²/6): its reciprocal is 1 + x/2 + x²/12,
+ * of which step_drop takes the nominal x/2. Rounding: two currents ½ each and the ripple of the regulator, 1
+ * of 2627/1.3; step_fall ½ of 2627; step_voltage, step_drop and the result 1/16384 each.
+ */
+#define L_TOLERANCE ((2.0 / 2021.0) + (0.5 / 2627.0) + (3.0 / 16384.0))
+
+static void test_inductance_is_measured_to_first_order_of_the_nominal_resistance(void)
+{
+    static const double offsets_v[] = {0.0, 6.2, 15.0};
+    static const double resistances[] = {0.7, 1.0, 1.3};
+    static const double inductances[] = {0.7, 0.85, 1.0, 1.15, 1.3};
+
+    for (uint32_t i = 0U; i < 45U; i++) {
+        const double r = resistances[(i / 3U) % 3U];
+        const double l = inductances[i / 9U];
+        const circuit_t circuit = {r * RESISTANCE, l * INDUCTANCE, offsets_v[i % 3U]};
+        const double x = RESISTANCE / INDUCTANCE * PERIOD_S * cfg.step_ticks;
+        const double second = r * r * x * x / 12.0 / l;
+        const double expected = l + ((r - 1.0) * x / 2.0) + second;
+
+        align_reset(&align, false);
+        measure(&circuit);
+        TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE, expected,
+                                  align_inductance_q14(&align, &cfg) / 16384.0);
+    }
+}
+
+/* ---- what cannot be told ---- */
+
+static void test_resistance_is_unknown_without_a_difference_in_current_or_voltage(void)
+{
+    static const align_point_t points[] = {{1000, 0},  {0, 1000},   {0, 0},
+                                           {1000, 15}, {-1, 10000}, {1000, -16}};
+
+    for (uint32_t i = 0U; i < 6U; i++) {
+        align.low = (align_point_t){12345, 67890};
+        align.high = (align_point_t){12345 + points[i].voltage, 67890 + points[i].current};
+        TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, align_resistance_q13(&align));
+    }
+    align.high = (align_point_t){12345 + 1, 67890 + 16};
+    TEST_ASSERT_EQUAL_INT32(512, align_resistance_q13(&align));
+}
+
+static void test_resistance_saturates_to_15_bits(void)
+{
+    align.low = (align_point_t){0, 0};
+    align.high = (align_point_t){63, 16};
+    TEST_ASSERT_EQUAL_INT32(32256, align_resistance_q13(&align));
+    align.high = (align_point_t){64, 16};
+    TEST_ASSERT_EQUAL_INT32(32767, align_resistance_q13(&align));
+    /* The ends of what a mean can be. */
+    align.low.voltage = -64 * 32767;
+    align.high.voltage = 64 * 32767;
+    TEST_ASSERT_EQUAL_INT32(32767, align_resistance_q13(&align));
+}
+
+static void test_inductance_is_unknown_when_the_step_did_not_lower_the_current(void)
+{
+    static const int32_t falls[] = {0, -1, -2627, -65534};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        align.step_fall = falls[i];
+        TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, align_inductance_q14(&align, &cfg));
+    }
+}
+
+/* 2627·2^14/65534 = 656 less 600; less 700. */
+static void test_inductance_is_unknown_when_the_drop_explains_the_whole_fall(void)
+{
+    align.step_fall = 65534;
+    TEST_ASSERT_EQUAL_INT32(56, align_inductance_q14(&align, &cfg));
+    cfg.step_drop_q14 = 656;
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, align_inductance_q14(&align, &cfg));
+    cfg.step_drop_q14 = 700;
+    TEST_ASSERT_EQUAL_INT32(ALIGN_UNKNOWN, align_inductance_q14(&align, &cfg));
+}
+
+static void test_inductance_saturates_to_15_bits(void)
+{
+    align.step_fall = 1;
+    TEST_ASSERT_EQUAL_INT32(32767, align_inductance_q14(&align, &cfg));
+    cfg.step_fall = 16384;
+    cfg.step_drop_q14 = 0;
+    TEST_ASSERT_EQUAL_INT32(32767, align_inductance_q14(&align, &cfg));
+}
+
+/* ---- any measurement ---- */
+
+static void test_any_measurement_keeps_the_reference_in_range_and_ends(void)
+{
+    seeded_t seed = {0xA11C4U};
+
+    cfg = (align_cfg_t){.current_high = 16384,
+                        .current_low = 16383,
+                        .slope = 16384,
+                        .sweep_speed = 0x20000000,
+                        .sweep_ticks = 100U,
+                        .pull_ticks = 100U,
+                        .settle_ticks = 10U,
+                        .measure_log2 = 8U,
+                        .step_ticks = 16U,
+                        .step_voltage = 32767,
+                        .step_fall = 16384,
+                        .step_drop_q14 = 8192};
+    for (int32_t run = 0; run < 500; run++) {
+        int32_t ticks = 0;
+
+        align_reset(&align, (run % 2) != 0);
+        while ((align.phase != ALIGN_DONE) && (ticks < 1000)) {
+            align_step(&align, &cfg, seeded_in(&seed, -1, 1) * 32767,
+                       seeded_in(&seed, -1, 1) * 32767);
+            TEST_ASSERT_TRUE((align.current_ref >= 0) && (align.current_ref <= 16384));
+            ticks++;
+        }
+        TEST_ASSERT_EQUAL_INT(ALIGN_DONE, align.phase);
+        TEST_ASSERT_TRUE(align_resistance_q13(&align) >= ALIGN_UNKNOWN);
+        TEST_ASSERT_TRUE(align_resistance_q13(&align) <= 32767);
+        TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) != 0);
+        TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) >= ALIGN_UNKNOWN);
+        TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) <= 32767);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_phases_follow_each_other_and_take_their_ticks);
+    RUN_TEST(test_shortest_phases_take_their_ticks_too);
+    RUN_TEST(test_reset_forgets_what_was_there_before);
+    RUN_TEST(test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_step);
+    RUN_TEST(test_control_takes_the_lower_level_as_soon_as_it_acts_again);
+    RUN_TEST(test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_the_step);
+    RUN_TEST(test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_rests);
+    RUN_TEST(test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull);
+    RUN_TEST(test_means_are_64_times_what_was_measured_for_every_length);
+    RUN_TEST(test_each_mean_holds_its_own_phase_and_no_other);
+    RUN_TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance);
+    RUN_TEST(test_inductance_is_measured_to_first_order_of_the_nominal_resistance);
+    RUN_TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage);
+    RUN_TEST(test_resistance_saturates_to_15_bits);
+    RUN_TEST(test_inductance_is_unknown_when_the_step_did_not_lower_the_current);
+    RUN_TEST(test_inductance_is_unknown_when_the_drop_explains_the_whole_fall);
+    RUN_TEST(test_inductance_saturates_to_15_bits);
+    RUN_TEST(test_any_measurement_keeps_the_reference_in_range_and_ends);
+    return UNITY_END();
+}

@@ -1,0 +1,317 @@
+/* Looking for a rotor that turns: shorted windings of a turning motor, a standing one, noise. */
+#include "catch_spin.h"
+#include "example_cfg.h"
+#include "figure.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define TWO_PI (6.283185307179586)
+#define TURN (4294967296.0)
+
+/* Motor A and the bases of example_cfg.h. */
+#define PERIOD_S (1e-4)
+#define RESISTANCE (2.125)
+#define INDUCTANCE (0.0116)
+#define FLUX (0.387)
+#define CURRENT_LSB_A (40.0 / 32768.0)
+
+/* Preload, two pulses of 8, a pause of 64. */
+#define LONGEST_TICKS (1U + 8U + 64U + 8U)
+
+static catch_spin_cfg_t cfg;
+static catch_spin_t spin;
+
+void setUp(void)
+{
+    cfg = example_catch_spin_cfg();
+    catch_spin_reset(&spin);
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- a motor at constant speed ---- */
+
+typedef struct {
+    double speed; /* electrical, rad/s */
+    double angle;
+    double alpha_a;
+    double beta_a;
+} motor_t;
+
+/* Shorted: L·di/dt = −R·i − e, e = ωφ·(−sin θ, cos θ). Open: the diodes have ended the current. */
+static void motor_tick(motor_t *m, bool shorted)
+{
+    const double h = PERIOD_S / 100.0;
+
+    for (int32_t i = 0; i < 100; i++) {
+        const double middle = m->angle + (m->speed * h / 2.0);
+        const double alpha = (-RESISTANCE * m->alpha_a) + (m->speed * FLUX * sin(middle));
+        const double beta = (-RESISTANCE * m->beta_a) - (m->speed * FLUX * cos(middle));
+
+        m->alpha_a = shorted ? (m->alpha_a + (alpha * h / INDUCTANCE)) : 0.0;
+        m->beta_a = shorted ? (m->beta_a + (beta * h / INDUCTANCE)) : 0.0;
+        m->angle += m->speed * h;
+    }
+}
+
+/* Until the result, at which the motor is left. noise: the largest, Q15 of I_b. */
+static catch_spin_result_t look(motor_t *m, seeded_t *seed, int32_t noise)
+{
+    catch_spin_result_t result = CATCH_SPIN_BUSY;
+    uint32_t ticks = 0U;
+
+    catch_spin_reset(&spin);
+    while (result == CATCH_SPIN_BUSY) {
+        const ab_t current = {
+            (int32_t)lround(m->alpha_a / CURRENT_LSB_A) + seeded_in(seed, -noise, noise),
+            (int32_t)lround(m->beta_a / CURRENT_LSB_A) + seeded_in(seed, -noise, noise)};
+
+        result = catch_spin_step(&spin, &cfg, current);
+        ticks++;
+        TEST_ASSERT_TRUE(ticks <= LONGEST_TICKS);
+        if (result == CATCH_SPIN_BUSY) {
+            motor_tick(m, spin.gates);
+        }
+    }
+    return result;
+}
+
+static double speed_found(void)
+{
+    return spin.speed / TURN * TWO_PI / PERIOD_S;
+}
+
+/* Of a current of so many LSB rounding and noise turn the direction by (½ + noise)·√2 of it; atan2 2^-17 turn. */
+static double direction_error(double current, double noise)
+{
+    return (((0.5 + noise) * 1.4143) / current) + (TWO_PI / 131072.0);
+}
+
+/* Least current at the end of a pulse: that at which it ends, or what 8 ticks give, less R·t/L/2 of it. */
+static double least_current(double speed)
+{
+    const double per_tick = fabs(speed) * FLUX / INDUCTANCE * PERIOD_S / CURRENT_LSB_A;
+
+    return fmin(cfg.current, 8.0 * per_tick * 0.92);
+}
+
+static double worst_speed; /* as shares of their bounds */
+static double worst_angle;
+
+/*
+ * Speed: two directions, over the time between both pulses. Angle: one direction, and the mean of the EMF lies
+ * R·t²/(12·L)·ω behind the middle of the pulse, t ≤ 0.8 ms; the speed's error times half the pulse.
+ */
+static void look_at(double speed, double angle, seeded_t *seed, int32_t noise)
+{
+    motor_t m = {.speed = speed, .angle = angle};
+    const catch_spin_result_t result = look(&m, seed, noise);
+    const double error = direction_error(least_current(speed), noise);
+    const double between_s = spin.length * 9.0 * PERIOD_S;
+    const double pulse_s = spin.length * PERIOD_S;
+    const double late = fabs(speed) * RESISTANCE / INDUCTANCE * pulse_s * pulse_s / 12.0;
+    const double angle_error = remainder(((double)spin.angle / TURN * TWO_PI) - m.angle, TWO_PI);
+
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, result);
+    worst_speed = fmax(worst_speed, fabs(speed_found() - speed) / (2.0 * error / between_s));
+    worst_angle = fmax(worst_angle, fabs(angle_error) / (late + error + (error / 9.0)));
+}
+
+static void test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions(void)
+{
+    static const double speeds[] = {10.0, 20.0, 40.0, 90.0, 150.0, 251.0, 377.0, 419.0};
+    seeded_t seed = {0x5917U};
+
+    worst_speed = 0.0;
+    worst_angle = 0.0;
+    for (uint32_t i = 0U; i < (sizeof speeds / sizeof speeds[0]); i++) {
+        for (int32_t k = 0; k < 24; k++) {
+            look_at(speeds[i], TWO_PI * k / 24.0, &seed, 0);
+            look_at(-speeds[i], TWO_PI * k / 24.0, &seed, 0);
+        }
+    }
+    figure_check("speed, as a share of its bound", worst_speed, 1.0, 0.2);
+    figure_check("angle, as a share of its bound", worst_angle, 1.0, 0.2);
+}
+
+static void test_noise_of_a_count_turns_the_directions_and_nothing_else(void)
+{
+    static const double speeds[] = {20.0, 90.0, 377.0};
+    seeded_t seed = {0x5918U};
+
+    worst_speed = 0.0;
+    worst_angle = 0.0;
+    for (uint32_t i = 0U; i < 3U; i++) {
+        for (int32_t k = 0; k < 200; k++) {
+            look_at(((k % 2) == 0) ? speeds[i] : -speeds[i], TWO_PI * k / 200.0, &seed, 8);
+        }
+    }
+    figure_check("speed with noise, as a share of its bound", worst_speed, 1.0, 0.2);
+    figure_check("angle with noise, as a share of its bound", worst_angle, 1.0, 0.2);
+}
+
+static void test_a_standing_rotor_is_standing_with_and_without_noise(void)
+{
+    seeded_t seed = {0x5919U};
+
+    /* Up to a quarter of the threshold, 102.5, in both axes: √2·72 = 101.8. */
+    for (int32_t k = 0; k < 2000; k++) {
+        motor_t m = {.speed = 0.0, .angle = k};
+
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, look(&m, &seed, (k % 4) * 24));
+    }
+}
+
+/* 8 ticks at 3 rad/s give 64 LSB: below a quarter of the threshold. */
+static void test_a_rotor_too_slow_to_tell_is_standing(void)
+{
+    seeded_t seed = {0x591AU};
+
+    for (int32_t k = 0; k < 24; k++) {
+        motor_t m = {.speed = ((k % 2) == 0) ? 3.0 : -3.0, .angle = k};
+
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, look(&m, &seed, 0));
+    }
+}
+
+/* ---- sequence ---- */
+
+static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
+{
+    TEST_ASSERT_FALSE(spin.gates);
+    for (uint32_t tick = 1U; tick <= LONGEST_TICKS; tick++) {
+        const catch_spin_result_t result = catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+        const bool pause = (tick >= 9U) && (tick < 73U);
+
+        TEST_ASSERT_EQUAL_INT(!pause, spin.gates);
+        TEST_ASSERT_EQUAL_INT((tick == LONGEST_TICKS) ? CATCH_SPIN_STANDING : CATCH_SPIN_BUSY,
+                              result);
+    }
+}
+
+static void test_first_pulse_ends_above_the_current_and_the_second_is_as_long(void)
+{
+    for (uint32_t length = 1U; length <= 8U; length++) {
+        catch_spin_result_t result = CATCH_SPIN_BUSY;
+        uint32_t tick = 0U;
+        uint32_t on = 0U;
+
+        catch_spin_reset(&spin);
+        while (result == CATCH_SPIN_BUSY) {
+            /* The preload takes the first tick; 410 alone is not above. */
+            result = catch_spin_step(&spin, &cfg, (ab_t){(tick >= length) ? 411 : 410, 0});
+            tick++;
+            on += (spin.gates && (result == CATCH_SPIN_BUSY)) ? 1U : 0U;
+        }
+        TEST_ASSERT_EQUAL_UINT32(length, spin.length);
+        TEST_ASSERT_EQUAL_UINT32(2U * length, on);
+        TEST_ASSERT_EQUAL_UINT32(1U + (length * 10U), tick);
+    }
+}
+
+static void test_reset_forgets_what_was_there_before(void)
+{
+    memset(&spin, 0x5A, sizeof spin);
+    catch_spin_reset(&spin);
+    TEST_ASSERT_EQUAL_UINT32(0U, spin.tick | spin.phase | spin.length | spin.angle);
+    TEST_ASSERT_FALSE(spin.gates);
+    TEST_ASSERT_EQUAL_INT32(0, spin.speed | spin.first.alpha | spin.first.beta);
+}
+
+/* ---- what is believed ---- */
+
+/* One tick of `length` and the currents at the ends of both pulses. */
+static catch_spin_result_t judge(double current, double turned_rad)
+{
+    const ab_t first = {(int32_t)lround(current), 0};
+    const ab_t second = {(int32_t)lround(current * cos(turned_rad)),
+                         (int32_t)lround(current * sin(turned_rad))};
+    catch_spin_result_t result = CATCH_SPIN_BUSY;
+
+    catch_spin_reset(&spin);
+    (void)catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+    while (result == CATCH_SPIN_BUSY) {
+        result = catch_spin_step(&spin, &cfg, (spin.phase < 2U) ? first : second);
+    }
+    return result;
+}
+
+/* A twentieth of a turn in 9 ticks: 23860929 steps, for which φ/L·ω·T is 954.0 LSB. */
+static void test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const double turned = sign * TWO_PI / 20.0;
+
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(470.0, turned));
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(484.0, turned));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(sign, (spin.speed > 0) - (spin.speed < 0), "direction");
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(1900.0, turned));
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(1920.0, turned));
+    }
+}
+
+static void test_a_current_that_rests_in_space_is_no_turning_rotor(void)
+{
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, 0.0));
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(20000.0, 0.0));
+}
+
+static void test_too_fast_a_turn_for_its_current_is_no_turning_rotor(void)
+{
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, TWO_PI / 4.0));
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, -TWO_PI / 2.1));
+}
+
+/* ---- any current ---- */
+
+static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick(void)
+{
+    static const int32_t ends[] = {0, 1, -1, 32767, -32768, 65535, -65535, 409, 411};
+    seeded_t seed = {0xCA7C4U};
+
+    for (int32_t run = 0; run < 20000; run++) {
+        catch_spin_result_t result = CATCH_SPIN_BUSY;
+        uint32_t ticks = 0U;
+
+        cfg = (catch_spin_cfg_t){
+            .current = seeded_in(&seed, 1, 16384),
+            .pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
+            .gap_factor = (uint32_t)seeded_in(&seed, 1, 16),
+            .emf_current = seeded_in(&seed, 1, 32767),
+            .emf_shift = (uint32_t)seeded_in(&seed, 0, 30),
+        };
+        catch_spin_reset(&spin);
+        while (result == CATCH_SPIN_BUSY) {
+            const ab_t current = {ends[seeded_u32(&seed) % 9U], ends[seeded_u32(&seed) % 9U]};
+
+            result = catch_spin_step(&spin, &cfg, current);
+            ticks++;
+            TEST_ASSERT_TRUE(ticks <= (1U + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
+        }
+        TEST_ASSERT_TRUE(abs(spin.speed) <= 0x40000000);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_speed_and_angle_of_a_turning_rotor_are_found_in_both_directions);
+    RUN_TEST(test_noise_of_a_count_turns_the_directions_and_nothing_else);
+    RUN_TEST(test_a_standing_rotor_is_standing_with_and_without_noise);
+    RUN_TEST(test_a_rotor_too_slow_to_tell_is_standing);
+    RUN_TEST(test_gates_are_on_in_the_pulses_and_off_in_the_pause);
+    RUN_TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long);
+    RUN_TEST(test_reset_forgets_what_was_there_before);
+    RUN_TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed);
+    RUN_TEST(test_a_current_that_rests_in_space_is_no_turning_rotor);
+    RUN_TEST(test_too_fast_a_turn_for_its_current_is_no_turning_rotor);
+    RUN_TEST(test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick);
+    return UNITY_END();
+}

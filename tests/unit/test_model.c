@@ -1,0 +1,333 @@
+/* The model in force: what measured ratios reach, their limits, and the flux that is tracked. */
+#include "example_cfg.h"
+#include "model.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ONE_Q14 (16384.0)
+#define ONE_Q30 (1073741824.0)
+#define FLUX_CURRENT_LSB (27330.0) /* φ/L = 33.362 A of 40 A in Q15 */
+#define FAST (10000000)            /* above flux_speed_min */
+
+/*
+ * Ratios are Q14: that of R rounded down from 1547ths, 1 of at least 0.5; 1/L rounded down, 1 of 0.74 and L as an
+ * integer ½ of 0.65; that of φ likewise 1 of 0.75. Twice for L². Each product is rounded down: up to 2 of 1/L.
+ */
+#define RATIO_TOLERANCE ((2.0 + 1.4 + 1.4 + 0.8) / ONE_Q14)
+#define ROUNDING (1.0 + 2.0)
+
+static model_cfg_t cfg;
+static nn_observer_cfg_t observer;
+static current_loop_cfg_t run_loop;
+static current_loop_cfg_t hold_loop;
+static const model_nominal_t NOMINAL = {&observer, &run_loop, &hold_loop};
+static model_t model;
+
+void setUp(void)
+{
+    cfg = example_model_cfg_with_corrections();
+    observer = example_observer_cfg();
+    /* Half of the mantissas, so that they can grow. */
+    observer.rate /= 2;
+    observer.proportional /= 2;
+    observer.volt_gain /= 2;
+    observer.decay_q /= 2;
+    observer.decay_d /= 2;
+    run_loop = example_current_loop_cfg();
+    hold_loop = example_hold_loop_cfg();
+    memset(&model, 0x5A, sizeof model);
+    model_reset(&model, &NOMINAL);
+}
+
+void tearDown(void)
+{
+}
+
+static int32_t resistance_of(double ratio)
+{
+    return (int32_t)lround(run_loop.resistance_q13 * ratio);
+}
+
+static int32_t inductance_of(double ratio)
+{
+    return (int32_t)lround(ONE_Q14 * ratio);
+}
+
+static void set(double resistance, double inductance)
+{
+    model_set(&model, &cfg, &NOMINAL, resistance_of(resistance), inductance_of(inductance));
+}
+
+/* A nominal value times a ratio. */
+static void assert_scaled(const char *what, int32_t nominal, double ratio, int32_t actual)
+{
+    const double expected = nominal * ratio;
+
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(ROUNDING + (fabs(expected) * RATIO_TOLERANCE), expected,
+                                      actual, what);
+}
+
+/* Every number that the model corrects, for ratios of R, L and φ. */
+static void assert_model(double r, double l, double flux)
+{
+    const nn_observer_cfg_t *const o = &model.observer;
+
+    assert_scaled("1 - W1", observer.decay_d, r / l, o->decay_d);
+    assert_scaled("1 - W1'", observer.decay_q, r / l, o->decay_q);
+    assert_scaled("W3", observer.volt_gain, 1.0 / l, o->volt_gain);
+    assert_scaled("eta", observer.rate, l * l, o->rate);
+    assert_scaled("kappa_p", observer.proportional, l * l, o->proportional);
+    assert_scaled("corner", observer.corner, r / l, o->corner);
+    assert_scaled("flux", observer.flux_q27, flux / l, o->flux_q27);
+    assert_scaled("R in run", run_loop.resistance_q13, r, model.run_loop.resistance_q13);
+    assert_scaled("R in hold", hold_loop.resistance_q13, r, model.hold_loop.resistance_q13);
+    assert_scaled("EMF in run", run_loop.emf_q13, flux, model.run_loop.emf_q13);
+    assert_scaled("EMF in hold", hold_loop.emf_q13, flux, model.hold_loop.emf_q13);
+}
+
+/* The model with what it corrects put back. */
+static void assert_rest_untouched(void)
+{
+    nn_observer_cfg_t o = model.observer;
+    current_loop_cfg_t run = model.run_loop;
+    current_loop_cfg_t hold = model.hold_loop;
+
+    o.decay_d = observer.decay_d;
+    o.decay_q = observer.decay_q;
+    o.volt_gain = observer.volt_gain;
+    o.rate = observer.rate;
+    o.proportional = observer.proportional;
+    o.corner = observer.corner;
+    o.flux_q27 = observer.flux_q27;
+    run.resistance_q13 = run_loop.resistance_q13;
+    run.emf_q13 = run_loop.emf_q13;
+    hold.resistance_q13 = hold_loop.resistance_q13;
+    hold.emf_q13 = hold_loop.emf_q13;
+    TEST_ASSERT_EQUAL_MEMORY(&observer, &o, sizeof o);
+    TEST_ASSERT_EQUAL_MEMORY(&run_loop, &run, sizeof run);
+    TEST_ASSERT_EQUAL_MEMORY(&hold_loop, &hold, sizeof hold);
+}
+
+static void test_reset_takes_the_configured_values_bit_by_bit(void)
+{
+    TEST_ASSERT_EQUAL_MEMORY(&observer, &model.observer, sizeof observer);
+    TEST_ASSERT_EQUAL_MEMORY(&run_loop, &model.run_loop, sizeof run_loop);
+    TEST_ASSERT_EQUAL_MEMORY(&hold_loop, &model.hold_loop, sizeof hold_loop);
+    TEST_ASSERT_EQUAL_INT32(16384, model.resistance_q14);
+    TEST_ASSERT_EQUAL_INT32(16384, model.inductance_q14);
+    TEST_ASSERT_EQUAL_INT32(1 << 30, model.flux_q30);
+}
+
+static void test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else(void)
+{
+    static const double resistances[] = {0.5, 0.8, 1.0, 1.3, 1.55};
+    static const double inductances[] = {0.65, 0.8, 1.0, 1.2, 1.35};
+
+    for (uint32_t i = 0U; i < 25U; i++) {
+        const double r = resistances[i % 5U];
+        const double l = inductances[i / 5U];
+
+        model_reset(&model, &NOMINAL);
+        set(r, l);
+        /* R itself is an integer near 1547. */
+        assert_model(resistance_of(r) / (double)run_loop.resistance_q13, l, 1.0);
+        assert_rest_untouched();
+    }
+}
+
+static void test_what_was_configured_is_measured_as_no_change(void)
+{
+    const model_t before = model;
+
+    set(1.0, 1.0);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+}
+
+static void test_a_new_measurement_replaces_the_last_one(void)
+{
+    model_t once;
+
+    set(1.3, 0.8);
+    once = model;
+    set(0.7, 1.2);
+    set(1.3, 0.8);
+    TEST_ASSERT_EQUAL_MEMORY(&once, &model, sizeof model);
+}
+
+static void test_ratios_end_at_their_limits(void)
+{
+    /* 9830/2^14 = 0.59998, 6554/2^14 = 0.40002. */
+    const double r = 9830.0 / ONE_Q14;
+    const double l = 6554.0 / ONE_Q14;
+
+    model_set(&model, &cfg, &NOMINAL, 32767, 32767);
+    assert_model(1.0 + r, 1.0 + l, 1.0);
+    model_set(&model, &cfg, &NOMINAL, 1, 1);
+    assert_model(1.0 - r, 1.0 - l, 1.0);
+    set(1.7, 1.0);
+    assert_model(1.0 + r, 1.0, 1.0);
+    set(1.0, 0.5);
+    assert_model(1.0, 1.0 - l, 1.0);
+}
+
+static void test_with_the_corrections_off_no_measurement_changes_anything(void)
+{
+    seeded_t seed = {0x0FF0FFU};
+    const model_t before = model;
+
+    cfg = example_model_cfg();
+    for (int32_t k = 0; k < 1000; k++) {
+        model_set(&model, &cfg, &NOMINAL, seeded_in(&seed, 1, 32767), seeded_in(&seed, 1, 32767));
+        model_track_flux(&model, &cfg, &NOMINAL, seeded_in(&seed, -8192, 8191),
+                         seeded_in(&seed, -30000000, 30000000));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+    }
+}
+
+static void test_each_correction_is_switched_off_alone(void)
+{
+    cfg.resistance_limit_q14 = 0;
+    set(1.5, 1.2);
+    assert_model(1.0, 1.2, 1.0);
+    cfg = example_model_cfg_with_corrections();
+    cfg.inductance_limit_q14 = 0;
+    set(1.5, 1.2);
+    assert_model(resistance_of(1.5) / (double)run_loop.resistance_q13, 1.0, 1.0);
+}
+
+/* ---- flux ---- */
+
+/* Slow periods beside a motor whose flux is `ratio` times the nominal; e'_d as an ideal observer shows it. */
+static void track(double ratio, int32_t periods, step_t speed)
+{
+    for (int32_t k = 0; k < periods; k++) {
+        const double wrong = (model.flux_q30 / ONE_Q30) - ratio;
+
+        model_track_flux(&model, &cfg, &NOMINAL, (int32_t)lround(wrong * FLUX_CURRENT_LSB), speed);
+    }
+}
+
+/* Below half a LSB of e'_d nothing moves; the sum is rounded by the rate of 786 in 2^30. */
+#define FLUX_TOLERANCE ((0.5 / FLUX_CURRENT_LSB) + (786.0 / ONE_Q30))
+
+static void test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation(void)
+{
+    static const double ratios[] = {0.76, 0.9, 0.95, 1.0, 1.1, 1.24};
+
+    for (uint32_t i = 0U; i < 12U; i++) {
+        model_reset(&model, &NOMINAL);
+        track(ratios[i / 2U], 800, ((i % 2U) == 0U) ? FAST : -FAST); /* e^-16 of 0.24 is left */
+        TEST_ASSERT_DOUBLE_WITHIN(FLUX_TOLERANCE, ratios[i / 2U], model.flux_q30 / ONE_Q30);
+        assert_model(1.0, 1.0, ratios[i / 2U]);
+        assert_rest_untouched();
+    }
+}
+
+/* flux_rate is 1 ms/50 ms; (1 − 0.02)^50 = 0.364 of the first error is left, e'_d rounded to LSB: ½ of 2733. */
+static void test_flux_converges_with_its_time_constant(void)
+{
+    track(0.9, 50, FAST);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * ((786.0 / 785.8) - 1.0 + (0.5 / 2733.0) + 0.0005),
+                              0.9 + (0.1 * pow(1.0 - (786.0 * FLUX_CURRENT_LSB / ONE_Q30), 50.0)),
+                              model.flux_q30 / ONE_Q30);
+}
+
+static void test_flux_ends_at_its_limits(void)
+{
+    track(1.5, 2000, FAST);
+    assert_model(1.0, 1.0, 1.25);
+    TEST_ASSERT_EQUAL_INT32((1 << 30) + (4096 << 16), model.flux_q30);
+    track(0.5, 2000, FAST);
+    assert_model(1.0, 1.0, 0.75);
+    TEST_ASSERT_EQUAL_INT32((1 << 30) - (4096 << 16), model.flux_q30);
+}
+
+static void test_flux_is_tracked_from_the_least_speed_on_only(void)
+{
+    const model_t before = model;
+    const step_t least = cfg.flux_speed_min;
+
+    track(0.9, 100, least - 1);
+    track(0.9, 100, 1 - least);
+    track(0.9, 100, 0);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+    track(0.9, 1, least);
+    TEST_ASSERT_TRUE(model.flux_q30 < before.flux_q30);
+    model = before;
+    track(0.9, 1, -least);
+    TEST_ASSERT_TRUE(model.flux_q30 < before.flux_q30);
+}
+
+static void test_flux_and_inductance_both_reach_the_shift_of_the_state(void)
+{
+    track(0.9, 800, FAST);
+    set(1.0, 1.2);
+    assert_model(1.0, 1.2, 0.9);
+    track(1.1, 800, FAST);
+    assert_model(1.0, 1.2, 1.1);
+}
+
+/* ---- ends of the formats ---- */
+
+static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(void)
+{
+    observer.decay_d = 32767;
+    observer.decay_q = 32767;
+    observer.volt_gain = 32767;
+    observer.rate = 32767;
+    observer.proportional = 32767;
+    observer.flux_q27 = 0x7FFFFFF;
+    run_loop.emf_q13 = 32767;
+    run_loop.resistance_q13 = 20000;
+    cfg = (model_cfg_t){.resistance_limit_q14 = 15000,
+                        .inductance_limit_q14 = 8192,
+                        .flux_limit_q14 = 8192,
+                        .flux_rate = 32767};
+    model_reset(&model, &NOMINAL);
+    for (int32_t k = 0; k < 100; k++) {
+        model_track_flux(&model, &cfg, &NOMINAL, -8192, 0x20000000);
+    }
+    model_set(&model, &cfg, &NOMINAL, 32767, 1);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay_d);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay_q);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.volt_gain);
+    TEST_ASSERT_EQUAL_INT32(0x7FFFFFF, model.observer.flux_q27);
+    TEST_ASSERT_EQUAL_INT32(32767, model.run_loop.emf_q13);
+    TEST_ASSERT_EQUAL_INT32(32767, model.hold_loop.emf_q13);
+    model_set(&model, &cfg, &NOMINAL, 32767, 32767);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.rate);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.proportional);
+}
+
+static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
+{
+    run_loop.resistance_q13 = 0;
+    model_reset(&model, &NOMINAL);
+    model_set(&model, &cfg, &NOMINAL, 32767, 16384);
+    TEST_ASSERT_EQUAL_INT32(16384 + 9830, model.resistance_q14);
+    TEST_ASSERT_EQUAL_INT32(0, model.run_loop.resistance_q13);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_reset_takes_the_configured_values_bit_by_bit);
+    RUN_TEST(test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else);
+    RUN_TEST(test_what_was_configured_is_measured_as_no_change);
+    RUN_TEST(test_a_new_measurement_replaces_the_last_one);
+    RUN_TEST(test_ratios_end_at_their_limits);
+    RUN_TEST(test_with_the_corrections_off_no_measurement_changes_anything);
+    RUN_TEST(test_each_correction_is_switched_off_alone);
+    RUN_TEST(test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation);
+    RUN_TEST(test_flux_converges_with_its_time_constant);
+    RUN_TEST(test_flux_ends_at_its_limits);
+    RUN_TEST(test_flux_is_tracked_from_the_least_speed_on_only);
+    RUN_TEST(test_flux_and_inductance_both_reach_the_shift_of_the_state);
+    RUN_TEST(test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27);
+    RUN_TEST(test_a_nominal_resistance_of_zero_is_no_division_by_zero);
+    return UNITY_END();
+}
