@@ -285,7 +285,31 @@ static inline drive_cfg_t example_drive_cfg_with_startup(void)
     cfg.hold_loop = example_hold_loop_cfg();
     cfg.startup = example_startup_cfg();
     cfg.model = example_model_cfg_with_corrections();
+    cfg.crc = config_guard_crc(&cfg);
     return cfg;
+}
+
+/* Nothing that happens in the course of time is a fault. */
+static inline void example_supervise_nothing(drive_cfg_t *cfg)
+{
+    cfg->derating.heat_rate = 0;
+    cfg->derating.temperature.gain = 0;
+    cfg->supervision = (supervision_cfg_t){
+        .phase_range_min = 65535,
+        .phase_speed_max = 1,
+        .follow_error_max = 65535,
+        .residual_max = 8191,
+        .mean_shift = 14U,
+        .speed_error_max = 0x40000000,
+        .runaway_periods = 1000000U,
+        .overspeed = 0x40000000,
+        .stall_current = 16384,
+        .stall_speed = 1,
+        .stall_periods = 1000000U,
+        .late_max = 1000000U,
+        .late_window = 1U,
+    };
+    cfg->crc = config_guard_crc(cfg);
 }
 
 #endif

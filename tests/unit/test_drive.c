@@ -1,6 +1,7 @@
 /* Drive: states and faults, calibration, purity, ranges for any frame, and a closed loop. */
 #include "drive.h"
 #include "example_cfg.h"
+#include "example_motor.h"
 #include "seeded.h"
 #include "unity.h"
 
@@ -24,27 +25,9 @@ static void seal(void)
     cfg.crc = config_guard_crc(&cfg);
 }
 
-/* Nothing that happens in the course of time is a fault. */
 static void supervise_nothing(void)
 {
-    cfg.derating.heat_rate = 0;
-    cfg.derating.temperature.gain = 0;
-    cfg.supervision = (supervision_cfg_t){
-        .phase_range_min = 65535,
-        .phase_speed_max = 1,
-        .follow_error_max = 65535,
-        .residual_max = 8191,
-        .mean_shift = 14U,
-        .speed_error_max = 0x40000000,
-        .runaway_periods = 1000000U,
-        .overspeed = 0x40000000,
-        .stall_current = 16384,
-        .stall_speed = 1,
-        .stall_periods = 1000000U,
-        .late_max = 1000000U,
-        .late_window = 1U,
-    };
-    seal();
+    example_supervise_nothing(&cfg);
 }
 
 static void quiet_frame(void)
@@ -91,6 +74,14 @@ static void go_to(drive_state_t state)
         ticks(25U);
     }
     TEST_ASSERT_EQUAL_INT(state, drive.state);
+}
+
+/* The slow periods go on in every state: what counts ticks of a run begins with one. */
+static void await_slow_period(void)
+{
+    while (drive.slow_count != cfg.slow_ticks) {
+        tick();
+    }
 }
 
 static void assert_gates_open(void)
@@ -193,6 +184,7 @@ static void run_and_stop(void)
 static void test_a_second_run_starts_afresh(void)
 {
     go_to(DRIVE_STATE_READY);
+    await_slow_period();
     run_and_stop();
     in.command.request = DRIVE_REQUEST_RUN;
     tick();
@@ -213,10 +205,12 @@ static void test_the_first_tick_of_a_second_run_leaves_the_drive_as_that_of_the_
     static drive_t first;
 
     go_to(DRIVE_STATE_READY);
+    await_slow_period();
     in.command.request = DRIVE_REQUEST_RUN;
     tick();
     first = drive;
     run_and_stop();
+    await_slow_period();
     in.command.request = DRIVE_REQUEST_RUN;
     tick();
     TEST_ASSERT_TRUE(drive.tick != first.tick);
@@ -402,9 +396,11 @@ static void test_init_refuses_a_configuration_that_is_not_what_was_built(void)
 
 static void test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in(void)
 {
-    for (int32_t s = (int32_t)DRIVE_STATE_READY; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    static const drive_state_t states[] = {DRIVE_STATE_READY, DRIVE_STATE_RUN};
+
+    for (uint32_t s = 0U; s < 2U; s++) {
         setUp();
-        go_to((drive_state_t)s);
+        go_to(states[s]);
         supervise_nothing();
         cfg.derating.temperature.gain = example_derating_cfg().temperature.gain;
         seal();
@@ -633,6 +629,7 @@ static void test_current_demand_changes_once_in_a_slow_period_only(void)
     uint32_t changes = 0U;
 
     go_to(DRIVE_STATE_READY);
+    await_slow_period();
     in.command.request = DRIVE_REQUEST_RUN;
     in.command.target = 20000000;
     for (uint32_t k = 1U; k <= 100U; k++) {
@@ -885,64 +882,13 @@ static void test_wild_but_allowed_measurements_keep_a_running_drive_in_range(voi
 
 /* ---- closed loop ---- */
 
-/* Motor A on an average inverter: rotor frame, 20 steps of Euler's method a tick. */
-typedef struct {
-    double d;
-    double q;
-    double speed; /* electrical, rad/s */
-    double angle;
-    compare_t acting;
-} motor_t;
-
-#define PI_D (3.141592653589793)
-
-static void motor_tick(motor_t *m, const compare_t *pending, double load_nm)
-{
-    const double a = m->acting.phase[0];
-    const double b = m->acting.phase[1];
-    const double c = m->acting.phase[2];
-    const double volt = 310.0 / 8500.0;
-    const double alpha = volt * ((2.0 * a) - b - c) / 3.0;
-    const double beta = volt * (b - c) / sqrt(3.0);
-
-    for (int32_t i = 0; i < 20; i++) {
-        const double h = 1e-4 / 20.0;
-        const double v_d = (alpha * cos(m->angle)) + (beta * sin(m->angle));
-        const double v_q = (beta * cos(m->angle)) - (alpha * sin(m->angle));
-        const double torque = 3.0 * 0.387 * m->q;
-        const double d = (v_d - (2.125 * m->d) + (m->speed * 0.0116 * m->q)) / 0.0116;
-        const double q = (v_q - (2.125 * m->q) - (m->speed * ((0.0116 * m->d) + 0.387))) / 0.0116;
-
-        m->d += h * d;
-        m->q += h * q;
-        m->speed += h * 2.0 / 0.003 * (torque - load_nm - (0.001 * m->speed / 2.0));
-        m->angle += h * m->speed;
-    }
-    m->acting = *pending;
-}
-
-static uint16_t counts_of(double ampere)
-{
-    return (uint16_t)(2048.0 + floor((ampere / 20.0 * 2048.0) + 0.5));
-}
-
-static void measure(const motor_t *m)
-{
-    const double a = (m->d * cos(m->angle)) - (m->q * sin(m->angle));
-    const double shifted = m->angle - (2.0 * PI_D / 3.0);
-    const double b = (m->d * cos(shifted)) - (m->q * sin(shifted));
-
-    in.adc_ia = counts_of(a);
-    in.adc_ib = counts_of(b);
-}
-
-static void run_motor(motor_t *m, uint32_t count, double load_nm)
+static void run_motor(example_motor_t *m, uint32_t count, double load_nm)
 {
     for (uint32_t k = 0U; k < count; k++) {
-        measure(m);
+        example_motor_measure(m, &in);
         tick();
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-        motor_tick(m, &out.compare, load_nm);
+        example_motor_tick(m, &out, load_nm);
     }
 }
 
@@ -952,16 +898,18 @@ static void run_motor(motor_t *m, uint32_t count, double load_nm)
 static void test_speed_command_is_followed_by_a_motor_in_both_directions_and_under_load(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+        example_motor_t m = example_motor_at(0.0, 0.0);
 
         setUp();
         go_to(DRIVE_STATE_READY);
         in.command.request = DRIVE_REQUEST_RUN;
         in.command.target = (int32_t)lround(sign * 1000.0 * STEPS_PER_RPM);
         run_motor(&m, 5000U, 0.0);
-        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0, m.speed / 2.0 * 30.0 / PI_D);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
+                                  m.speed / 2.0 * 30.0 / EXAMPLE_PI);
         run_motor(&m, 5000U, sign * 3.0);
-        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0, m.speed / 2.0 * 30.0 / PI_D);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
+                                  m.speed / 2.0 * 30.0 / EXAMPLE_PI);
         TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * 1000.0,
                                   drive_speed(&drive) / STEPS_PER_RPM);
     }
@@ -972,17 +920,17 @@ static void test_speed_command_is_followed_by_a_motor_in_both_directions_and_und
 
 static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
 {
-    motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+    example_motor_t m = example_motor_at(0.0, 0.0);
 
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_RUN;
     in.command.mode = DRIVE_MODE_POSITION;
     in.command.target = 3 * 65536; /* electrical turns: 1.5 mechanical */
     run_motor(&m, 10000U, 0.0);
-    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.5, m.angle / 2.0 / (2.0 * PI_D));
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, 1.5, m.angle / 2.0 / (2.0 * EXAMPLE_PI));
     in.command.target = -3 * 65536;
     run_motor(&m, 10000U, 0.0);
-    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.5, m.angle / 2.0 / (2.0 * PI_D));
+    TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.5, m.angle / 2.0 / (2.0 * EXAMPLE_PI));
     TEST_ASSERT_DOUBLE_WITHIN(POSITION_TOLERANCE_TURNS, -1.5,
                               (double)drive_position_q32(&drive) / 4294967296.0 / 2.0);
 }
@@ -991,7 +939,7 @@ static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
  * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag: while
  * the rotor still follows the old reference it grows by gain·ramp·period, 3 % of a ramp, in a period.
  */
-static void run_without_bump(motor_t *m)
+static void run_without_bump(example_motor_t *m)
 {
     const step_t reference = drive.speed_loop.reference;
     const bool changes = drive.mode != (uint8_t)DRIVE_MODE_POSITION;
@@ -1009,7 +957,7 @@ static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_
     static const double speeds_rpm[] = {-1950.0, -1200.0, -300.0, 600.0, 900.0, 1500.0, 1800.0};
 
     for (uint32_t i = 0U; i < (sizeof speeds_rpm / sizeof speeds_rpm[0]); i++) {
-        motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+        example_motor_t m = example_motor_at(0.0, 0.0);
         int64_t target = 0;
 
         setUp();
@@ -1037,7 +985,7 @@ static drive_t before; /* the drive as it was before the tick */
 /* Up to 1800 rpm, a tick at a time, with a bus that changes in every tick by up to 3 %. */
 static void run_beside(int32_t sign, void (*check)(void))
 {
-    motor_t m = {.acting = {{4250U, 4250U, 4250U}}};
+    example_motor_t m = example_motor_at(0.0, 0.0);
     seeded_t seed = {0xB5B5U};
 
     setUp();
@@ -1051,7 +999,7 @@ static void run_beside(int32_t sign, void (*check)(void))
         run_motor(&m, 1U, 0.0);
         check();
     }
-    TEST_ASSERT_DOUBLE_WITHIN(18.0, sign * 1800.0, m.speed / 2.0 * 30.0 / PI_D);
+    TEST_ASSERT_DOUBLE_WITHIN(18.0, sign * 1800.0, m.speed / 2.0 * 30.0 / EXAMPLE_PI);
 }
 
 static uint32_t telling; /* ticks in which the speed without its proportional part would show */

@@ -158,8 +158,8 @@ static void test_acceleration_gives_the_feed_forward_alone_and_takes_the_referen
     for (int32_t k = 1; k <= 20; k++) {
         const step_t reference = ((k % 3) - 1) * k * 10000;
 
-        TEST_ASSERT_EQUAL_INT32(speed_loop_step(&whole, &speed_cfg, reference, 0),
-                                speed_loop_accelerate(&speed_loop, &speed_cfg, reference));
+        TEST_ASSERT_EQUAL_INT32(speed_loop_step(&whole, &speed_cfg, reference, 0, torque),
+                                speed_loop_accelerate(&speed_loop, &speed_cfg, reference, torque));
         TEST_ASSERT_EQUAL_INT32(reference, speed_loop.reference);
     }
 }
@@ -167,7 +167,7 @@ static void test_acceleration_gives_the_feed_forward_alone_and_takes_the_referen
 static void test_acceleration_leaves_the_integral_alone(void)
 {
     speed_loop.pi.integral_q26 = 12345678;
-    (void)speed_loop_accelerate(&speed_loop, &speed_cfg, 1000000);
+    (void)speed_loop_accelerate(&speed_loop, &speed_cfg, 1000000, torque);
     TEST_ASSERT_EQUAL_INT32(12345678, speed_loop.pi.integral_q26);
 }
 
@@ -175,6 +175,7 @@ static void test_acceleration_is_limited_in_current_and_reference_for_any_jump(v
 {
     static const step_t ends[] = {INT32_MAX, INT32_MIN, 0x20000000, -0x20000000, 0, 1, -1};
 
+    torque = (torque_range_t){-200, 8192};
     speed_cfg.speed_max = 0x20000000;
     speed_cfg.inertia = 32767;
     speed_cfg.inertia_shift = 0U;
@@ -184,9 +185,9 @@ static void test_acceleration_is_limited_in_current_and_reference_for_any_jump(v
         int32_t current = 0;
 
         speed_loop_reset(&speed_loop, unlimited_from);
-        current = speed_loop_accelerate(&speed_loop, &speed_cfg, ends[i % 7U]);
+        current = speed_loop_accelerate(&speed_loop, &speed_cfg, ends[i % 7U], torque);
         TEST_ASSERT_EQUAL_INT32(to, speed_loop.reference);
-        TEST_ASSERT_TRUE(abs(current) <= speed_cfg.current_max);
+        TEST_ASSERT_TRUE((current >= -200) && (current <= 8192));
         /* A change of 1 is half a LSB, rounded down. */
         if (abs(to - unlimited_from) > 2) {
             TEST_ASSERT_EQUAL_INT((to > unlimited_from), (current > 0));
@@ -202,8 +203,8 @@ static void test_start_goes_on_with_the_given_current_at_a_steady_speed(void)
         speed_loop.pi.integral_q26 = -999999;
         speed_loop_start(&speed_loop, 5000000, currents[i]);
         for (int32_t k = 0; k < 3; k++) {
-            TEST_ASSERT_EQUAL_INT32(currents[i],
-                                    speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000));
+            TEST_ASSERT_EQUAL_INT32(
+                currents[i], speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000, torque));
         }
     }
 }
@@ -212,8 +213,8 @@ static void test_start_with_more_than_the_largest_current_is_limited_in_the_firs
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         speed_loop_start(&speed_loop, 5000000, sign * 32767);
-        TEST_ASSERT_EQUAL_INT32(sign * speed_cfg.current_max,
-                                speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000));
+        TEST_ASSERT_EQUAL_INT32(sign * 8192,
+                                speed_loop_step(&speed_loop, &speed_cfg, 5000000, 5000000, torque));
     }
 }
 

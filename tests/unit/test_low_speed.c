@@ -1,0 +1,607 @@
+/* Start-up and low speed: the sequence of states with a motor, stops and faults in each of them, any frame. */
+#include "drive.h"
+#include "example_cfg.h"
+#include "example_motor.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MID_COUNTS (2048U) /* zero current */
+#define BUS_COUNTS (2822U) /* 310 V */
+#define CALIBRATION_TICKS (256U)
+#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
+#define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
+#define SLOW_RPM (100.0) /* between nothing and the hand-over at 180 rpm */
+#define FAST_RPM (600.0)
+#define PATIENCE_TICKS (40000U) /* 4 s: more than any state lasts here */
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+static example_motor_t motor;
+static double load_nm;
+
+static void quiet_frame(void)
+{
+    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
+}
+
+static void begin(void)
+{
+    cfg.crc = config_guard_crc(&cfg);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    quiet_frame();
+    memset(&out, 0, sizeof out);
+    motor = example_motor_at(0.0, 0.0);
+    load_nm = 0.0;
+    for (uint32_t k = 0U; k <= CALIBRATION_TICKS; k++) {
+        drive_step(&drive, &in, &out);
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg_with_startup();
+    cfg.modulator = example_modulator_cfg(); /* the inverter of example_motor.h has no dead time */
+    memset(&drive, 0, sizeof drive);
+    begin();
+}
+
+void tearDown(void)
+{
+}
+
+static void tick(void)
+{
+    example_motor_measure(&motor, &in);
+    drive_step(&drive, &in, &out);
+    example_motor_tick(&motor, &out, load_nm);
+}
+
+static void ticks(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick();
+    }
+}
+
+static void run_at(double rpm)
+{
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.target = (int32_t)lround(rpm * STEPS_PER_RPM);
+}
+
+/* To the tick that enters `state`, through `through` and no other. */
+static void expect_next(drive_state_t through, drive_state_t state)
+{
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state != state); k++) {
+        TEST_ASSERT_EQUAL_INT(through, drive.state);
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(state, drive.state);
+}
+
+/* From READY to the tick that enters a state with current. */
+static void go_to(drive_state_t state)
+{
+    static const drive_state_t way[] = {
+        DRIVE_STATE_READY,   DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+        DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER,   DRIVE_STATE_RUN};
+
+    run_at((state <= DRIVE_STATE_HOLD) ? 0.0 : FAST_RPM);
+    for (uint32_t i = 0U; drive.state != state; i++) {
+        expect_next(way[i], way[i + 1U]);
+    }
+}
+
+static bool is_driving(drive_state_t state)
+{
+    return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
+}
+
+static void assert_gates_open(void)
+{
+    TEST_ASSERT_FALSE(out.gate_enable);
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]); /* half of 8500 */
+    }
+}
+
+/* ---- sequence ---- */
+
+static void test_a_standing_rotor_is_looked_at_then_aligned_then_held(void)
+{
+    run_at(0.0);
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+    expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
+    for (uint32_t k = 0U; k < 5000U; k++) {
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
+        TEST_ASSERT_TRUE(out.gate_enable);
+    }
+}
+
+static void test_a_low_speed_is_dragged_and_never_handed_over(void)
+{
+    go_to(DRIVE_STATE_HOLD);
+    run_at(SLOW_RPM);
+    expect_next(DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP);
+    for (uint32_t k = 0U; k < 10000U; k++) {
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_IF_RAMP, drive.state);
+    }
+    /* The rotor is synchronous with the vector: it swings about its speed by less than a fifth. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.2 * SLOW_RPM, SLOW_RPM, motor.speed / RAD_S_PER_RPM);
+    run_at(0.0);
+    expect_next(DRIVE_STATE_IF_RAMP, DRIVE_STATE_HOLD);
+}
+
+/* Of rated speed 1 %: 18 rpm. */
+#define SPEED_TOLERANCE_RPM (18.0)
+
+static void test_a_high_speed_is_reached_through_hand_over_in_both_directions(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin();
+        run_at(sign * FAST_RPM);
+        expect_next(DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN);
+        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
+        expect_next(DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP);
+        expect_next(DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER);
+        expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN);
+        ticks(15000U);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * FAST_RPM,
+                                  motor.speed / RAD_S_PER_RPM);
+    }
+}
+
+static void test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin();
+        run_at(sign * FAST_RPM);
+        ticks(PATIENCE_TICKS);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+        run_at(0.0);
+        ticks(PATIENCE_TICKS);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM / 10.0, 0.0, motor.speed / RAD_S_PER_RPM);
+    }
+}
+
+/*
+ * The bearing's friction is only viscous, so nothing but the ripple keeps the rotor from the vector: a count of
+ * the converter, 10 mA of 8 A, is 0.07°; of the swing, damped with 0.7 at 79 rad/s, nothing is left after 1 s.
+ */
+#define ALIGNED_RAD (0.2 * EXAMPLE_PI / 180.0)
+
+static void test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame(void)
+{
+    for (int32_t k = 0; k < 16; k++) {
+        begin();
+        motor = example_motor_at(2.0 * EXAMPLE_PI * k / 16.0, 0.0);
+        run_at(((k % 2) == 0) ? 0.0 : -0.001);
+        ticks(PATIENCE_TICKS / 2U);
+        TEST_ASSERT_TRUE((drive.state == DRIVE_STATE_HOLD) || (drive.state == DRIVE_STATE_IF_RAMP));
+        TEST_ASSERT_DOUBLE_WITHIN(
+            ALIGNED_RAD, 0.0,
+            remainder(motor.angle - ((double)rotor_position_angle(&drive.frame) / 4294967296.0 *
+                                     2.0 * EXAMPLE_PI),
+                      2.0 * EXAMPLE_PI));
+    }
+}
+
+/*
+ * A motor that is as configured: R within 1 %, for the voltage is rounded by the modulator to 1/8500 of 310 V,
+ * 36 mV of 6.8 V between both levels, and the current by the converter, 10 mA of 3.2 A. L within 2 %: two
+ * counts of the converter, 20 mA, of 3.2 A and the same again for the quantised voltage.
+ */
+#define R_TOLERANCE (0.01)
+#define L_TOLERANCE (0.02)
+
+static void test_alignment_measures_what_was_configured(void)
+{
+    go_to(DRIVE_STATE_HOLD);
+    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.model.resistance_q14 / 16384.0);
+    TEST_ASSERT_DOUBLE_WITHIN(L_TOLERANCE, 1.0, drive.model.inductance_q14 / 16384.0);
+}
+
+static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin();
+        motor = example_motor_at(1.0, sign * FAST_RPM * RAD_S_PER_RPM);
+        run_at(sign * FAST_RPM);
+        tick();
+        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_RUN);
+        for (uint32_t k = 0U; k < 5000U; k++) {
+            tick();
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+            TEST_ASSERT_DOUBLE_WITHIN(5.0 * SPEED_TOLERANCE_RPM, sign * FAST_RPM,
+                                      motor.speed / RAD_S_PER_RPM);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, sign * FAST_RPM,
+                                  drive_speed(&drive) / STEPS_PER_RPM);
+    }
+}
+
+static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
+{
+    motor = example_motor_at(1.0, FAST_RPM * RAD_S_PER_RPM);
+    run_at(FAST_RPM);
+    ticks(3000U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_FALSE(drive.identified);
+    run_at(0.0);
+    for (uint32_t k = 0U; (k < (2U * PATIENCE_TICKS)) && !drive.identified; k++) {
+        tick();
+        TEST_ASSERT_TRUE(is_driving(drive.state));
+        TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_CATCH_SPIN);
+    }
+    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE, 1.0, drive.model.resistance_q14 / 16384.0);
+}
+
+/* ---- the command withdrawn ---- */
+
+static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
+{
+    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+        begin();
+        go_to((drive_state_t)s);
+        if (s != (int32_t)DRIVE_STATE_ALIGN) { /* entered in the tick that ended the pulses */
+            TEST_ASSERT_TRUE(out.gate_enable);
+        }
+        in.command.request = 0U;
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+        ticks(100U);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+    }
+}
+
+static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
+{
+    static const uint32_t after[] = {20U, 2000U, 100U, 400U, 5U, 1000U};
+
+    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+        begin();
+        go_to((drive_state_t)s);
+        ticks(after[s - (int32_t)DRIVE_STATE_CATCH_SPIN]);
+        TEST_ASSERT_TRUE(is_driving(drive.state));
+        in.command.request = DRIVE_REQUEST_CLEAR;
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+    }
+}
+
+static void test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor(void)
+{
+    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+        begin();
+        go_to((drive_state_t)s);
+        in.command.request = 0U;
+        tick();
+        in.command.request = DRIVE_REQUEST_RUN;
+        tick();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+        TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+        TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
+        TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+    }
+}
+
+/* ---- faults ---- */
+
+static void make_break(void)
+{
+    in.flags = DRIVE_FLAG_BREAK;
+}
+
+static void make_overcurrent(void)
+{
+    in.adc_ia = 4000U; /* 15616 of Q15, limit 14746 */
+}
+
+static void make_overvoltage(void)
+{
+    in.adc_bus = 3642U; /* 29136, limit 29127 */
+}
+
+static void make_undervoltage(void)
+{
+    in.adc_bus = 1820U; /* 14560, limit 14564 */
+}
+
+typedef struct {
+    void (*make)(void);
+    fault_id_t id;
+} fault_case_t;
+
+static const fault_case_t FAULTS[] = {
+    {make_break, FAULT_BREAK},
+    {make_overcurrent, FAULT_OVERCURRENT},
+    {make_overvoltage, FAULT_OVERVOLTAGE},
+    {make_undervoltage, FAULT_UNDERVOLTAGE},
+};
+
+static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start(void)
+{
+    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+        static drive_t entered;
+        static drive_in_t frame;
+
+        begin();
+        go_to((drive_state_t)s);
+        entered = drive;
+        frame = in;
+        for (uint32_t f = 0U; f < 4U; f++) {
+            drive = entered;
+            in = frame;
+            FAULTS[f].make();
+            drive_step(&drive, &in, &out);
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
+            assert_gates_open();
+            in = frame;
+            drive_step(&drive, &in, &out); /* latched, whatever the command */
+            TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+            assert_gates_open();
+        }
+    }
+}
+
+/* ---- a start that fails ---- */
+
+/* A residual of less than 1 LSB is never reached: the observer cannot prove itself. */
+static void make_handover_impossible(uint32_t attempts)
+{
+    cfg.startup.residual_max = 1;
+    cfg.startup.handover_periods = 20U;
+    cfg.startup.attempts = attempts;
+    begin();
+    run_at(FAST_RPM);
+}
+
+/* The rotor stops when it is let go. */
+static void tick_with_a_brake(void)
+{
+    tick();
+    if (drive.state == DRIVE_STATE_CATCH_SPIN) {
+        motor = example_motor_at(motor.angle, 0.0);
+    }
+}
+
+static void test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault(void)
+{
+    for (uint32_t attempts = 1U; attempts <= 3U; attempts++) {
+        drive_state_t before = DRIVE_STATE_READY;
+        uint32_t starts = 0U;
+
+        make_handover_impossible(attempts);
+        for (uint32_t k = 0U;
+             (k < (attempts * PATIENCE_TICKS)) && (drive.state != DRIVE_STATE_FAULT); k++) {
+            tick_with_a_brake();
+            TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_RUN);
+            if ((drive.state == DRIVE_STATE_CATCH_SPIN) && (before != DRIVE_STATE_CATCH_SPIN)) {
+                starts++;
+            }
+            before = drive.state;
+        }
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(FAULT_STARTUP, drive.fault.id);
+        TEST_ASSERT_EQUAL_UINT32(attempts, starts);
+        TEST_ASSERT_EQUAL_INT32(1, drive.fault.limit);
+        TEST_ASSERT_TRUE(drive.fault.value >= drive.fault.limit);
+        assert_gates_open();
+    }
+}
+
+static void test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing(void)
+{
+    make_handover_impossible(1U);
+    ticks(PATIENCE_TICKS);
+    TEST_ASSERT_EQUAL_INT(FAULT_STARTUP, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    tick();
+    in.command.request = 0U;
+    ticks(CALIBRATION_TICKS);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    run_at(FAST_RPM);
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+/* Its first attempt leaves it at 180 rpm: what fails is the observer's proof alone. */
+static void test_a_rotor_that_turns_when_its_start_is_repeated_is_caught(void)
+{
+    make_handover_impossible(3U);
+    go_to(DRIVE_STATE_HANDOVER);
+    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_CATCH_SPIN);
+    expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_RUN);
+    ticks(15000U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, FAST_RPM, motor.speed / RAD_S_PER_RPM);
+}
+
+/* Else the current of the last attempt flows on into a search that takes it for the rotor's. */
+static void test_the_tick_that_repeats_a_start_opens_the_gates(void)
+{
+    make_handover_impossible(3U);
+    go_to(DRIVE_STATE_HANDOVER);
+    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_CATCH_SPIN);
+    assert_gates_open();
+}
+
+/* ---- any frame ---- */
+
+/* Phases so short that all states are passed often. */
+static void hurry(void)
+{
+    cfg.sampling.offset_log2 = 2U;
+    cfg.protection = (protection_cfg_t){12000, 32766, 0, 4375};
+    cfg.startup.align.sweep_ticks = 5U;
+    cfg.startup.align.sweep_speed = 35791394;
+    cfg.startup.align.pull_ticks = 10U;
+    cfg.startup.align.settle_ticks = 5U;
+    cfg.startup.align.measure_log2 = 6U;
+    cfg.startup.ramp = 2000000;
+    cfg.startup.residual_max = 8000;
+    cfg.startup.residual_lost = 8191;
+    cfg.startup.attempts = 100U;
+    cfg.speed_loop.ramp = 2000000;
+    example_supervise_nothing(&cfg);
+}
+
+static void assert_everything_in_range(void)
+{
+    const drive_signals_t *const s = &drive.signals;
+
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
+    }
+    TEST_ASSERT_TRUE(is_driving(drive.state) || !out.gate_enable);
+    TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
+    TEST_ASSERT_TRUE(abs(s->current_ref.d) <= 23171);
+    TEST_ASSERT_TRUE(abs(s->current_ref.q) <= 23171);
+    TEST_ASSERT_TRUE(abs(drive.observer.speed) <= cfg.observer.speed_limit);
+    TEST_ASSERT_TRUE(abs(drive.observer.rho_q13) <= cfg.observer.rho_max_q13);
+    TEST_ASSERT_TRUE((drive.residual >= 0) && (drive.residual <= 16384));
+    TEST_ASSERT_TRUE(drive.attempts <= cfg.startup.attempts);
+}
+
+/* |a|, |b| and |a + b| within ±12000 most of the time: ±700 counts each. */
+static void wild_frame(seeded_t *seed, uint32_t k)
+{
+    static const int32_t targets[] = {INT32_MIN, -3000000, -1, 0, 1, 3000000, INT32_MAX};
+    const uint32_t event = seeded_u32(seed) % 5000U;
+
+    in.adc_ia = (uint16_t)((int32_t)MID_COUNTS + (seeded_in(seed, -1, 1) * 700));
+    in.adc_ib = (uint16_t)((int32_t)MID_COUNTS + (seeded_in(seed, -1, 1) * 700));
+    in.adc_bus = (uint16_t)seeded_in(seed, 0, 4095);
+    in.flags = (event == 0U) ? DRIVE_FLAG_BREAK : 0U;
+    if ((k % 500U) == 0U) {
+        in.command.target = targets[seeded_u32(seed) % 7U];
+        in.command.mode = (uint8_t)(seeded_u32(seed) % 3U);
+    }
+    in.command.request = (event < 5U) ? DRIVE_REQUEST_CLEAR : DRIVE_REQUEST_RUN;
+    if ((k % 3000U) < 1500U) { /* calmer currents let the start go on */
+        in.adc_ia = (uint16_t)seeded_in(seed, 2040, 2056);
+        in.adc_ib = (uint16_t)seeded_in(seed, 2040, 2056);
+    }
+}
+
+static void test_any_frame_keeps_the_start_in_range_and_reaches_every_state(void)
+{
+    static drive_t other;
+    seeded_t seed = {0x57A47U};
+    drive_out_t other_out = {0};
+    uint32_t visits[DRIVE_STATE_FAULT + 1] = {0U};
+
+    cfg = example_drive_cfg_with_startup();
+    hurry();
+    memset(&drive, 0, sizeof drive);
+    memset(&other, 0, sizeof other);
+    memset(&out, 0, sizeof out);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    TEST_ASSERT_NULL(drive_init(&other, &cfg));
+    for (uint32_t k = 0U; k < 300000U; k++) {
+        wild_frame(&seed, k);
+        drive_step(&drive, &in, &out);
+        drive_step(&other, &in, &other_out);
+        assert_everything_in_range();
+        TEST_ASSERT_EQUAL_MEMORY(&drive, &other, sizeof drive);
+        visits[drive.state]++;
+    }
+    for (uint32_t s = DRIVE_STATE_OFFSET_CAL; s <= (uint32_t)DRIVE_STATE_FAULT; s++) {
+        char text[32];
+
+        (void)snprintf(text, sizeof text, "state %u is reached", (unsigned)s);
+        TEST_ASSERT_TRUE_MESSAGE(visits[s] > 0U, text);
+    }
+}
+
+/* The largest of everything that params_check accepts. */
+static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
+{
+    for (uint32_t run = 0U; run < 20U; run++) {
+        seeded_t seed = {0xE17E4U + run};
+
+        cfg = example_drive_cfg_with_startup();
+        hurry();
+        cfg.speed_shift = 1U + (run % 16U);
+        cfg.observer.speed_limit =
+            (cfg.speed_shift > 14U) ? 0x20000000 : (32767 << cfg.speed_shift);
+        cfg.speed_loop.speed_max = cfg.observer.speed_limit;
+        cfg.startup.align.sweep_speed = cfg.observer.speed_limit;
+        cfg.current_loop.emf_q13 = ((run % 2U) == 0U) ? 16250 : 0;
+        cfg.current_loop.reactance_d_q13 = 16250;
+        cfg.current_loop.reactance_q_q13 = 16250;
+        cfg.current_loop.resistance_q13 = 32767;
+        cfg.hold_loop = cfg.current_loop;
+        cfg.startup.catch_spin =
+            (catch_spin_cfg_t){1, 1U + (run % 16U), 1U, 1 + (int32_t)(run * 1700U), run};
+        cfg.startup.align.step_voltage = 32767;
+        cfg.startup.handover_speed = 2;
+        cfg.startup.track_speed = 1;
+        cfg.startup.hold_speed = 1;
+        cfg.startup.current_hold = 16384;
+        cfg.startup.current_move = 16384;
+        cfg.startup.current_floor = 16384;
+        cfg.startup.current_slope = 16384;
+        cfg.modulator.inverse_max_q12 = 32767;
+        cfg.modulator.dead_time_q15 = 8192;
+        cfg.modulator.drop_q15 = 2048;
+        cfg.modulator.edge_slope = 32767;
+        cfg.model = (model_cfg_t){15000, 8192, 8192, 32767, 0};
+        cfg.crc = config_guard_crc(&cfg);
+        TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        for (uint32_t k = 0U; k < 10000U; k++) {
+            wild_frame(&seed, k);
+            drive_step(&drive, &in, &out);
+            assert_everything_in_range();
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_standing_rotor_is_looked_at_then_aligned_then_held);
+    RUN_TEST(test_a_low_speed_is_dragged_and_never_handed_over);
+    RUN_TEST(test_a_high_speed_is_reached_through_hand_over_in_both_directions);
+    RUN_TEST(test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held);
+    RUN_TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame);
+    RUN_TEST(test_alignment_measures_what_was_configured);
+    RUN_TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on);
+    RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
+    RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
+    RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
+    RUN_TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor);
+    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start);
+    RUN_TEST(test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault);
+    RUN_TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing);
+    RUN_TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught);
+    RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
+    RUN_TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state);
+    RUN_TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range);
+    return UNITY_END();
+}
