@@ -57,7 +57,7 @@ void modulator_track_bus(modulator_t *mod, const modulator_cfg_t *cfg, int32_t b
 /* Radius of the voltage circle at this bus voltage, Q15 of U_b. */
 int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus);
 
-/* Voltage (Q15 of U_b, ±32767) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
+/* Voltage (Q15 of U_b, ±65535) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
 dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
 /*

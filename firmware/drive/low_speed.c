@@ -36,14 +36,16 @@ static void start_turning(drive_t *drive)
 {
     const catch_spin_t *const spin = &drive->catch_spin;
     const sincos_t angle = trig_sincos(spin->angle);
-    const int32_t speed = fx_asr(spin->speed, drive->cfg->speed_shift);
-    const int32_t emf = fx_asr(speed * drive->model.run_loop.emf_q13, 13U);
+    int32_t speed;
+    int32_t emf;
 
     rotor_position_reset(&drive->position, spin->angle);
     nn_observer_start(&drive->observer, &drive->model.observer, spin->speed,
                       transforms_park(drive->signals.current_ab, angle));
-    speed_loop_reset(&drive->speed_loop, spin->speed);
-    drive->speed_reference = spin->speed;
+    speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift); /* within its limit */
+    emf = fx_sat16(fx_asr(speed * drive->model.run_loop.emf_q13, 13U));
+    speed_loop_reset(&drive->speed_loop, drive->observer.speed);
+    drive->speed_reference = drive->observer.speed;
     drive->ratio_acting = modulator_ratio(&drive->modulator, (dq_t){0, emf});
     drive_enter(drive, DRIVE_STATE_RUN);
 }

@@ -166,10 +166,10 @@ static const char *check_rails(const char *before, const drive_cfg_t *cfg)
     const char *bad = before;
 
     if (bad == NULL) {
-        const uint32_t lsb = 1UL << cfg->sampling.current_shift;
+        const int32_t lsb = (int32_t)(1UL << cfg->sampling.current_shift);
 
         bad = range(bad, "protection.offset_max", cfg->protection.offset_max, 0,
-                    CURRENT_MAX - 1 - (int32_t)lsb - cfg->protection.current_max);
+                    CURRENT_MAX - 1 - lsb - cfg->protection.current_max);
     }
     return bad;
 }
