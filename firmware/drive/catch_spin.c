@@ -11,6 +11,14 @@ enum {
     SECOND_PULSE
 };
 
+/* A long pulse has turned far enough for its angle; the rotor must not be let go for longer than needed. */
+static uint32_t pause_ticks(const catch_spin_t *spin, const catch_spin_cfg_t *cfg)
+{
+    const uint32_t ticks = spin->length * cfg->gap_factor;
+
+    return (ticks < cfg->pause_max) ? ticks : cfg->pause_max;
+}
+
 void catch_spin_reset(catch_spin_t *spin)
 {
     *spin = (catch_spin_t){.phase = PRELOAD};
@@ -49,7 +57,7 @@ static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg
 {
     const int32_t least = fx_min(magnitude(spin->first), magnitude(second));
     const angle_t turned = direction(second) - direction(spin->first);
-    const int32_t ticks = (int32_t)(spin->length * (cfg->gap_factor + 1U));
+    const int32_t ticks = (int32_t)(spin->length + pause_ticks(spin, cfg));
     catch_spin_result_t result = CATCH_SPIN_STANDING;
 
     spin->speed = (int32_t)turned / ticks;
@@ -82,7 +90,7 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
         }
         break;
     case PAUSE:
-        if (spin->tick >= (spin->length * cfg->gap_factor)) {
+        if (spin->tick >= pause_ticks(spin, cfg)) {
             spin->gates = true;
             next_phase(spin);
         }

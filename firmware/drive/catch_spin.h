@@ -20,7 +20,8 @@
 typedef struct {
     int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
     uint32_t pulse_ticks; /* or after so many ticks, 1…16 */
-    uint32_t gap_factor;  /* the pause is so many times as long as the pulse, 1…16 */
+    uint32_t gap_factor;  /* the pause is so many times as long as the pulse, 1…16 … */
+    uint32_t pause_max;   /* … but not longer than so many ticks, 1…256 */
     int32_t emf_current;  /* φ/L_d·ω·T: current for a speed, Q15 of I_b in a tick = speed ·
                               emf_current / 2^(16 + emf_shift), 1…32767 */
     uint32_t emf_shift;   /* 0…30 */

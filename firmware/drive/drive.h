@@ -96,6 +96,7 @@ typedef struct {
     ab_t current_ab;       /* Q15 of I_b */
     dq_t current;          /* turned with θ̂ */
     dq_t current_frame;    /* turned with the frame's angle; in RUN as above */
+    dq_t current_mean;     /* of current_frame while a current is imposed, over some 32 ticks */
     dq_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
     int32_t speed;         /* ω̂, Q15 of Ω_b */
     dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */

@@ -5,6 +5,7 @@
 
 #define Q16_TO_Q32 (65536)
 #define PULL_SHIFT (6U)     /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
+#define MEAN_SHIFT (5U)     /* of the imposed current's filter, in ticks */
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
 /* Where current is controlled in this tick. */
@@ -54,6 +55,21 @@ static dq_t applied_voltage(const drive_t *drive)
     return voltage;
 }
 
+/*
+ * What legs are given back for their dead time must not follow a leg that the dead time itself holds at zero: the sign
+ * of its current is that of the smooth vector.
+ */
+static void measure_frame(drive_t *drive)
+{
+    drive_signals_t *const s = &drive->signals;
+    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->frame));
+    const dq_t current = transforms_park(s->current_ab, angle);
+
+    s->current_frame = current;
+    s->current_mean.d += fx_asr(current.d - s->current_mean.d, MEAN_SHIFT);
+    s->current_mean.q += fx_asr(current.q - s->current_mean.q, MEAN_SHIFT);
+}
+
 void vector_control_estimate(drive_t *drive, bool track)
 {
     drive_signals_t *const s = &drive->signals;
@@ -71,8 +87,7 @@ void vector_control_estimate(drive_t *drive, bool track)
     }
     s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
     if (drive->state != DRIVE_STATE_RUN) {
-        s->current_frame =
-            transforms_park(s->current_ab, trig_sincos(rotor_position_angle(&drive->frame)));
+        measure_frame(drive);
     }
 }
 
@@ -217,7 +232,7 @@ void vector_control_impose(drive_t *drive, bool track, drive_out_t *out)
         .step = drive->frame_speed,
         .speed = fx_asr(drive->frame_speed, drive->cfg->speed_shift),
         .loop = &drive->model.hold_loop,
-        .expected = drive->signals.current_frame, /* the loop is soft */
+        .expected = drive->signals.current_mean, /* the loop is soft */
     };
     const bool aligning = drive->state == DRIVE_STATE_ALIGN;
 

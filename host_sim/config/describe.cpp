@@ -271,6 +271,7 @@ void add_catch_spin(Rows &to)
     to.add("startup.catch_spin.pulse_ticks", c.pulse_ticks, "or after {:.4g} s",
            to.seconds(c.pulse_ticks));
     to.add("startup.catch_spin.gap_factor", c.gap_factor, "the pause, in pulses");
+    to.add("startup.catch_spin.pause_max", c.pause_max, "ticks, at most");
     to.add("startup.catch_spin.emf_current", c.emf_current, "{:.5g} A a tick at {:g} rpm",
            std::ldexp(c.emf_current, -16 - static_cast<int>(c.emf_shift)) *
                to.bases.step_from_rpm(to.config.motor.rated_speed_rpm) / std::exp2(15) *

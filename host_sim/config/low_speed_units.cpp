@@ -29,7 +29,8 @@ constexpr double HOLD_INTEGRAL = 0.2;
 constexpr double CATCH_SHARE = 0.05;
 constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
 constexpr int CATCH_TICKS = 8;
-constexpr int CATCH_GAP_MAX = 8;
+constexpr int CATCH_GAP_MAX = 16;
+constexpr int CATCH_PAUSE_MAX = 32;
 constexpr double CATCH_TURN = 0.4; // turns between two pulses at the highest speed: below a half is unique
 
 // Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
@@ -124,6 +125,7 @@ catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings
     c.pulse_ticks = CATCH_TICKS;
     c.gap_factor = static_cast<uint32_t>(
         std::clamp(std::floor(CATCH_TURN / turn) - 1, 1.0, double{CATCH_GAP_MAX}));
+    c.pause_max = CATCH_PAUSE_MAX;
     const double per_step = TWO_PI / STEPS_PER_TURN * m.flux_current / b.current_a * Q15;
     const Mantissa emf =
         normalise(std::ldexp(per_step, 16), 0, 30,
@@ -226,7 +228,7 @@ double startup_time(const MotorSettings &motor, const BoardSettings &board,
     }
     const Bases b = make_bases(motor, board);
     const double swing = swing_rad_s(motor, board, tuning, make_model(motor, ModelScales()));
-    const double catching = 2 * CATCH_TICKS * (CATCH_GAP_MAX + 2) * b.control_period_s;
+    const double catching = (2 * CATCH_TICKS + CATCH_PAUSE_MAX + 2) * b.control_period_s;
     const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
     return catching + (PULL + SETTLE) / swing + measuring + STEP_TICKS_MAX * b.control_period_s;
 }

@@ -176,6 +176,7 @@ static inline catch_spin_cfg_t example_catch_spin_cfg(void)
         .current = 410, /* 0.5 A */
         .pulse_ticks = 8U,
         .gap_factor = 8U,
+        .pause_max = 32U,
         .emf_current = 21465, /* φ/L/I_b = 0.834052: 3.9982e-5 LSB a tick per step, times 2^29 */
         .emf_shift = 13U,
     };

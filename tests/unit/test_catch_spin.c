@@ -29,6 +29,7 @@ static catch_spin_t spin;
 void setUp(void)
 {
     cfg = example_catch_spin_cfg();
+    cfg.pause_max = 256U; /* the pulse's length alone sets the pause */
     catch_spin_reset(&spin);
 }
 
@@ -183,6 +184,19 @@ static void test_a_rotor_too_slow_to_tell_is_standing(void)
 
 /* ---- sequence ---- */
 
+static void test_a_long_pulse_is_followed_by_the_longest_pause_allowed(void)
+{
+    uint32_t off = 0U;
+
+    cfg.pause_max = 20U;
+    for (uint32_t tick = 0U; tick < (1U + 8U + 20U + 7U); tick++) {
+        (void)catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+        off += spin.gates ? 0U : 1U;
+    }
+    TEST_ASSERT_EQUAL_UINT32(20U, off);
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, catch_spin_step(&spin, &cfg, (ab_t){0, 0}));
+}
+
 static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
 {
     TEST_ASSERT_FALSE(spin.gates);
@@ -284,6 +298,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
             .current = seeded_in(&seed, 1, 16384),
             .pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
             .gap_factor = (uint32_t)seeded_in(&seed, 1, 16),
+            .pause_max = 256U,
             .emf_current = seeded_in(&seed, 1, 32767),
             .emf_shift = (uint32_t)seeded_in(&seed, 0, 30),
         };
@@ -306,6 +321,7 @@ int main(void)
     RUN_TEST(test_noise_of_a_count_turns_the_directions_and_nothing_else);
     RUN_TEST(test_a_standing_rotor_is_standing_with_and_without_noise);
     RUN_TEST(test_a_rotor_too_slow_to_tell_is_standing);
+    RUN_TEST(test_a_long_pulse_is_followed_by_the_longest_pause_allowed);
     RUN_TEST(test_gates_are_on_in_the_pulses_and_off_in_the_pause);
     RUN_TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long);
     RUN_TEST(test_reset_forgets_what_was_there_before);

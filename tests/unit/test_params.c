@@ -126,6 +126,7 @@ static const field_t FIELDS[] = {
     FIELD(startup.catch_spin.current, 1, 16384),
     FIELD(startup.catch_spin.pulse_ticks, 1, 16),
     FIELD(startup.catch_spin.gap_factor, 1, 16),
+    FIELD(startup.catch_spin.pause_max, 1, 256),
     FIELD(startup.catch_spin.emf_current, 1, 32767),
     FIELD(startup.catch_spin.emf_shift, 0, 30),
     WITHIN(startup.align.current_high, "startup.align.current_low", 3933, 16384,
