@@ -261,6 +261,7 @@ static void mix_low_speed(uint32_t *hash, const drive_t *drive)
     mix_i64(hash, drive->frame.turns_q32);
     mix_i32(hash, drive->frame_speed);
     mix_i32(hash, drive->residual);
+    mix_u32(hash, drive->lost_periods);
     mix_u32(hash, drive->handover_periods);
     mix_u32(hash, drive->attempts);
     mix_catch_spin(hash, &drive->catch_spin);

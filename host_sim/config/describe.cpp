@@ -329,6 +329,8 @@ void add_startup(Rows &to)
            to.ampere(c.residual_max));
     to.add("startup.residual_lost", c.residual_lost, "starts again with one above {:.5g} A",
            to.ampere(c.residual_lost));
+    to.add("startup.lost_periods", c.lost_periods, "for {:.4g} s",
+           c.lost_periods * to.slow_period());
     to.add("startup.handover_periods", c.handover_periods, "within {:.4g} s",
            c.handover_periods * to.slow_period());
     to.add("startup.attempts", c.attempts, "starts before it is a fault");

@@ -301,7 +301,7 @@ static void start_both(const Setup &s, const Vector &state, double speed, nn_obs
     obs.y_q27 = static_cast<int32_t>(std::lround(state.y() / base_x * Q27));
     obs.speed = static_cast<step_t>(std::lround(s.step_of_speed(speed)));
     obs.speed_out = obs.speed;
-    nn_observer_update_rho(&obs, &s.cfg.observer);
+    nn_observer_update_rho(&obs, &s.cfg.observer, obs.speed);
     twin.set({obs.x_q27 / Q27 * base_x, obs.y_q27 / Q27 * base_x}, s.speed_of_step(obs.speed),
              s.speed_of_step(obs.speed));
     twin.set_rho(obs.rho_q13 / Q13);
@@ -429,10 +429,10 @@ static void test_rho_stays_within_the_roundings_of_the_twin()
 
     nn_observer_reset(&obs, &c);
     for (int k = 0; k < 20000; k++) {
-        obs.speed = seeded.in(-c.speed_limit, c.speed_limit);
-        nn_observer_update_rho(&obs, &c);
-        const double exact = twin.rho_at(s.speed_of_step(obs.speed)) * Q13;
-        const double units = std::max(std::abs(obs.speed) / 1024.0 - 1.0, 1.0);
+        const step_t speed = seeded.in(-c.speed_limit, c.speed_limit);
+        nn_observer_update_rho(&obs, &c, speed);
+        const double exact = twin.rho_at(s.speed_of_step(speed)) * Q13;
+        const double units = std::max(std::abs(speed) / 1024.0 - 1.0, 1.0);
         const double bound = 1.0 + std::abs(exact) * (1024.0 / c.corner + 1.0 / units);
         share = std::max(share, std::abs(obs.rho_q13 - exact) / bound);
     }

@@ -103,7 +103,7 @@ public:
         train(turned_.y() * before.x() - turned_.x() * before.y());
     }
 
-    // ρ = R/(ω̂·L_d), limited; nothing at low speed.
+    // ρ = R/(ω·L_d), limited; nothing at low speed.
     double rho_at(double speed_rad_s) const
     {
         const bool slow = std::abs(speed_rad_s) < p_.rho_speed_min;

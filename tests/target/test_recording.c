@@ -4,14 +4,23 @@
 #include "recording.h"
 #include "unity.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
- * words of the mode and of three flags, and a word where a 64-bit field asks for alignment.
+ * words of the mode and of three flags, and where 64-bit fields ask for alignment a word: before the position loop, in
+ * it, before the frame, at the end.
  */
 #define BYTE_PADDING (4U * 3U)
-#define ALIGNMENT (4U)
+#define WORD (4U)
+#define PROFILE_BYTES (8U + 4U)
+#define BEFORE_POSITION_LOOP \
+    (offsetof(drive_t, position_loop) - offsetof(drive_t, speed_loop) - sizeof(speed_loop_t))
+#define IN_POSITION_LOOP (sizeof(position_loop_t) - PROFILE_BYTES)
+#define BEFORE_FRAME (offsetof(drive_t, frame) - offsetof(drive_t, identified) - WORD)
+#define AT_THE_END (sizeof(drive_t) - offsetof(drive_t, fault) - sizeof(fault_t))
+#define ALIGNMENT (BEFORE_POSITION_LOOP + IN_POSITION_LOOP + BEFORE_FRAME + AT_THE_END)
 #define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
 
 void setUp(void)
