@@ -84,8 +84,8 @@ static void finish_alignment(drive_t *drive)
     if ((resistance > 0) && (inductance > 0)) {
         model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
         nn_observer_reset(&drive->observer, &drive->model.observer);
-        drive->identified = true;
     }
+    drive->identified = true; /* what could not be told now will not be told by asking again */
     drive->frame_speed = 0;
     speed_loop_reset(&drive->speed_loop, 0);
     drive_enter(drive, DRIVE_STATE_HOLD);
