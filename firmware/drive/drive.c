@@ -163,7 +163,7 @@ static void change_state(drive_t *drive, const drive_in_t *in)
 static void watch_speed(drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool slow = fx_abs(drive->speed_reference) < cfg->hold_speed;
+    const bool slow = vector_control_is_slow(drive);
 
     if ((cfg->current_hold != 0) && slow && (drive->signals.current_ref.d >= cfg->current_hold)) {
         vector_control_hand_back(drive);

@@ -120,6 +120,14 @@ void vector_control_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
+bool vector_control_is_slow(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const bool asked = fx_abs(drive->speed_reference) < cfg->hold_speed;
+
+    return asked && (fx_abs(drive->observer.speed) < cfg->handover_speed);
+}
+
 /*
  * i_d* in RUN: below the speed at which the observer hands back, the current to be imposed fades in. Above, what
  * keeps the current vector from getting so small that all legs switch within the dead time's zero crossing.
@@ -129,11 +137,23 @@ static int32_t next_current_d(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
     const dq_t present = drive->signals.current_ref;
-    const bool slow = fx_abs(drive->speed_reference) < cfg->hold_speed;
+    const bool slow = vector_control_is_slow(drive);
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
     const int32_t wanted = slow ? cfg->current_hold : lacking;
 
     return present.d + fx_clamp(wanted - present.d, -slope, slope);
+}
+
+/*
+ * The speed that sets the observer's static part: its own where it is far from zero, below that the speed asked for, as
+ * a swing of the estimate through zero would turn the sign and keep itself up.
+ */
+static step_t calm_speed(const drive_t *drive)
+{
+    const step_t fast = 2 * drive->cfg->startup.handover_speed;
+    const step_t own = drive->observer.speed;
+
+    return (fx_abs(own) >= fast) ? own : drive->speed_loop.reference;
 }
 
 void vector_control_refine(drive_t *drive)
@@ -144,7 +164,7 @@ void vector_control_refine(drive_t *drive)
     drive->residual += fx_asr(fx_abs(observer->turned.q) - drive->residual, RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
                      observer->speed);
-    nn_observer_update_rho(&drive->observer, &drive->model.observer, drive->speed_loop.reference);
+    nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
 }
 
 void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left)

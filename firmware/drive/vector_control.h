@@ -30,6 +30,9 @@ void vector_control_plan(drive_t *drive, const drive_command_t *command);
 /* The motion loops in RUN: planning and, a tick later, speed PI and i_d*. left: as in monitor_step(). */
 void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left);
 
+/* In RUN: the speed asked for and the rotor's own are both so low that a current has to be imposed. */
+bool vector_control_is_slow(const drive_t *drive);
+
 /* RUN from here on: frame, references and integrals turn to the observer's angle, nothing jumps. */
 void vector_control_take_over(drive_t *drive);
 

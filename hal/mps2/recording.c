@@ -319,6 +319,7 @@ static void mix_signals(uint32_t *hash, const drive_signals_t *s)
     mix_ab(hash, s->current_ab);
     mix_dq(hash, s->current);
     mix_dq(hash, s->current_frame);
+    mix_dq(hash, s->current_mean);
     mix_dq(hash, s->voltage_applied);
     mix_i32(hash, s->speed);
     mix_dq(hash, s->current_ref);
