@@ -49,17 +49,17 @@
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay_d;             /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
-    int32_t decay_q;             /* 1 − W1' = T·R/L_q, same format */
-    int32_t volt_gain;           /* W3/L_d·U_b/I_x, same format */
-    uint32_t weight_shift;       /* 2…15 */
-    int32_t flux_q27;            /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
-    int32_t iq_gain_q14;         /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
-    int32_t saliency_q13;        /* L_q/L_d: an error of i_q as one of y, 1…32767 */
-    uint32_t current_shift;      /* s, 0…10 */
-    int32_t rate;                /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
-    uint32_t rate_shift;         /* 0…30 */
-    int32_t proportional;        /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
+    int32_t decay_d;        /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
+    int32_t decay_q;        /* 1 − W1' = T·R/L_q, same format */
+    int32_t volt_gain;      /* W3/L_d·U_b/I_x, same format */
+    uint32_t weight_shift;  /* 2…15 */
+    int32_t flux_q27;       /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
+    int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
+    int32_t saliency_q13;   /* L_q/L_d: an error of i_q as one of y, 1…32767 */
+    uint32_t current_shift; /* s, 0…10 */
+    int32_t rate;           /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
+    uint32_t rate_shift;    /* 0…30 */
+    int32_t proportional;   /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
     uint32_t proportional_shift; /* 0…30 */
     int32_t momentum_q15;        /* α */
     step_t speed_limit;          /* |ω̂| is kept within, 1…2^29 */

@@ -186,7 +186,8 @@ static void drive_tick(drive_t *drive, const drive_in_t *in, uint32_t left, driv
     if (drive->state == DRIVE_STATE_RUN) {
         vector_control_close(drive, out);
     } else if (drive->state == DRIVE_STATE_CATCH_SPIN) {
-        open_gates(drive, out); /* the start begins again: the current of the last attempt has to end */
+        open_gates(drive,
+                   out); /* the start begins again: the current of the last attempt has to end */
     } else {
         vector_control_impose(drive, track, out);
     }

@@ -24,9 +24,9 @@
 
 #include "align.h"
 #include "catch_spin.h"
-#include "model.h"
 #include "config_guard.h"
 #include "derating.h"
+#include "model.h"
 #include "params.h"
 #include "protection.h"
 #include "rotor_position.h"

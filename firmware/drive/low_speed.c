@@ -63,7 +63,8 @@ void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 
     s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
     result = catch_spin_step(&drive->catch_spin, &drive->cfg->startup.catch_spin, s->current_ab);
-    *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
+    *out =
+        (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
     if ((result == CATCH_SPIN_TURNING) && is_fast(drive)) {
         start_turning(drive);
     } else if (result != CATCH_SPIN_BUSY) {
@@ -206,8 +207,7 @@ static void plan(drive_t *drive, const drive_command_t *command)
     vector_control_plan(drive, command);
     if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
         drive->speed_reference =
-            drive->frame_speed +
-            fx_clamp(drive->speed_reference - drive->frame_speed, -ramp, ramp);
+            drive->frame_speed + fx_clamp(drive->speed_reference - drive->frame_speed, -ramp, ramp);
     }
 }
 

@@ -27,8 +27,7 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 static bool is_at_rest(const drive_t *drive)
 {
     const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->frame_speed == 0);
-    const bool aligned =
-        (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
+    const bool aligned = (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
 
     return held || aligned;
 }

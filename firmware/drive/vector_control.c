@@ -4,8 +4,8 @@
 #include "trig.h"
 
 #define Q16_TO_Q32 (65536)
-#define PULL_SHIFT (6U)     /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
-#define MEAN_SHIFT (5U)     /* of the imposed current's filter, in ticks */
+#define PULL_SHIFT (6U) /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
+#define MEAN_SHIFT (5U) /* of the imposed current's filter, in ticks */
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
 /* Where current is controlled in this tick. */
@@ -186,8 +186,7 @@ void vector_control_motion(drive_t *drive, const drive_command_t *command, uint3
 static compare_t modulate(drive_t *drive, const frame_t *frame)
 {
     drive_signals_t *const s = &drive->signals;
-    const angle_t middle =
-        frame->angle + (angle_t)frame->step + (angle_t)fx_asr(frame->step, 1U);
+    const angle_t middle = frame->angle + (angle_t)frame->step + (angle_t)fx_asr(frame->step, 1U);
     const sincos_t angle = trig_sincos(middle);
 
     drive->ratio_acting.d = drive->ratio.d;
@@ -285,10 +284,8 @@ static void turn_frame(drive_t *drive, angle_t angle)
 
 void vector_control_take_over(drive_t *drive)
 {
-    turn_frame(drive,
-               rotor_position_angle(&drive->position) - rotor_position_angle(&drive->frame));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
-                     drive->signals.current_ref.q);
+    turn_frame(drive, rotor_position_angle(&drive->position) - rotor_position_angle(&drive->frame));
+    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->signals.current_ref.q);
 }
 
 void vector_control_hand_back(drive_t *drive)

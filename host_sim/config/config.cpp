@@ -1,8 +1,8 @@
 #include "config.h"
 
 #include "files.h"
-#include "low_speed_units.h"
 #include "layer.h"
+#include "low_speed_units.h"
 #include "scenario_file.h"
 
 #include <algorithm>

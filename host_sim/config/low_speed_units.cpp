@@ -31,7 +31,8 @@ constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
 constexpr int CATCH_TICKS = 8;
 constexpr int CATCH_GAP_MAX = 16;
 constexpr int CATCH_PAUSE_MAX = 32;
-constexpr double CATCH_TURN = 0.4; // turns between two pulses at the highest speed: below a half is unique
+constexpr double CATCH_TURN =
+    0.4; // turns between two pulses at the highest speed: below a half is unique
 
 // Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
 constexpr double TRACK_SHARE = 0.5;
@@ -69,7 +70,8 @@ double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
 
 uint32_t ticks(double seconds, const Bases &b)
 {
-    return static_cast<uint32_t>(std::clamp(std::ceil(seconds / b.control_period_s), 1.0, 1048576.0));
+    return static_cast<uint32_t>(
+        std::clamp(std::ceil(seconds / b.control_period_s), 1.0, 1048576.0));
 }
 
 uint32_t measure_log2(double swing, const Bases &b)
@@ -128,8 +130,8 @@ catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings
     c.pause_max = CATCH_PAUSE_MAX;
     const double per_step = TWO_PI / STEPS_PER_TURN * m.flux_current / b.current_a * Q15;
     const Mantissa emf =
-        normalise(std::ldexp(per_step, 16), 0, 30,
-                  {"motor.flux_linkage_wb", motor.flux_linkage_wb}, CURRENT_REASON);
+        normalise(std::ldexp(per_step, 16), 0, 30, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
+                  CURRENT_REASON);
     c.emf_current = emf.value;
     c.emf_shift = emf.shift;
     return c;
@@ -146,8 +148,8 @@ ModelHeadroom model_headroom(const TuningSettings &tuning)
 }
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &scales,
-                           const Model &m, const Bases &b)
+                           const TuningSettings &tuning, const ModelScales &scales, const Model &m,
+                           const Bases &b)
 {
     startup_cfg_t c{};
     if (!(tuning.startup_current_pct > 0)) {
@@ -164,14 +166,14 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
     const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
-    c.current_floor = static_cast<int32_t>(
-        std::lround(floor * continuous_current(motor) / b.current_a * Q15));
+    c.current_floor =
+        static_cast<int32_t>(std::lround(floor * continuous_current(motor) / b.current_a * Q15));
     c.current_slope = c.align.slope;
     c.handover_speed = static_cast<step_t>(std::lround(handover));
     const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
-    c.ramp = static_cast<step_t>(std::ceil(acceleration * tuning.slow_ticks *
-                                           std::pow(b.control_period_s, 2) / TWO_PI *
-                                           STEPS_PER_TURN));
+    c.ramp =
+        static_cast<step_t>(std::ceil(acceleration * tuning.slow_ticks *
+                                      std::pow(b.control_period_s, 2) / TWO_PI * STEPS_PER_TURN));
     c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));
     c.hold_speed = static_cast<step_t>(std::lround(handover * HOLD_SHARE));
     c.residual_max = static_cast<int32_t>(
@@ -187,16 +189,19 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
 }
 
 current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,
-                                  const BoardSettings &board, const TuningSettings &tuning, const Model &m, const Bases &b)
+                                  const BoardSettings &board, const TuningSettings &tuning,
+                                  const Model &m, const Bases &b)
 {
     current_loop_cfg_t c = run_loop;
     if (tuning.startup_current_pct > 0) {
         const double swing = swing_rad_s(motor, board, tuning, m);
-        const double damping = swing * m.flux / (2 * HOLD_DAMPING * hold_current(motor, board, tuning));
+        const double damping =
+            swing * m.flux / (2 * HOLD_DAMPING * hold_current(motor, board, tuning));
         const double kp = std::max(0.0, damping - m.resistance);
         const double ki = (m.resistance + kp) * HOLD_INTEGRAL * swing * b.control_period_s;
         const double base = b.voltage_v / b.current_a;
-        c.pi_d = make_pi(kp / base, ki / base, 1, "startup.current_pct", tuning.startup_current_pct);
+        c.pi_d =
+            make_pi(kp / base, ki / base, 1, "startup.current_pct", tuning.startup_current_pct);
         c.pi_q = c.pi_d;
     }
     return c;
@@ -215,8 +220,8 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
     store(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
           MANTISSA_MAX, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
           "the firmware's steps of the flux");
-    c.flux_speed_min = static_cast<step_t>(
-        std::lround(b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE)));
+    c.flux_speed_min =
+        static_cast<step_t>(std::lround(b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE)));
     return c;
 }
 

@@ -310,7 +310,8 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
     const double steps =
         std::ldexp(b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI, 12);
     const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
-    const Mantissa eta = with_headroom(rate, headroom, {"observer.kappa", tuning.observer_kappa}, reason);
+    const Mantissa eta =
+        with_headroom(rate, headroom, {"observer.kappa", tuning.observer_kappa}, reason);
     c.rate = eta.value;
     c.rate_shift = eta.shift;
     const Mantissa proportional =
@@ -337,10 +338,11 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings 
             {"motor.max_speed_rpm", motor.max_speed_rpm},
             "above it the rotor turns more than 0.7 rad in a PWM period; a higher "
             "board.pwm_frequency_hz raises it");
-    c.speed_limit = static_cast<step_t>(std::lround(
-        std::min(b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, Q30 / 2)));
-    c.rho_speed_min = std::max(1, static_cast<int>(std::lround(
-        b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200)));
+    c.speed_limit = static_cast<step_t>(
+        std::lround(std::min(b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, Q30 / 2)));
+    c.rho_speed_min =
+        std::max(1, static_cast<int>(std::lround(b.step_from_rpm(motor.rated_speed_rpm) *
+                                                 tuning.handover_speed_pct / 200)));
     return c;
 }
 
@@ -460,8 +462,8 @@ constexpr double EDGE_LSB = 5;
 void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const ModelScales &model,
                    const Model &m, const Bases &b)
 {
-    const double ripple = board.bus_nominal_v * b.control_period_s /
-                          (6 * (m.inductance_d + m.inductance_q));
+    const double ripple =
+        board.bus_nominal_v * b.control_period_s / (6 * (m.inductance_d + m.inductance_q));
     store(c.dead_time_q15, model.dead_time_s / b.control_period_s * Q15, 0, Q13,
           {"model.dead_time_s", model.dead_time_s}, "a quarter of the PWM period");
     store(c.drop_q15, model.device_drop_v / b.voltage_v * Q15, 0, Q15 / 16,

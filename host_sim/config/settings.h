@@ -59,15 +59,18 @@ struct TuningSettings {
     double observer_kappa = 0;    // share of the speed error removed per sample
     double observer_kappa_p = 0;  // proportional path; 0 is the published law
     double observer_momentum = 0; // alpha of paper A (19)
-    double observer_rho_max = 0;  // largest R/(ωL) by which the error is turned; 0 is the published law
-    double startup_current_pct = 0;   // imposed below the hand-over speed, of the continuous current; 0: no
-                                      // start-up, RUN begins with the rotor taken to be at angle 0
-    double handover_speed_pct = 10;   // of rated speed
-    double adapt_resistance_pct = 0;  // how far the model may be corrected; 0: not at all
+    double observer_rho_max =
+        0; // largest R/(ωL) by which the error is turned; 0 is the published law
+    double startup_current_pct =
+        0; // imposed below the hand-over speed, of the continuous current; 0: no
+           // start-up, RUN begins with the rotor taken to be at angle 0
+    double handover_speed_pct = 10;  // of rated speed
+    double adapt_resistance_pct = 0; // how far the model may be corrected; 0: not at all
     double adapt_inductance_pct = 0;
     double adapt_flux_pct = 0;
     double current_bandwidth_hz = 0;
-    double current_floor_pct = 0; // least current in RUN, of the continuous current, where there is dead time
+    double current_floor_pct =
+        0; // least current in RUN, of the continuous current, where there is dead time
     double speed_bandwidth_hz = 0;
     double speed_damping = 0; // of the closed speed loop
     double speed_ramp_rpm_s = 0;

@@ -30,8 +30,7 @@ nf::Config load(const std::string &imperfection, double angle_deg, double speed_
 class Bench
 {
 public:
-    explicit Bench(const nf::Config &config)
-        : sim(config), pole_pairs_(config.motor.pole_pairs)
+    explicit Bench(const nf::Config &config) : sim(config), pole_pairs_(config.motor.pole_pairs)
     {
         while (sim.drive().state != DRIVE_STATE_READY) {
             tick();
@@ -122,7 +121,8 @@ void check_starts(const std::string &imperfection, double load_nm)
     for (int k = 0; k < ANGLES; k++) {
         const double angle_deg = 360.0 * k / ANGLES - 180;
         const Start found = start(imperfection, angle_deg, load_nm);
-        const std::string where = fmt::format("{} at {}°, {} N·m", imperfection, angle_deg, load_nm);
+        const std::string where =
+            fmt::format("{} at {}°, {} N·m", imperfection, angle_deg, load_nm);
         TEST_ASSERT_TRUE_MESSAGE(found.time_s >= 0, where.c_str());
         slowest_s = std::max(slowest_s, found.time_s);
         furthest_deg = std::max(furthest_deg, found.backwards_deg);
