@@ -62,8 +62,8 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
         .reference = drive->signals.current_ref,
         .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
     };
-    /* The model's error along the flux is the flux', which is tracked. Below RUN the start-up judges. */
-    const dq_t residual = {.d = 0, .q = running ? drive->observer.turned.q : 0};
+    /* The error along the flux is mostly the flux's own, which is tracked. Below RUN the start-up judges. */
+    const dq_t residual = {.d = 0, .q = running ? drive->observer.error.q : 0};
     fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
 
     if (id == FAULT_NONE) {
