@@ -15,13 +15,13 @@ void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_re
     *align = (align_t){.phase = ALIGN_PULL, .tick = cfg->sweep_ticks, .current_ref = current_ref};
 }
 
-static void next_phase(align_t *align)
+static void next_align_phase(align_t *align)
 {
     align->phase++;
     align->tick = 0U;
 }
 
-static void pull(align_t *align, const align_cfg_t *cfg)
+static void pull_rotor(align_t *align, const align_cfg_t *cfg)
 {
     align->current_ref = fx_min(align->current_ref + cfg->slope, cfg->current_high);
     align->frame_speed = 0;
@@ -29,7 +29,7 @@ static void pull(align_t *align, const align_cfg_t *cfg)
         align->frame_speed = align->backwards ? -cfg->sweep_speed : cfg->sweep_speed;
     }
     if (align->tick >= cfg->pull_ticks) {
-        next_phase(align);
+        next_align_phase(align);
     }
 }
 
@@ -41,7 +41,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     if (align->tick >= (1UL << cfg->measure_log2)) {
         point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
         point->voltage = fx_asr(point->voltage, cfg->measure_log2 - MEAN_BITS);
-        next_phase(align);
+        next_align_phase(align);
     }
 }
 
@@ -56,7 +56,7 @@ static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
     }
     if (align->tick > (cfg->step_ticks + 1U)) {
         align->step_fall = align->step_start - current;
-        next_phase(align);
+        next_align_phase(align);
     }
 }
 
@@ -65,7 +65,7 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
     align->tick++;
     switch (align->phase) {
     case ALIGN_PULL:
-        pull(align, cfg);
+        pull_rotor(align, cfg);
         break;
     case ALIGN_MEASURE_HIGH:
         measure(align, cfg, &align->high, current, voltage);
@@ -75,7 +75,7 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
         break;
     case ALIGN_SETTLE:
         if (align->tick >= cfg->settle_ticks) {
-            next_phase(align);
+            next_align_phase(align);
         }
         break;
     case ALIGN_MEASURE_LOW:

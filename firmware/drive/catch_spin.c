@@ -3,6 +3,7 @@
 #include "trig.h"
 
 #define QUARTER_TURN (0x40000000U)
+#define QUARTER_TURN_BACK (0xC0000000U)
 
 enum {
     PRELOAD, /* the compare values of this tick act from the next on */
@@ -24,7 +25,7 @@ void catch_spin_reset(catch_spin_t *spin)
     *spin = (catch_spin_t){.phase = PRELOAD};
 }
 
-static void next_phase(catch_spin_t *spin)
+static void next_pulse_phase(catch_spin_t *spin)
 {
     spin->phase++;
     spin->tick = 0U;
@@ -39,8 +40,10 @@ static int32_t magnitude(ab_t v)
 {
     const int32_t alpha = fx_sat16(v.alpha);
     const int32_t beta = fx_sat16(v.beta);
+    const int32_t alpha_square = alpha * alpha;
+    const int32_t beta_square = beta * beta;
 
-    return (int32_t)trig_sqrt((uint32_t)(alpha * alpha) + (uint32_t)(beta * beta));
+    return (int32_t)trig_sqrt((uint32_t)alpha_square + (uint32_t)beta_square);
 }
 
 /* The speed must explain the current within a factor of two: L and φ may be off, noise is further off. */
@@ -57,12 +60,13 @@ static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg
 {
     const int32_t least = fx_min(magnitude(spin->first), magnitude(second));
     const angle_t turned = direction(second) - direction(spin->first);
-    const int32_t ticks = (int32_t)(spin->length + pause_ticks(spin, cfg));
+    const uint32_t between = spin->length + pause_ticks(spin, cfg);
+    const int32_t ticks = (int32_t)between;
     catch_spin_result_t result = CATCH_SPIN_STANDING;
 
     spin->speed = (int32_t)turned / ticks;
     if (((4 * least) > cfg->current) && plausible(spin, cfg, least)) {
-        const angle_t quarter = (spin->speed > 0) ? QUARTER_TURN : (0U - QUARTER_TURN);
+        const angle_t quarter = (spin->speed > 0) ? QUARTER_TURN : QUARTER_TURN_BACK;
         const int32_t since_middle = fx_asr(spin->speed * (int32_t)spin->length, 1U);
 
         spin->angle = direction(second) + quarter + (angle_t)since_middle;
@@ -78,7 +82,7 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
     spin->tick++;
     switch (spin->phase) {
     case PRELOAD:
-        next_phase(spin);
+        next_pulse_phase(spin);
         spin->gates = true;
         break;
     case FIRST_PULSE:
@@ -86,13 +90,13 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
             spin->first = current;
             spin->length = spin->tick;
             spin->gates = false;
-            next_phase(spin);
+            next_pulse_phase(spin);
         }
         break;
     case PAUSE:
         if (spin->tick >= pause_ticks(spin, cfg)) {
             spin->gates = true;
-            next_phase(spin);
+            next_pulse_phase(spin);
         }
         break;
     default: /* SECOND_PULSE */

@@ -1,8 +1,6 @@
 #include "config_guard.h"
 
-#include <stddef.h>
-
-#define GUARDED_BYTES (offsetof(drive_cfg_t, crc))
+#define GUARDED_BYTES (sizeof(drive_cfg_t) - sizeof(uint32_t)) /* all before the last field, crc */
 #define BYTES_AT_ONCE (4U)
 #define CRC_START (0xFFFFFFFFU)
 

@@ -121,7 +121,7 @@ static bool wants_run(const drive_command_t *command)
     return (command->request & DRIVE_REQUEST_RUN) != 0U;
 }
 
-static void start(drive_t *drive)
+static void leave_ready(drive_t *drive)
 {
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
@@ -142,7 +142,7 @@ static void change_state(drive_t *drive, const drive_in_t *in)
     switch (drive->state) {
     case DRIVE_STATE_READY:
         if (run) {
-            start(drive);
+            leave_ready(drive);
         }
         break;
     case DRIVE_STATE_OFFSET_CAL:

@@ -105,12 +105,12 @@ static void align(drive_t *drive)
 }
 
 /* The imposed current: larger while the vector moves, for the rotor then has to be accelerated too. */
-static int32_t next_current_d(const drive_t *drive)
+static int32_t next_imposed_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const int32_t present = drive->signals.current_ref.d;
-    const int32_t full = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
-    const int32_t wanted = fx_min(full, drive->derating.thermal);
+    const int32_t whole = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
+    const int32_t wanted = fx_min(whole, drive->derating.thermal);
 
     return present + fx_clamp(wanted - present, -cfg->current_slope, cfg->current_slope);
 }
@@ -215,7 +215,7 @@ static void drag(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
     drive_signals_t *const s = &drive->signals;
 
-    s->current_ref.d = next_current_d(drive);
+    s->current_ref.d = next_imposed_current(drive);
     if (left == 1U) {
         plan(drive, command);
     } else if (left == 0U) {

@@ -91,7 +91,8 @@ void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *no
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed)
 {
-    const int32_t band_q30 = cfg->flux_limit_q14 * (int32_t)(1UL << Q14_TO_Q30);
+    const uint32_t unit = 1UL << Q14_TO_Q30;
+    const int32_t band_q30 = cfg->flux_limit_q14 * (int32_t)unit;
 
     if ((band_q30 != 0) && (fx_abs(speed) >= cfg->flux_speed_min)) {
         const int32_t flux_q30 = model->flux_q30 - (error_d * cfg->flux_rate);

@@ -166,7 +166,8 @@ static const char *check_rails(const char *before, const drive_cfg_t *cfg)
     const char *bad = before;
 
     if (bad == NULL) {
-        const int32_t lsb = (int32_t)(1UL << cfg->sampling.current_shift);
+        const uint32_t step = 1UL << cfg->sampling.current_shift;
+        const int32_t lsb = (int32_t)step;
 
         bad = range(bad, "protection.offset_max", cfg->protection.offset_max, 0,
                     CURRENT_MAX - 1 - lsb - cfg->protection.current_max);

@@ -3,12 +3,12 @@
 void hal_mps2_feed(hal_t *hal, const drive_in_t *in)
 {
     hal->measured = *in;
-    hal->ticks++;
 }
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
     *in = hal->measured;
+    hal->ticks++;
 }
 
 void hal_apply(hal_t *hal, const drive_out_t *out)
