@@ -62,7 +62,8 @@ void test_each_injected_fault_is_found_in_its_time()
         {"what = 'phase_c_open'", wire, 12 * TURN_TICKS},
         {"what = 'temperature', value = 105", {FAULT_OVERTEMPERATURE}, 1100}, // 0.1 s
         {"what = 'rotor_blocked'", {FAULT_STALL}, 12000}, // 1 s, and it has to stop
-        {"what = 'late_isr', until_s = 0.61", {FAULT_LATE}, 11 + 40},
+        // Without new compare values the legs are at equal duty: the EMF's short-circuit current may come first.
+        {"what = 'late_isr', until_s = 0.61", {FAULT_LATE, FAULT_OVERCURRENT}, 11 + 40},
         {"what = 'config_corrupt', value = 30",
          {FAULT_CONFIGURATION},
          7200}, // two rounds of 0.36 s
