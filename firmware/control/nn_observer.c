@@ -21,7 +21,7 @@ void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current)
 {
     const uint32_t shift = STATE_TO_Q15 - cfg->current_shift;
-    const uint32_t steps = 1UL << shift;
+    const uint32_t steps = (uint32_t)1U << shift;
     const int32_t unit = (int32_t)steps;
     const step_t limited = fx_clamp(speed, -cfg->speed_limit, cfg->speed_limit);
 

@@ -1,6 +1,7 @@
 #include "derating.h"
 
-#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+#define HEAT_BITS (10U)      /* of the heat's Q24 below its Q14 */
+#define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
 {
@@ -16,7 +17,9 @@ int32_t derating_share(const fade_t *fade, int32_t x)
     int32_t share = FX_Q15_MAX;
 
     if (fade->gain != 0) {
-        share = fx_usat15(fx_asr((fade->zero - x) * fade->gain, fade->shift));
+        const int32_t left = fx_max(fade->zero - x, -DISTANCE_MAX);
+
+        share = fx_usat15(fx_asr(left * fade->gain, fade->shift));
     }
     return share;
 }

@@ -166,7 +166,7 @@ static const char *check_rails(const char *before, const drive_cfg_t *cfg)
     const char *bad = before;
 
     if (bad == NULL) {
-        const uint32_t step = 1UL << cfg->sampling.current_shift;
+        const uint32_t step = (uint32_t)1U << cfg->sampling.current_shift;
         const int32_t lsb = (int32_t)step;
 
         bad = range(bad, "protection.offset_max", cfg->protection.offset_max, 0,
