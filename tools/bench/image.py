@@ -78,10 +78,19 @@ class Image:
         return {words[0]: (int(words[2]), int(words[1])) for words in lines
                 if len(words) == 3 and words[0].startswith(".") and not is_debug(words[0])}
 
+    @cached_property
+    def _second_names(self):
+        """Addresses of names without a size: second names of what has one, in the compiler's library."""
+        lines = [line.split() for line in binutil("nm", self.path).splitlines()]
+        return {words[2]: int(words[0], 16) & ~1 for words in lines if len(words) == 3}
+
     def symbol(self, name):
         """The function or object of that name; the linker may have given a static one a suffix."""
         for symbol in self.symbols:
             if symbol.name == name or symbol.name.startswith(name + "."):
+                return symbol
+        for symbol in self.symbols:
+            if symbol.address == self._second_names.get(name):
                 return symbol
         raise BenchError(f"{self.path}: no symbol '{name}'; expected an image of hal/mps2")
 
