@@ -66,7 +66,8 @@ void test_each_injected_fault_is_found_in_its_time()
         {"what = 'late_isr', until_s = 0.61", {FAULT_LATE, FAULT_OVERCURRENT}, 11 + 40},
         {"what = 'config_corrupt', value = 30",
          {FAULT_CONFIGURATION},
-         2.0 * CONFIG_GUARD_STEPS * SUPERVISION_STEPS * 10}, // two rounds, a word in its turn a slow period
+         2.0 * CONFIG_GUARD_STEPS * SUPERVISION_STEPS *
+             10}, // two rounds, a word in its turn a slow period
     };
     const double before_s = nf::load_scenario("s2_robust", {}, {}).scenario.prelude_s;
     const auto fault_tick = static_cast<uint32_t>(std::lround((before_s + FAULT_TIME_S) * 10000));
