@@ -34,6 +34,7 @@ void vector_control_reset(drive_t *drive)
     drive->residual = 0;
     drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
+    drive->signals.current_mean = (dq_t){0, 0};
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
