@@ -1,61 +1,64 @@
 #include "fault_text.h"
 
-static const fault_text_t texts[FAULT_COUNT] = {
-    [FAULT_NONE] = {"NONE", FAULT_UNIT_NONE, "no fault"},
-    [FAULT_BREAK] = {"BREAK", FAULT_UNIT_CURRENT,
-                     "short circuit or noise at the comparators; check motor cable and "
-                     "insulation, then the trip level"},
-    [FAULT_OVERCURRENT] = {"OVERCURRENT", FAULT_UNIT_CURRENT,
-                           "current loop oscillates or motor file is wrong; check R and L, then "
-                           "lower current_loop.bandwidth_hz"},
-    [FAULT_OVERVOLTAGE] = {"OVERVOLTAGE", FAULT_UNIT_VOLTAGE,
-                           "energy of braking or supply too high; check the supply, then brake "
-                           "slower or fit a brake resistor"},
-    [FAULT_UNDERVOLTAGE] = {"UNDERVOLTAGE", FAULT_UNIT_VOLTAGE,
-                            "supply off or too weak; check it at rest and under load"},
-    [FAULT_CURRENT_OFFSET] = {"CURRENT_OFFSET", FAULT_UNIT_CURRENT,
-                              "motor was turning or sensor is faulty; let it stop, then measure "
-                              "the amplifier's output without current"},
-    [FAULT_ADC_SATURATED] = {"ADC_SATURATED", FAULT_UNIT_CURRENT,
-                             "short circuit or broken sensor wire; check the motor cable, then "
-                             "the amplifier's output without current"},
-    [FAULT_ADC_STUCK] = {"ADC_STUCK", FAULT_UNIT_CURRENT,
-                         "current sensor or its converter stands still; check amplifier supply "
-                         "and wiring of that phase"},
-    [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT,
-                          "motor wire open or switch dead; measure all three winding "
-                          "resistances at the board's terminals"},
-    [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_HEAT,
-                        "more than continuous current for too long; check the load, then "
-                        "motor.continuous_current_a"},
-    [FAULT_OVERTEMPERATURE] = {"OVERTEMPERATURE", FAULT_UNIT_NONE,
-                               "power stage too hot or sensor open; check cooling, then the "
-                               "sensor's reading when cold"},
-    [FAULT_OBSERVER_LOST] = {"OBSERVER_LOST", FAULT_UNIT_CURRENT,
-                             "rotor lost: wrong R, L or flux, or too slow under load; check "
-                             "the motor file, then dead time"},
-    [FAULT_SPEED_IMPLAUSIBLE] = {"SPEED_IMPLAUSIBLE", FAULT_UNIT_SPEED,
-                                 "estimate does not follow the reference: rotor lost; check the "
-                                 "motor file, then speed loop and inertia"},
-    [FAULT_STALL] = {"STALL", FAULT_UNIT_SPEED,
-                     "full torque without motion; check for a blocked shaft, then load and "
-                     "motor.max_current_a"},
-    [FAULT_OVERSPEED] = {"OVERSPEED", FAULT_UNIT_SPEED,
-                         "load drives the motor or speed loop overshoots; check the load, then "
-                         "lower speed_loop.bandwidth_hz"},
-    [FAULT_LATE] = {"LATE", FAULT_UNIT_NONE,
-                    "control interrupt held up; check longer interrupts above it, then lower "
-                    "the PWM frequency"},
-    [FAULT_CONFIGURATION] = {"CONFIGURATION", FAULT_UNIT_WORD,
-                             "configuration changed in memory; write the image again, if it "
-                             "returns replace the board"},
-    [FAULT_STARTUP] = {"STARTUP", FAULT_UNIT_NONE,
-                       "rotor did not follow the start; check load and phase order, then the "
-                       "start current"},
-};
-
-const fault_text_t *fault_text(fault_id_t id)
+/* The length is the table's. */
+const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-size) */
 {
+    static const fault_text_t texts[FAULT_COUNT] = {
+        [FAULT_NONE] = {"NONE", FAULT_UNIT_NONE, "no fault"},
+        [FAULT_BREAK] = {"BREAK", FAULT_UNIT_CURRENT,
+                         "short circuit or noise at the comparators; check motor cable and "
+                         "insulation, then the trip level"},
+        [FAULT_OVERCURRENT] =
+            {"OVERCURRENT", FAULT_UNIT_CURRENT,
+             "current loop oscillates or motor file is wrong; check R and L, then "
+             "lower current_loop.bandwidth_hz"},
+        [FAULT_OVERVOLTAGE] = {"OVERVOLTAGE", FAULT_UNIT_VOLTAGE,
+                               "energy of braking or supply too high; check the supply, then brake "
+                               "slower or fit a brake resistor"},
+        [FAULT_UNDERVOLTAGE] = {"UNDERVOLTAGE", FAULT_UNIT_VOLTAGE,
+                                "supply off or too weak; check it at rest and under load"},
+        [FAULT_CURRENT_OFFSET] =
+            {"CURRENT_OFFSET", FAULT_UNIT_CURRENT,
+             "motor was turning or sensor is faulty; let it stop, then measure "
+             "the amplifier's output without current"},
+        [FAULT_ADC_SATURATED] = {"ADC_SATURATED", FAULT_UNIT_CURRENT,
+                                 "short circuit or broken sensor wire; check the motor cable, then "
+                                 "the amplifier's output without current"},
+        [FAULT_ADC_STUCK] = {"ADC_STUCK", FAULT_UNIT_CURRENT,
+                             "current sensor or its converter stands still; check amplifier supply "
+                             "and wiring of that phase"},
+        [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT,
+                              "motor wire open or switch dead; measure all three winding "
+                              "resistances at the board's terminals"},
+        [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_HEAT,
+                            "more than continuous current for too long; check the load, then "
+                            "motor.continuous_current_a"},
+        [FAULT_OVERTEMPERATURE] = {"OVERTEMPERATURE", FAULT_UNIT_NONE,
+                                   "power stage too hot or sensor open; check cooling, then the "
+                                   "sensor's reading when cold"},
+        [FAULT_OBSERVER_LOST] = {"OBSERVER_LOST", FAULT_UNIT_CURRENT,
+                                 "rotor lost: wrong R, L or flux, or too slow under load; check "
+                                 "the motor file, then dead time"},
+        [FAULT_SPEED_IMPLAUSIBLE] =
+            {"SPEED_IMPLAUSIBLE", FAULT_UNIT_SPEED,
+             "estimate does not follow the reference: rotor lost; check the "
+             "motor file, then speed loop and inertia"},
+        [FAULT_STALL] = {"STALL", FAULT_UNIT_SPEED,
+                         "full torque without motion; check for a blocked shaft, then load and "
+                         "motor.max_current_a"},
+        [FAULT_OVERSPEED] = {"OVERSPEED", FAULT_UNIT_SPEED,
+                             "load drives the motor or speed loop overshoots; check the load, then "
+                             "lower speed_loop.bandwidth_hz"},
+        [FAULT_LATE] = {"LATE", FAULT_UNIT_NONE,
+                        "control interrupt held up; check longer interrupts above it, then lower "
+                        "the PWM frequency"},
+        [FAULT_CONFIGURATION] = {"CONFIGURATION", FAULT_UNIT_WORD,
+                                 "configuration changed in memory; write the image again, if it "
+                                 "returns replace the board"},
+        [FAULT_STARTUP] = {"STARTUP", FAULT_UNIT_NONE,
+                           "rotor did not follow the start; check load and phase order, then the "
+                           "start current"},
+    };
     const unsigned int index = (unsigned int)id;
 
     return &texts[(index < (unsigned int)FAULT_COUNT) ? index : 0U];
