@@ -15,7 +15,7 @@ step_t speed_loop_ramp(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, st
 {
     const step_t wanted = fx_clamp(target, -cfg->speed_max, cfg->speed_max);
 
-    return loop->reference + fx_clamp(wanted - loop->reference, -cfg->ramp, cfg->ramp);
+    return fx_towards(loop->reference, wanted, cfg->ramp);
 }
 
 void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
@@ -98,7 +98,7 @@ static void advance_profile(position_loop_t *loop, const position_loop_cfg_t *cf
     const step_t speed = (units == 0U) ? 0 : braking_speed(cfg, units);
     const step_t wanted = (distance_q32 < 0) ? -speed : speed;
 
-    loop->profile_speed += fx_clamp(wanted - loop->profile_speed, -cfg->ramp, cfg->ramp);
+    loop->profile_speed = fx_towards(loop->profile_speed, wanted, cfg->ramp);
     loop->profile_q32 = advanced(loop->profile_q32, loop->profile_speed, ticks);
     if ((units == 0U) && (loop->profile_speed == 0)) {
         loop->profile_q32 = target_q32;

@@ -112,7 +112,7 @@ static int32_t next_imposed_current(const drive_t *drive)
     const int32_t whole = (drive->speed_reference == 0) ? cfg->current_hold : cfg->current_move;
     const int32_t wanted = fx_min(whole, drive->derating.thermal);
 
-    return present + fx_clamp(wanted - present, -cfg->current_slope, cfg->current_slope);
+    return fx_towards(present, wanted, cfg->current_slope);
 }
 
 /* The observer's angle is near the vector's and its model explains the current. */
@@ -206,8 +206,7 @@ static void plan(drive_t *drive, const drive_command_t *command)
 
     vector_control_plan(drive, command);
     if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
-        drive->speed_reference =
-            drive->frame_speed + fx_clamp(drive->speed_reference - drive->frame_speed, -ramp, ramp);
+        drive->speed_reference = fx_towards(drive->frame_speed, drive->speed_reference, ramp);
     }
 }
 

@@ -142,7 +142,7 @@ static int32_t next_current_d(const drive_t *drive)
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
     const int32_t wanted = slow ? cfg->current_hold : lacking;
 
-    return present.d + fx_clamp(wanted - present.d, -slope, slope);
+    return fx_towards(present.d, wanted, slope);
 }
 
 /*

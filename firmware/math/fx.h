@@ -44,6 +44,12 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return fx_min(fx_max(x, lo), hi);
 }
 
+/* From `from` towards `to`, by at most `step` ≥ 0. The distance must fit into 32 bits. */
+static inline int32_t fx_towards(int32_t from, int32_t to, int32_t step)
+{
+    return from + fx_clamp(to - from, -step, step);
+}
+
 /* |x|, INT32_MIN excluded. */
 static inline int32_t fx_abs(int32_t x)
 {

@@ -31,8 +31,8 @@ constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
 constexpr int CATCH_TICKS = 8;
 constexpr int CATCH_GAP_MAX = 16;
 constexpr int CATCH_PAUSE_MAX = 32;
-constexpr double CATCH_TURN =
-    0.4; // turns between two pulses at the highest speed: below a half is unique
+// Turns between two pulses at the highest speed: below a half is unique.
+constexpr double CATCH_TURN = 0.4;
 
 // Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
 constexpr double TRACK_SHARE = 0.5;
@@ -68,10 +68,20 @@ double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
     return std::sqrt(m.torque_acceleration * hold_current(motor, board, tuning));
 }
 
+int32_t current_q15(double current_a, const Bases &b)
+{
+    return static_cast<int32_t>(std::lround(current_a / b.current_a * Q15));
+}
+
 uint32_t ticks(double seconds, const Bases &b)
 {
     return static_cast<uint32_t>(
         std::clamp(std::ceil(seconds / b.control_period_s), 1.0, 1048576.0));
+}
+
+uint32_t slow_periods(double seconds, const TuningSettings &tuning, const Bases &b)
+{
+    return static_cast<uint32_t>(std::ceil(seconds / b.control_period_s / tuning.slow_ticks));
 }
 
 uint32_t measure_log2(double swing, const Bases &b)
@@ -92,7 +102,7 @@ void set_voltage_step(align_cfg_t &c, double fall_a, const BoardSettings &board,
     const double voltage = std::min(largest, flux / time_s * (1 + drop));
     const double fall = voltage * time_s / m.inductance_d;
     c.step_voltage = static_cast<int32_t>(std::lround(voltage / b.voltage_v * Q15));
-    c.step_fall = static_cast<int32_t>(std::lround(fall / b.current_a * Q15));
+    c.step_fall = current_q15(fall, b);
     c.step_drop_q14 = static_cast<int32_t>(std::lround(std::min(drop * Q14, Q13)));
 }
 
@@ -103,8 +113,8 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     const double swing = swing_rad_s(motor, board, tuning, m);
     const double high = current / b.current_a * Q15;
     align_cfg_t c{};
-    c.current_high = static_cast<int32_t>(std::lround(high));
-    c.current_low = static_cast<int32_t>(std::lround(high * LOW_SHARE));
+    c.current_high = current_q15(current, b);
+    c.current_low = current_q15(current * LOW_SHARE, b);
     c.slope = static_cast<int32_t>(std::ceil(high / ticks(RISE / swing, b)));
     c.sweep_ticks = ticks(SWEEP / swing, b);
     c.sweep_speed = static_cast<step_t>(std::lround(STEPS_PER_TURN / 2 / c.sweep_ticks));
@@ -166,8 +176,7 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
     const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
-    c.current_floor =
-        static_cast<int32_t>(std::lround(floor * continuous_current(motor) / b.current_a * Q15));
+    c.current_floor = current_q15(floor * continuous_current(motor), b);
     c.current_slope = c.align.slope;
     c.handover_speed = static_cast<step_t>(std::lround(handover));
     const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
@@ -176,14 +185,10 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
                                       std::pow(b.control_period_s, 2) / TWO_PI * STEPS_PER_TURN));
     c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));
     c.hold_speed = static_cast<step_t>(std::lround(handover * HOLD_SHARE));
-    c.residual_max = static_cast<int32_t>(
-        std::lround(RESIDUAL_SHARE * continuous_current(motor) / b.current_a * Q15));
-    c.residual_lost = static_cast<int32_t>(
-        std::lround(LOST_SHARE * continuous_current(motor) / b.current_a * Q15));
-    c.lost_periods =
-        static_cast<uint32_t>(std::ceil(LOST_TIME_S / b.control_period_s / tuning.slow_ticks));
-    c.handover_periods =
-        static_cast<uint32_t>(std::ceil(HANDOVER_TIME_S / b.control_period_s / tuning.slow_ticks));
+    c.residual_max = current_q15(RESIDUAL_SHARE * continuous_current(motor), b);
+    c.residual_lost = current_q15(LOST_SHARE * continuous_current(motor), b);
+    c.lost_periods = slow_periods(LOST_TIME_S, tuning, b);
+    c.handover_periods = slow_periods(HANDOVER_TIME_S, tuning, b);
     c.attempts = ATTEMPTS;
     return c;
 }

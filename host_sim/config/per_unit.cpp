@@ -539,9 +539,10 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
     return b;
 }
 
-static drive_cfg_t make_for_motor(const MotorSettings &motor, const BoardSettings &board,
-                                  const TuningSettings &tuning, const ModelScales &scales)
+drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
+                           const TuningSettings &as_written, const ModelScales &scales)
 {
+    const TuningSettings tuning = for_motor(as_written, motor);
     const Bases b = make_bases(motor, board);
     const Model m = make_model(motor, scales);
     drive_cfg_t c{};
@@ -565,12 +566,6 @@ static drive_cfg_t make_for_motor(const MotorSettings &motor, const BoardSetting
         throw std::logic_error(fmt::format("the firmware refuses its setting {}", bad));
     }
     return c;
-}
-
-drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &scales)
-{
-    return make_for_motor(motor, board, for_motor(tuning, motor), scales);
 }
 
 } // namespace nf

@@ -53,8 +53,9 @@ double temperature_count(const BoardSettings &board, double temperature_c);
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
-// Throws SettingError naming the offending key; the result passes params_check.
+// Settings that are 0 by motor are filled in. Throws SettingError naming the offending key; the result passes
+// params_check.
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &scales);
+                           const TuningSettings &as_written, const ModelScales &scales);
 
 } // namespace nf

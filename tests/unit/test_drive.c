@@ -2,6 +2,7 @@
 #include "drive.h"
 #include "example_cfg.h"
 #include "example_motor.h"
+#include "fault_frames.h"
 #include "seeded.h"
 #include "unity.h"
 
@@ -290,28 +291,8 @@ static void test_offset_at_its_limit_is_accepted(void)
 
 /* ---- faults ---- */
 
-static void make_break(void)
-{
-    in.flags = DRIVE_FLAG_BREAK;
-}
-
-static void make_overcurrent(void)
-{
-    in.adc_ia = 4000U; /* 15616 of Q15, limit 14746 */
-}
-
-static void make_overvoltage(void)
-{
-    in.adc_bus = 3642U; /* 29136, limit 29127 */
-}
-
-static void make_undervoltage(void)
-{
-    in.adc_bus = 1820U; /* 14560, limit 14564 */
-}
-
 typedef struct {
-    void (*make)(void);
+    void (*make)(drive_in_t *frame);
     fault_id_t id;
     drive_state_t first; /* the first state in which it is watched; in all later ones too */
     int32_t value;
@@ -472,7 +453,7 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watc
             setUp();
             go_to(STATES[s]);
             TEST_ASSERT_EQUAL_INT(STATES[s] == DRIVE_STATE_RUN, (s != 0U) && out.gate_enable);
-            FAULTS[f].make();
+            FAULTS[f].make(&in);
             tick();
             assert_gates_open();
             TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
@@ -492,7 +473,7 @@ static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(voi
         for (uint32_t s = 0U; STATES[s] < FAULTS[f].first; s++) {
             setUp();
             go_to(STATES[s]);
-            FAULTS[f].make();
+            FAULTS[f].make(&in);
             tick();
             assert_gates_open();
             TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_FAULT);
@@ -506,7 +487,7 @@ static void test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_
     for (uint32_t f = 1U; f < 4U; f += 2U) {
         setUp();
         go_to(DRIVE_STATE_READY);
-        FAULTS[f].make();
+        FAULTS[f].make(&in);
         tick();
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
         in.command.request = DRIVE_REQUEST_RUN;
@@ -529,7 +510,7 @@ static void test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches(
 
         setUp();
         go_to(DRIVE_STATE_RUN);
-        FAULTS[f].make();
+        FAULTS[f].make(&in);
         in.command.request = 0U;
         tick();
         assert_gates_open();
@@ -545,12 +526,12 @@ static void test_nothing_new_is_latched_in_fault(void)
 
         setUp();
         go_to(DRIVE_STATE_RUN);
-        FAULTS[f].make();
+        FAULTS[f].make(&in);
         tick();
         first = drive.fault;
         for (uint32_t other = 0U; other < 4U; other++) {
             quiet_frame();
-            FAULTS[other].make();
+            FAULTS[other].make(&in);
             tick();
             TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
             TEST_ASSERT_EQUAL_INT(first.id, drive.fault.id);
@@ -568,7 +549,7 @@ static void test_a_fault_stays_latched_until_cleared_without_the_run_command(voi
     for (uint32_t f = 0U; f < 4U; f++) {
         setUp();
         go_to(DRIVE_STATE_RUN);
-        FAULTS[f].make();
+        FAULTS[f].make(&in);
         tick();
         quiet_frame();
         for (uint32_t k = 0U; k < 300U; k++) {
@@ -590,10 +571,10 @@ static void test_a_fault_stays_latched_until_cleared_without_the_run_command(voi
 static void test_the_first_fault_is_kept_while_others_follow(void)
 {
     go_to(DRIVE_STATE_RUN);
-    make_undervoltage();
+    make_undervoltage(&in);
     tick();
-    make_overcurrent();
-    make_break();
+    make_overcurrent(&in);
+    make_break(&in);
     ticks(3U);
     TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, drive.fault.id);
     TEST_ASSERT_EQUAL_INT32(14560, drive.fault.value);
@@ -602,7 +583,7 @@ static void test_the_first_fault_is_kept_while_others_follow(void)
 static void test_a_fault_that_persists_comes_back_after_clearing(void)
 {
     go_to(DRIVE_STATE_RUN);
-    make_break();
+    make_break(&in);
     tick();
     in.command.request = DRIVE_REQUEST_CLEAR;
     tick();
@@ -616,7 +597,7 @@ static void test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it(void)
 {
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_CLEAR;
-    make_break();
+    make_break(&in);
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
 }

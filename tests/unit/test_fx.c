@@ -84,6 +84,16 @@ static void test_clamp_passes_the_inside_and_stops_at_both_ends(void)
     TEST_ASSERT_EQUAL_INT32(3, fx_clamp(-5, 3, 3));
 }
 
+static void test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides(void)
+{
+    TEST_ASSERT_EQUAL_INT32(3, fx_towards(0, 10, 3));
+    TEST_ASSERT_EQUAL_INT32(-3, fx_towards(0, -10, 3));
+    TEST_ASSERT_EQUAL_INT32(10, fx_towards(8, 10, 3));
+    TEST_ASSERT_EQUAL_INT32(10, fx_towards(12, 10, 3));
+    TEST_ASSERT_EQUAL_INT32(10, fx_towards(10, 10, 3));
+    TEST_ASSERT_EQUAL_INT32(7, fx_towards(7, 10, 0));
+}
+
 static void test_abs_of_the_whole_range_but_the_excluded_minimum(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, fx_abs(0));
@@ -320,6 +330,7 @@ int main(void)
     RUN_TEST(test_shift_equals_floor_division_for_every_shift);
     RUN_TEST(test_min_and_max_choose_in_both_orders_and_at_equality);
     RUN_TEST(test_clamp_passes_the_inside_and_stops_at_both_ends);
+    RUN_TEST(test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides);
     RUN_TEST(test_abs_of_the_whole_range_but_the_excluded_minimum);
     RUN_TEST(test_saturation_passes_the_inside_up_to_both_ends);
     RUN_TEST(test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes);

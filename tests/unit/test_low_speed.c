@@ -2,6 +2,7 @@
 #include "drive.h"
 #include "example_cfg.h"
 #include "example_motor.h"
+#include "fault_frames.h"
 #include "seeded.h"
 #include "unity.h"
 
@@ -309,28 +310,8 @@ static void test_a_stopped_start_begins_again_with_the_search_for_a_turning_roto
 
 /* ---- faults ---- */
 
-static void make_break(void)
-{
-    in.flags = DRIVE_FLAG_BREAK;
-}
-
-static void make_overcurrent(void)
-{
-    in.adc_ia = 4000U; /* 15616 of Q15, limit 14746 */
-}
-
-static void make_overvoltage(void)
-{
-    in.adc_bus = 3642U; /* 29136, limit 29127 */
-}
-
-static void make_undervoltage(void)
-{
-    in.adc_bus = 1820U; /* 14560, limit 14564 */
-}
-
 typedef struct {
-    void (*make)(void);
+    void (*make)(drive_in_t *frame);
     fault_id_t id;
 } fault_case_t;
 
@@ -354,7 +335,7 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_st
         for (uint32_t f = 0U; f < 4U; f++) {
             drive = entered;
             in = frame;
-            FAULTS[f].make();
+            FAULTS[f].make(&in);
             drive_step(&drive, &in, &out);
             TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
             TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
