@@ -14,8 +14,8 @@ constexpr std::array<const char *, SIGNAL_COUNT> NAMES = {
     "phase_b",
     "bus",
     "bus_reciprocal",
-    "network_x",
-    "network_y",
+    "network_alpha",
+    "network_beta",
     "network_error_d",
     "network_error_q",
     "network_weight_step",
@@ -63,8 +63,8 @@ template <typename Note> void check_network(const drive_t &drive, Note note)
 {
     const nn_observer_t &n = drive.observer;
     const step_t speed_limit = drive.cfg->observer.speed_limit;
-    note(Signal::network_x, at(n.x_q27, STATE_LIMIT_Q27));
-    note(Signal::network_y, at(n.y_q27, STATE_LIMIT_Q27));
+    note(Signal::network_alpha, at(n.alpha_q27, STATE_LIMIT_Q27));
+    note(Signal::network_beta, at(n.beta_q27, STATE_LIMIT_Q27));
     note(Signal::network_error_d, at(n.error.d, ERROR_LIMIT));
     note(Signal::network_error_q, at(n.error.q, ERROR_LIMIT));
     note(Signal::network_weight_step, at(n.weight_step, WEIGHT_STEP_LIMIT));
@@ -102,8 +102,8 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     note(Signal::torque, s.current_ref.q >= drive.torque_range.upper ||
                              s.current_ref.q <= drive.torque_range.lower);
     note(Signal::voltage, on_circle(s));
-    note(Signal::ratio,
-         at(drive.ratio.d, modulator.ratio_max_q15) || at(drive.ratio.q, modulator.ratio_max_q15));
+    note(Signal::ratio, std::abs(s.ratio_ab.alpha) >= modulator.ratio_max_q15 ||
+                            std::abs(s.ratio_ab.beta) >= modulator.ratio_max_q15);
     note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);
 }
 

@@ -67,15 +67,13 @@ static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
     const int32_t u = fx_sat16(ratio);
     const int32_t crossing = fx_usat15(span - (9 * fx_asr(u * u, 15U)));
     const int32_t ripple = fx_asr(crossing * cfg->ripple_q15, 15U);
-    const int32_t above = fx_min(fx_max(fx_abs(current) - ripple, 0), FX_Q15_MAX);
-    const int32_t share_q15 = fx_usat15(above * cfg->edge_slope);
-    const int32_t duty = fx_asr(share_q15 * loss, 15U);
+    const int32_t above = current - fx_clamp(current, -ripple, ripple);
 
-    return (current < 0) ? -duty : duty;
+    return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
 }
 
-compare_t modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
-                            ab_t current)
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, dq_t current,
+                       sincos_t angle, compare_t *out)
 {
     const abc_t u = phases(ratio);
     const int32_t highest = fx_max(fx_max(u.a, u.b), u.c);
@@ -86,14 +84,14 @@ compare_t modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, 
     abc_t duty = {u.a + centre, u.b + centre, u.c + centre};
 
     if (loss != 0) {
-        const abc_t i = phases(current);
+        const abc_t i = phases(transforms_park_inverse(current, angle));
         const int32_t span = highest - lowest;
 
         duty.a += give_back(cfg, loss, span, u.a, i.a);
         duty.b += give_back(cfg, loss, span, u.b, i.b);
         duty.c += give_back(cfg, loss, span, u.c, i.c);
     }
-    return (compare_t){
-        .phase = {counts(duty.a, timer), counts(duty.b, timer), counts(duty.c, timer)},
-    };
+    out->phase[0] = counts(duty.a, timer);
+    out->phase[1] = counts(duty.b, timer);
+    out->phase[2] = counts(duty.c, timer);
 }

@@ -62,9 +62,10 @@ dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
 /*
  * A ratio vector, |α|, |β| ≤ 46341, to compare values; duties are clamped to 0…1, counts rounded.
- * current: expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 32770.
+ * current: expected in the middle of the period, in the frame at the angle whose sine and cosine are given, Q15 of I_b,
+ * |d|, |q| ≤ 32767; it matters only where dead time or drop are given back.
  */
-compare_t modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
-                            ab_t current);
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, dq_t current,
+                       sincos_t angle, compare_t *out);
 
 #endif

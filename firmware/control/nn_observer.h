@@ -22,11 +22,12 @@
  * For L_d = L_q this is the paper's equation letter by letter. With saliency the states are the
  * stator flux linkages over L_d, for which the rotation by W2 is the same.
  *
- * Rotation. Forward Euler in (14) turns and stretches: it grows for ω > √(2/(T·τ)), τ = L/R. Here the state
- * is turned through −Δ = −ω̂_out·T by sine and 1 − cosine, each two terms of its series: short by Δ^6/144 of its
- * length and by Δ^5/120 of its angle, 8·10^-4 and 1.2·10^-3 rad at Δ = 0.7. Resistance and voltage act in the
- * middle of the turn. To first order in Δ these are the paper's weights; no speed makes the network grow by more
- * than the rounding, Δ·2^-16 a tick, which the resistance of any winding outweighs.
+ * Rotation. Forward Euler in (14) turns and stretches: it grows for ω > √(2/(T·τ)), τ = L/R. Here W2 turns the frame
+ * instead: the states are kept in the stationary frame, where x̂ + j·ŷ = (α + j·β)·exp(−jθ̂), and θ̂ advances by
+ * ω̂_out·T, which is −W2, between two instants. That rotation is exact at any speed, and what is stored is turned by
+ * nothing, so it neither grows nor drifts. Voltage and resistance act in the middle of the turn: the inverter's voltage
+ * stands still in this frame anyway, the current of k−1 is turned by half a step. To first order in ωT these are the
+ * paper's weights.
  *
  * Static part. A constant current error e answers a voltage error ε = (R + jωL)·e. The back-EMF error that
  * a wrong angle causes is along d, so the angle is in Re ε; what the paper trains with, Im e, has at low
@@ -35,9 +36,11 @@
  * ΔR·i_q leaves the angle alone. ρ is limited, as it lets noise through.
  *
  * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
- * Q27 of I_x = 2^s·I_b, which covers the largest current vector beside φ/L_d; their upper 16 bits enter
- * the products. Speeds are step_t (2^32 = one electrical turn a tick); W2 enters its products with 32
- * bits, for a bias of one LSB there would turn the angle at standstill.
+ * Q27 of I_x = 2^s·I_b, which covers the largest current vector beside φ/L_d. Speeds are step_t (2^32 = one
+ * electrical turn a tick). Sine and cosine are Q15: x̂ and ŷ are within 2·(|α| + |β|)·2^-15 and one LSB of their
+ * output of the exact ones.
+ *
+ * A tick is nn_observer_predict, then nn_observer_train or nn_observer_follow. Control interrupt only.
  */
 #ifndef NN_OBSERVER_H
 #define NN_OBSERVER_H
@@ -49,14 +52,13 @@
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay_d;        /* 1 − W1 = T·R/L_d, times 2^(12 + weight_shift) */
-    int32_t decay_q;        /* 1 − W1' = T·R/L_q, same format */
-    int32_t volt_gain;      /* W3/L_d·U_b/I_x, same format */
+    int32_t decay;          /* 1 − W1 = T·R/L_d, times I_b/I_x·2^(12 + weight_shift) */
+    int32_t volt_gain;      /* W3/L_d, times U_b/I_x·2^(12 + weight_shift) */
     uint32_t weight_shift;  /* 2…15 */
     int32_t flux_q27;       /* the shift of (7): (φ/L_d)/I_x, 1…2^27 − 1 */
     int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     int32_t saliency_q13;   /* L_q/L_d: an error of i_q as one of y, 1…32767 */
-    uint32_t current_shift; /* s, 0…10 */
+    uint32_t current_shift; /* s, 0…9 */
     int32_t rate;           /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
     uint32_t rate_shift;    /* 0…30 */
     int32_t proportional;   /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
@@ -69,35 +71,40 @@ typedef struct {
 } nn_observer_cfg_t;
 
 typedef struct {
-    int32_t x_q27;      /* x̂, −2^27…2^27 − 1 */
-    int32_t y_q27;      /* ŷ, −2^27…2^27 − 1 */
-    step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
+    int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
+    int32_t beta_q27;  /* the same range */
+    dq_t state;   /* x̂, ŷ of the last instant, Q15 of I_x: what W2 has turned when it is trained */
+    step_t speed; /* ω̂(k+1), the integral (22): for the speed loop */
     step_t speed_out;   /* ω̂_out: inside the network and for the angle; within ±2^29 */
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
-    dq_t current;       /* î_d, î_q */
+    dq_t current;       /* î_d, î_q, 16 bits, saturated */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
     dq_t turned; /* e', same range: d is the error of the flux' magnitude, q that of the angle */
+    int32_t descent; /* b >> 12 in Q30 of I_b·I_x, 16 bits, saturated */
     int32_t rho_q13; /* ρ in force */
 } nn_observer_t;
 
-/* Start at rest with no current: x̂ = φ/L_d, everything else zero. */
-void nn_observer_reset(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
-
-/* Start at a speed with a current (Q15 of I_b, ±32767) in the estimated frame. */
-void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed,
-                       dq_t current);
+/*
+ * Start at the angle whose sine and cosine are given, with a current in that frame (Q15 of I_b, ±32767) and a speed,
+ * limited to ±speed_limit. Without both: at rest with x̂ = φ/L_d.
+ */
+void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
+                       sincos_t angle);
 
 /*
- * One tick. measured: i_d, i_q at this sampling instant, turned with θ̂, |i| ≤ 65535. voltage: what the
- * inverter applied since the last instant, in the estimated frame at the middle of that interval,
- * |v| ≤ 32767. Total within these ranges: states, speeds and errors saturate as stated at their fields.
+ * (14)–(18), the forward pass: the state at this instant and its errors. measured: i_d, i_q at this instant, turned with
+ * θ̂, |i| ≤ 65535. voltage: what the inverter applied since the last instant, stationary frame, |v| ≤ 32767. angle: sine
+ * and cosine of θ̂ at this instant, which is that of the last one and speed_out. Total within these ranges: states,
+ * currents and errors saturate as stated at their fields.
  */
-void nn_observer_step(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
-                      dq_t voltage);
+void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
+                         ab_t voltage, sincos_t angle);
 
-/* As above with the speed given (within ±speed_limit): the network runs, but is not trained. */
-void nn_observer_follow(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
-                        dq_t voltage, step_t speed);
+/* (19)–(22): train W2 along the descent. The speeds are limited as stated at their fields. */
+void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
+
+/* In place of training: W2 is given. speed: within ±speed_limit. */
+void nn_observer_follow(nn_observer_t *obs, step_t speed);
 
 /*
  * Set ρ for a speed, within ±2^30: the best there is, not an estimate that still swings, for ρ has its sign. Call once

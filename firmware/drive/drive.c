@@ -159,40 +159,6 @@ static void change_state(drive_t *drive, const drive_in_t *in)
     }
 }
 
-/* RUN hands back when the imposed current has faded in. */
-static void watch_speed(drive_t *drive)
-{
-    const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool slow = vector_control_is_slow(drive);
-
-    if ((cfg->current_hold != 0) && slow && (drive->signals.current_ref.d >= cfg->current_hold)) {
-        vector_control_hand_back(drive);
-        drive_enter(drive, DRIVE_STATE_HOLD);
-    }
-}
-
-/* A tick with current flowing: estimate, motion, current control. left: as in monitor_step(). */
-static void drive_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
-{
-    const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
-
-    vector_control_estimate(drive, track);
-    if (drive->state == DRIVE_STATE_RUN) {
-        vector_control_motion(drive, &in->command, left);
-        watch_speed(drive);
-    } else {
-        low_speed_motion(drive, &in->command, left);
-    }
-    if (drive->state == DRIVE_STATE_RUN) {
-        vector_control_close(drive, out);
-    } else if (drive->state == DRIVE_STATE_CATCH_SPIN) {
-        open_gates(drive,
-                   out); /* the start begins again: the current of the last attempt has to end */
-    } else {
-        vector_control_impose(drive, track, out);
-    }
-}
-
 /* Slow ticks to the end of the slow period after this one; 0 in its last. */
 static uint32_t count_slow(drive_t *drive)
 {
@@ -222,9 +188,61 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     return bad;
 }
 
+/* A current is controlled. */
+static bool is_controlled(drive_state_t state)
+{
+    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_FAULT);
+}
+
+/* The part of the slow period that falls on this tick, where a current is controlled. */
+static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left)
+{
+    monitor_step(drive, in, left);
+    if (drive->state == DRIVE_STATE_RUN) {
+        vector_control_motion(drive, &in->command, left);
+    } else if (is_controlled(drive->state)) {
+        low_speed_motion(drive, &in->command, left);
+    } else {
+        /* nothing moves */
+    }
+}
+
+/* A tick that controls a current. A change of state may end that: gates open. */
+static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
+
+    vector_control_estimate(drive, track);
+    if (drive->state != DRIVE_STATE_RUN) {
+        low_speed_step(drive);
+    }
+    if (left < (uint32_t)SLOW_PARTS) {
+        slow_step(drive, in, left);
+    }
+    if (is_controlled(drive->state)) {
+        vector_control_close(drive, track, out);
+    } else {
+        open_gates(drive, out);
+    }
+}
+
+/* A tick at rest, or one that looks for a turning rotor. */
+static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    open_gates(drive, out);
+    if (drive->state == DRIVE_STATE_CATCH_SPIN) {
+        low_speed_catch(drive, in, out);
+    }
+    if (left < (uint32_t)SLOW_PARTS) {
+        monitor_step(drive, in, left);
+    }
+    out->gate_enable = out->gate_enable && drive_is_driving(drive->state);
+}
+
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     const uint32_t left = count_slow(drive);
+    const bool controlled = is_controlled(drive->state);
 
     convert_samples(drive, in);
     if (!drive_is_driving(drive->state)) {
@@ -236,16 +254,10 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     }
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
-    if (drive->state == DRIVE_STATE_CATCH_SPIN) {
-        low_speed_catch(drive, in, out);
-    } else if (drive_is_driving(drive->state)) {
-        drive_tick(drive, in, left, out);
+    if (controlled && is_controlled(drive->state)) {
+        control_tick(drive, in, left, out);
     } else {
-        /* no current */
-    }
-    monitor_step(drive, in, left);
-    if (!drive_is_driving(drive->state)) {
-        open_gates(drive, out); /* the tick may just have ended the run */
+        idle_tick(drive, in, left, out);
     }
     drive->bus_before = drive->signals.bus;
     drive->tick++;

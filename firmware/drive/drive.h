@@ -97,7 +97,7 @@ typedef struct {
     dq_t current;          /* turned with θ̂ */
     dq_t current_frame;    /* turned with the frame's angle; in RUN as above */
     dq_t current_mean;     /* of current_frame while a current is imposed, over some 32 ticks */
-    dq_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
+    ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
     int32_t speed;         /* ω̂, Q15 of Ω_b */
     dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
     int32_t voltage_limit; /* Q15 of U_b */
@@ -118,10 +118,7 @@ typedef struct {
     uint32_t slow_count; /* N…1: ticks to the end of the slow period */
     current_loop_t current_loop;
     modulator_t modulator;
-    dq_t ratio;            /* demand over bus, Q15, of the last tick: acts from this instant on */
-    dq_t ratio_acting;     /* acted since the last instant */
-    angle_t offset;        /* frame less θ̂ in the middle of the period in which `ratio` acts */
-    angle_t offset_acting; /* the same for `ratio_acting` */
+    ab_t ratio_acting; /* demand over bus, Q15: acted since the last instant */
     drive_signals_t signals;
     uint32_t tick; /* since drive_init, wraps */
     step_t speed_reference;

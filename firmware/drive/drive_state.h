@@ -4,6 +4,20 @@
 
 #include "drive.h"
 
+/*
+ * What a slow period has to do falls on its last ticks, one part on each, so that the longest tick is shorter. The
+ * number of a part is that of the ticks left.
+ */
+typedef enum {
+    SLOW_PART_SPEED = 0, /* speed PI, or the imposed vector's speed; next state */
+    SLOW_PART_PLAN,      /* speed reference: ramp or position profile */
+    SLOW_PART_LIMITS,    /* of the torque current */
+    SLOW_PART_CHECKS,    /* one of those that take turns */
+    SLOW_PART_PHASES,    /* lost phases */
+    SLOW_PART_REFINE,    /* residual, flux and static part of the observer */
+    SLOW_PARTS
+} slow_part_t;
+
 /* CATCH_SPIN to RUN: current may flow. */
 static inline bool drive_is_driving(drive_state_t state)
 {

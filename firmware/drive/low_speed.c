@@ -36,17 +36,20 @@ static void start_turning(drive_t *drive)
 {
     const catch_spin_t *const spin = &drive->catch_spin;
     const sincos_t angle = trig_sincos(spin->angle);
+    sincos_t middle;
     int32_t speed;
     int32_t emf;
 
     rotor_position_reset(&drive->position, spin->angle);
     nn_observer_start(&drive->observer, &drive->model.observer, spin->speed,
-                      transforms_park(drive->signals.current_ab, angle));
+                      transforms_park(drive->signals.current_ab, angle), angle);
+    middle = trig_sincos(spin->angle + (angle_t)fx_asr(drive->observer.speed, 1U));
     speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift); /* within its limit */
     emf = fx_sat16(fx_asr(speed * drive->model.run_loop.emf_q13, 13U));
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
-    drive->ratio_acting = modulator_ratio(&drive->modulator, (dq_t){0, emf});
+    drive->ratio_acting =
+        transforms_park_inverse(modulator_ratio(&drive->modulator, (dq_t){0, emf}), middle);
     drive_enter(drive, DRIVE_STATE_RUN);
 }
 
@@ -84,7 +87,8 @@ static void finish_alignment(drive_t *drive)
 
     if ((resistance > 0) && (inductance > 0)) {
         model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
-        nn_observer_reset(&drive->observer, &drive->model.observer);
+        nn_observer_start(&drive->observer, &drive->model.observer, 0, drive->signals.current,
+                          trig_sincos(rotor_position_angle(&drive->position)));
     }
     drive->identified = true; /* what could not be told now will not be told by asking again */
     drive->frame_speed = 0;
@@ -210,29 +214,35 @@ static void plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
+void low_speed_step(drive_t *drive)
+{
+    if (drive->state == DRIVE_STATE_ALIGN) {
+        align(drive);
+    } else {
+        drive->signals.current_ref.d = next_imposed_current(drive);
+    }
+}
+
 static void drag(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
-    drive_signals_t *const s = &drive->signals;
-
-    s->current_ref.d = next_imposed_current(drive);
-    if (left == 1U) {
-        plan(drive, command);
-    } else if (left == 0U) {
-        s->current_ref.q = speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
-                                                 drive->speed_reference, drive->torque_range);
-        drive->frame_speed = drive->speed_loop.reference;
+    if (left == (uint32_t)SLOW_PART_REFINE) {
         vector_control_refine(drive);
+    } else if (left == (uint32_t)SLOW_PART_PLAN) {
+        plan(drive, command);
+    } else if (left == (uint32_t)SLOW_PART_SPEED) {
+        drive->signals.current_ref.q =
+            speed_loop_accelerate(&drive->speed_loop, &drive->cfg->speed_loop,
+                                  drive->speed_reference, drive->torque_range);
+        drive->frame_speed = drive->speed_loop.reference;
         next_state(drive);
     } else {
-        /* between */
+        /* the monitor's */
     }
 }
 
 void low_speed_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
-    if (drive->state == DRIVE_STATE_ALIGN) {
-        align(drive);
-    } else {
+    if (drive->state != DRIVE_STATE_ALIGN) {
         drag(drive, command, left);
     }
 }

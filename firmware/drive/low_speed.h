@@ -19,8 +19,10 @@ void low_speed_start(drive_t *drive);
 /* One tick of CATCH_SPIN, the whole of it. May end in ALIGN, or in RUN from the next tick on. */
 void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
-/* Sequence and motion of one tick in ALIGN, HOLD, IF_RAMP, HANDOVER; may change the state. left: as in
- * monitor_step(). */
+/* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: the imposed current. The end of ALIGN changes the state. */
+void low_speed_step(drive_t *drive);
+
+/* The slow period's parts in these states; may change the state. left: ticks to the end of the period. */
 void low_speed_motion(drive_t *drive, const drive_command_t *command, uint32_t left);
 
 /* Whether the observer runs free. */

@@ -52,8 +52,7 @@ static void apply_weights(model_t *model, const model_nominal_t *nominal)
     const int32_t l = model->inductance_q14;
     const int32_t inverse = model->inductance_inverse_q14;
 
-    to->decay_d = times(times(from->decay_d, r), inverse);
-    to->decay_q = times(times(from->decay_q, r), inverse);
+    to->decay = times(times(from->decay, r), inverse);
     to->volt_gain = times(from->volt_gain, inverse);
     to->rate = times(times(from->rate, l), l);
     to->proportional = times(times(from->proportional, l), l);

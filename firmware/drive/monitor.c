@@ -2,11 +2,6 @@
 
 #include "drive_state.h"
 
-#define PARTS (5U)
-#define PHASES_LEFT (4U)
-#define CHECKS_LEFT (3U)
-#define LIMITS_LEFT (2U)
-
 static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
@@ -43,7 +38,7 @@ static dq_t controlled_current(const drive_t *drive)
     dq_t current = s->current_ref;
 
     if (drive->state == DRIVE_STATE_RUN) {
-        current = s->current_frame;
+        current = s->current;
     } else if (is_at_rest(drive)) {
         current.d = fx_asr(current.d + s->current_frame.d, 1U);
         current.q = fx_asr(current.q + s->current_frame.q, 1U);
@@ -147,15 +142,13 @@ static void limit_torque(drive_t *drive)
 
 void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left)
 {
-    const bool short_period = drive->cfg->slow_ticks < PARTS; /* all at its end */
-
-    if (short_period ? (left == 0U) : (left == PHASES_LEFT)) {
+    if (left == (uint32_t)SLOW_PART_PHASES) {
         watch_phases(drive);
-    }
-    if (short_period ? (left == 0U) : (left == CHECKS_LEFT)) {
+    } else if (left == (uint32_t)SLOW_PART_CHECKS) {
         watch_turns(drive, in);
-    }
-    if (short_period ? (left == 0U) : (left == LIMITS_LEFT)) {
+    } else if (left == (uint32_t)SLOW_PART_LIMITS) {
         limit_torque(drive);
+    } else {
+        /* not the monitor's part */
     }
 }

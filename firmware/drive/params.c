@@ -113,14 +113,13 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
 {
     const char *bad = before;
 
-    bad = range(bad, "observer.decay_d", cfg->decay_d, 0, FX_Q15_MAX);
-    bad = range(bad, "observer.decay_q", cfg->decay_q, 0, FX_Q15_MAX);
+    bad = range(bad, "observer.decay", cfg->decay, 0, FX_Q15_MAX);
     bad = range(bad, "observer.volt_gain", cfg->volt_gain, 1, FX_Q15_MAX);
     bad = range(bad, "observer.weight_shift", shift_value(cfg->weight_shift), 2, 15);
     bad = range(bad, "observer.flux_q27", cfg->flux_q27, 1, Q27_ONE - 1);
     bad = range(bad, "observer.iq_gain_q14", cfg->iq_gain_q14, 1, FX_Q15_MAX);
     bad = range(bad, "observer.saliency_q13", cfg->saliency_q13, 1, FX_Q15_MAX);
-    bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 10);
+    bad = range(bad, "observer.current_shift", shift_value(cfg->current_shift), 0, 9);
     bad = range(bad, "observer.rate", cfg->rate, 0, FX_Q15_MAX);
     bad = range(bad, "observer.rate_shift", shift_value(cfg->rate_shift), 0, SHIFT_MAX);
     bad = range(bad, "observer.proportional", cfg->proportional, 0, FX_Q15_MAX);
@@ -369,5 +368,5 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_modulator(bad, &cfg->modulator);
     bad = check_startup(bad, &cfg->startup, cfg->observer.speed_limit);
     bad = check_model(bad, &cfg->model);
-    return range(bad, "slow_ticks", shift_value(cfg->slow_ticks), 2, 100);
+    return range(bad, "slow_ticks", shift_value(cfg->slow_ticks), 6, 100);
 }

@@ -34,7 +34,7 @@ typedef struct {
     nn_observer_cfg_t observer;
     current_loop_cfg_t current_loop;
     modulator_cfg_t modulator;
-    uint32_t slow_ticks; /* N: the motion loops run every N-th tick, 2…100 */
+    uint32_t slow_ticks; /* N: the motion loops run every N-th tick, 6…100 */
     protection_cfg_t protection;
     derating_cfg_t derating;
     speed_loop_cfg_t speed_loop;

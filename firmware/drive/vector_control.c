@@ -8,18 +8,9 @@
 #define MEAN_SHIFT (5U) /* of the imposed current's filter, in ticks */
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
-/* Where current is controlled in this tick. */
-typedef struct {
-    angle_t angle;
-    step_t step;   /* its advance in a tick */
-    int32_t speed; /* of the rotor, for the decoupling, Q15 of Ω_b */
-    const current_loop_cfg_t *loop;
-    dq_t expected; /* current in the period to come */
-} frame_t;
-
 void vector_control_reset(drive_t *drive)
 {
-    nn_observer_reset(&drive->observer, &drive->model.observer);
+    nn_observer_start(&drive->observer, &drive->model.observer, 0, (dq_t){0, 0}, trig_sincos(0U));
     rotor_position_reset(&drive->position, 0U);
     rotor_position_reset(&drive->frame, 0U);
     current_loop_reset(&drive->current_loop);
@@ -27,10 +18,8 @@ void vector_control_reset(drive_t *drive)
     position_loop_reset(&drive->position_loop, 0, 0);
     drive->frame_speed = 0;
     drive->speed_reference = 0;
-    drive->ratio = (dq_t){0, 0};
-    drive->ratio_acting = (dq_t){0, 0};
-    drive->offset = 0U;
-    drive->offset_acting = 0U;
+    drive->signals.ratio_ab = (ab_t){0, 0};
+    drive->ratio_acting = (ab_t){0, 0};
     drive->residual = 0;
     drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
@@ -40,20 +29,14 @@ void vector_control_reset(drive_t *drive)
 }
 
 /* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
-static dq_t applied_voltage(const drive_t *drive)
+static ab_t applied_voltage(const drive_t *drive)
 {
     const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
-    dq_t voltage = {
-        .d = fx_asr(drive->ratio_acting.d * bus, 15U),
-        .q = fx_asr(drive->ratio_acting.q * bus, 15U),
+
+    return (ab_t){
+        .alpha = fx_sat16(fx_asr(drive->ratio_acting.alpha * bus, 15U)),
+        .beta = fx_sat16(fx_asr(drive->ratio_acting.beta * bus, 15U)),
     };
-
-    if (drive->offset_acting != 0U) {
-        const ab_t turned = transforms_park_inverse(voltage, trig_sincos(drive->offset_acting));
-
-        voltage = (dq_t){turned.alpha, turned.beta};
-    }
-    return voltage;
 }
 
 /*
@@ -80,11 +63,11 @@ void vector_control_estimate(drive_t *drive, bool track)
     s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
     s->current = transforms_park(s->current_ab, angle);
     s->voltage_applied = applied_voltage(drive);
+    nn_observer_predict(&drive->observer, cfg, s->current, s->voltage_applied, angle);
     if (track) {
-        nn_observer_step(&drive->observer, cfg, s->current, s->voltage_applied);
+        nn_observer_train(&drive->observer, cfg);
     } else {
-        nn_observer_follow(&drive->observer, cfg, s->current, s->voltage_applied,
-                           drive->frame_speed);
+        nn_observer_follow(&drive->observer, drive->frame_speed);
     }
     s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
     if (drive->state != DRIVE_STATE_RUN) {
@@ -121,7 +104,8 @@ void vector_control_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-bool vector_control_is_slow(const drive_t *drive)
+/* The speed asked for and the rotor's own are both so low that a current has to be imposed. */
+static bool is_slow(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const bool asked = fx_abs(drive->speed_reference) < cfg->hold_speed;
@@ -138,7 +122,7 @@ static int32_t next_current_d(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
     const dq_t present = drive->signals.current_ref;
-    const bool slow = vector_control_is_slow(drive);
+    const bool slow = is_slow(drive);
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
     const int32_t wanted = slow ? cfg->current_hold : lacking;
 
@@ -168,111 +152,6 @@ void vector_control_refine(drive_t *drive)
     nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
 }
 
-void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
-{
-    if (left == 1U) {
-        vector_control_plan(drive, command);
-    } else if (left == 0U) {
-        drive->signals.current_ref.d = next_current_d(drive);
-        drive->signals.current_ref.q =
-            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                            drive->observer.speed, drive->torque_range);
-        vector_control_refine(drive);
-    } else {
-        /* between */
-    }
-}
-
-/* A voltage in the frame to compare values. It is turned for the middle of the period in which it acts. */
-static compare_t modulate(drive_t *drive, const frame_t *frame)
-{
-    drive_signals_t *const s = &drive->signals;
-    const angle_t middle = frame->angle + (angle_t)frame->step + (angle_t)fx_asr(frame->step, 1U);
-    const sincos_t angle = trig_sincos(middle);
-
-    drive->ratio_acting.d = drive->ratio.d;
-    drive->ratio_acting.q = drive->ratio.q;
-    drive->offset_acting = drive->offset;
-    drive->ratio = modulator_ratio(&drive->modulator, s->voltage);
-    s->ratio_ab = transforms_park_inverse(drive->ratio, angle);
-    return modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab,
-                             transforms_park_inverse(frame->expected, angle));
-}
-
-/* Currents to voltage. */
-static void control_currents(drive_t *drive, const frame_t *frame)
-{
-    drive_signals_t *const s = &drive->signals;
-
-    s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
-    s->voltage = current_loop_step(&drive->current_loop, frame->loop, s->current_ref,
-                                   s->current_frame, frame->speed, s->voltage_limit);
-}
-
-void vector_control_close(drive_t *drive, drive_out_t *out)
-{
-    const frame_t frame = {
-        .angle = rotor_position_angle(&drive->position),
-        .step = drive->observer.speed_out,
-        .speed = drive->signals.speed,
-        .loop = &drive->model.run_loop,
-        .expected = drive->signals.current_ref, /* free of noise, and the loop is fast */
-    };
-
-    drive->signals.current_frame = drive->signals.current;
-    control_currents(drive, &frame);
-    out->compare = modulate(drive, &frame);
-    out->gate_enable = true;
-    drive->offset = 0U;
-    rotor_position_step(&drive->position, drive->observer.speed_out);
-}
-
-/* While it does not run free, θ̂ goes with the frame and closes up to it. */
-static void follow_frame(drive_t *drive)
-{
-    const angle_t distance =
-        rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
-
-    rotor_position_step(&drive->position,
-                        drive->frame_speed + fx_asr((int32_t)distance, PULL_SHIFT));
-}
-
-/* The alignment's voltage step: v_d drops once and stays, the loop's integrals rest. */
-static void step_voltage(drive_t *drive)
-{
-    if (drive->align.tick == 1U) {
-        drive->signals.voltage.d -= drive->cfg->startup.align.step_voltage;
-    }
-}
-
-void vector_control_impose(drive_t *drive, bool track, drive_out_t *out)
-{
-    const frame_t frame = {
-        .angle = rotor_position_angle(&drive->frame),
-        .step = drive->frame_speed,
-        .speed = fx_asr(drive->frame_speed, drive->cfg->speed_shift),
-        .loop = &drive->model.hold_loop,
-        .expected = drive->signals.current_mean, /* the loop is soft */
-    };
-    const bool aligning = drive->state == DRIVE_STATE_ALIGN;
-
-    if (aligning && align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
-        step_voltage(drive);
-    } else {
-        control_currents(drive, &frame);
-    }
-    out->compare = modulate(drive, &frame);
-    out->gate_enable = true;
-    rotor_position_step(&drive->frame, drive->frame_speed);
-    if (track) {
-        rotor_position_step(&drive->position, drive->observer.speed_out);
-    } else {
-        follow_frame(drive);
-    }
-    drive->offset = rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position) +
-                    (angle_t)fx_asr(drive->frame_speed - drive->observer.speed_out, 1U);
-}
-
 /* The frame turns forwards by `angle`: what is constant in space turns backwards in it. */
 static void turn_frame(drive_t *drive, angle_t angle)
 {
@@ -283,13 +162,8 @@ static void turn_frame(drive_t *drive, angle_t angle)
     current_loop_turn(&drive->current_loop, turn);
 }
 
-void vector_control_take_over(drive_t *drive)
-{
-    turn_frame(drive, rotor_position_angle(&drive->position) - rotor_position_angle(&drive->frame));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->signals.current_ref.q);
-}
-
-void vector_control_hand_back(drive_t *drive)
+/* Back to an imposed current: the frame's d axis becomes the direction of the present reference. */
+static void hand_back(drive_t *drive)
 {
     const dq_t reference = drive->signals.current_ref;
     const angle_t load_angle =
@@ -299,4 +173,109 @@ void vector_control_hand_back(drive_t *drive)
     rotor_position_step(&drive->frame, (step_t)load_angle);
     drive->frame_speed = drive->speed_loop.reference;
     turn_frame(drive, load_angle);
+}
+
+/* RUN hands back when the imposed current has faded in. */
+static void watch_speed(drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+
+    if ((cfg->current_hold != 0) && (drive->signals.current_ref.d >= cfg->current_hold) &&
+        is_slow(drive)) {
+        hand_back(drive);
+        drive_enter(drive, DRIVE_STATE_HOLD);
+    }
+}
+
+void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
+{
+    if (left == (uint32_t)SLOW_PART_REFINE) {
+        vector_control_refine(drive);
+    } else if (left == (uint32_t)SLOW_PART_PLAN) {
+        vector_control_plan(drive, command);
+    } else if (left == (uint32_t)SLOW_PART_SPEED) {
+        drive->signals.current_ref.d = next_current_d(drive);
+        drive->signals.current_ref.q =
+            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                            drive->observer.speed, drive->torque_range);
+        watch_speed(drive);
+    } else {
+        /* the monitor's */
+    }
+}
+
+/* The alignment's voltage step: v_d drops once and stays, the loop's integrals rest. */
+static void step_voltage(drive_t *drive)
+{
+    if (drive->align.tick == 1U) {
+        drive->signals.voltage.d -= drive->cfg->startup.align.step_voltage;
+    }
+}
+
+/* Currents to voltage. */
+static void control_currents(drive_t *drive, bool running)
+{
+    drive_signals_t *const s = &drive->signals;
+    const int32_t imposed = fx_asr(drive->frame_speed, drive->cfg->speed_shift);
+
+    s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
+    s->voltage = current_loop_step(&drive->current_loop,
+                                   running ? &drive->model.run_loop : &drive->model.hold_loop,
+                                   s->current_ref, running ? s->current : s->current_frame,
+                                   running ? s->speed : imposed, s->voltage_limit);
+}
+
+/*
+ * The voltage to compare values. It is turned for the middle of the period in which it acts. The current expected then
+ * is in RUN the reference, which is free of noise and soon reached; an imposed one is controlled softly: its mean.
+ */
+static void modulate(drive_t *drive, bool running, compare_t *out)
+{
+    drive_signals_t *const s = &drive->signals;
+    const rotor_position_t *const frame = running ? &drive->position : &drive->frame;
+    const step_t step = running ? drive->observer.speed_out : drive->frame_speed;
+    const angle_t ahead = (angle_t)step + (angle_t)fx_asr(step, 1U);
+    const sincos_t angle = trig_sincos(rotor_position_angle(frame) + ahead);
+    const dq_t ratio = modulator_ratio(&drive->modulator, s->voltage);
+
+    drive->ratio_acting.alpha = s->ratio_ab.alpha;
+    drive->ratio_acting.beta = s->ratio_ab.beta;
+    s->ratio_ab = transforms_park_inverse(ratio, angle);
+    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab,
+                      running ? s->current_ref : s->current_mean, angle, out);
+}
+
+/* While it does not run free, θ̂ goes with the frame and closes up to it. */
+static step_t pull(const drive_t *drive)
+{
+    const angle_t distance =
+        rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
+
+    return fx_asr((int32_t)distance, PULL_SHIFT);
+}
+
+void vector_control_close(drive_t *drive, bool track, drive_out_t *out)
+{
+    const bool running = drive->state == DRIVE_STATE_RUN;
+    step_t step = drive->observer.speed_out;
+
+    if ((drive->state == DRIVE_STATE_ALIGN) &&
+        align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
+        step_voltage(drive);
+    } else {
+        control_currents(drive, running);
+    }
+    modulate(drive, running, &out->compare);
+    out->gate_enable = true;
+    if (!running) {
+        rotor_position_step(&drive->frame, drive->frame_speed);
+        step += track ? 0 : pull(drive);
+    }
+    rotor_position_step(&drive->position, step); /* (23) */
+}
+
+void vector_control_take_over(drive_t *drive)
+{
+    turn_frame(drive, rotor_position_angle(&drive->position) - rotor_position_angle(&drive->frame));
+    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->signals.current_ref.q);
 }

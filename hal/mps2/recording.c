@@ -194,14 +194,16 @@ static void mix_fault(uint32_t *hash, const fault_t *fault)
 
 static void mix_observer(uint32_t *hash, const nn_observer_t *obs)
 {
-    mix_i32(hash, obs->x_q27);
-    mix_i32(hash, obs->y_q27);
+    mix_i32(hash, obs->alpha_q27);
+    mix_i32(hash, obs->beta_q27);
+    mix_dq(hash, obs->state);
     mix_i32(hash, obs->speed);
     mix_i32(hash, obs->speed_out);
     mix_i32(hash, obs->weight_step);
     mix_dq(hash, obs->current);
     mix_dq(hash, obs->error);
     mix_dq(hash, obs->turned);
+    mix_i32(hash, obs->descent);
     mix_i32(hash, obs->rho_q13);
 }
 
@@ -256,8 +258,6 @@ static void mix_align(uint32_t *hash, const align_t *align)
 static void mix_low_speed(uint32_t *hash, const drive_t *drive)
 {
     mix_u32(hash, drive->identified ? 1U : 0U);
-    mix_u32(hash, drive->offset);
-    mix_u32(hash, drive->offset_acting);
     mix_i64(hash, drive->frame.turns_q32);
     mix_i32(hash, drive->frame_speed);
     mix_i32(hash, drive->residual);
@@ -320,7 +320,7 @@ static void mix_signals(uint32_t *hash, const drive_signals_t *s)
     mix_dq(hash, s->current);
     mix_dq(hash, s->current_frame);
     mix_dq(hash, s->current_mean);
-    mix_dq(hash, s->voltage_applied);
+    mix_ab(hash, s->voltage_applied);
     mix_i32(hash, s->speed);
     mix_dq(hash, s->current_ref);
     mix_i32(hash, s->voltage_limit);
@@ -348,8 +348,7 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_loops(&hash, drive);
     mix_i32(&hash, drive->speed_reference);
     mix_i32(&hash, drive->modulator.inverse_bus_q12);
-    mix_dq(&hash, drive->ratio);
-    mix_dq(&hash, drive->ratio_acting);
+    mix_ab(&hash, drive->ratio_acting);
     mix_i32(&hash, drive->bus_before);
     mix_signals(&hash, &drive->signals);
     mix_i32(&hash, drive->torque_range.lower);

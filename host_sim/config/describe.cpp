@@ -160,8 +160,8 @@ void add_network(Rows &to)
     const nn_observer_cfg_t &c = to.built.observer;
     const int weight = 12 + static_cast<int>(c.weight_shift);
     const double base_x = std::ldexp(to.bases.current_a, static_cast<int>(c.current_shift));
-    to.add("observer.decay_d", c.decay_d, "T·R/L_d = {:.5g}", scaled(c.decay_d, weight));
-    to.add("observer.decay_q", c.decay_q, "T·R/L_q = {:.5g}", scaled(c.decay_q, weight));
+    to.add("observer.decay", c.decay, "T·R/L_d = {:.5g}",
+           scaled(c.decay, weight) * std::ldexp(1.0, static_cast<int>(c.current_shift)));
     to.add("observer.volt_gain", c.volt_gain, "T/L_d = {:.5g} A/V",
            scaled(c.volt_gain, weight) * base_x / to.bases.voltage_v);
     to.add("observer.weight_shift", c.weight_shift, "the three above are times 2^{}", weight);

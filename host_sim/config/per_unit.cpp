@@ -246,13 +246,13 @@ supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettin
 int observer_shift(const MotorSettings &motor, const BoardSettings &board, double flux_headroom,
                    const Model &m, const Bases &b)
 {
-    constexpr double largest_base = 1 << 10;
+    constexpr double largest_base = 1 << 9;
     const double current = 2 / std::sqrt(3.0) * board.overcurrent_a / b.current_a;
     const double x = current + flux_headroom * m.flux_current / b.current_a;
     const double y = current * m.inductance_q / m.inductance_d;
     require(flux_headroom * m.flux_current / b.current_a, 0, largest_base - 1,
             {"motor.flux_linkage_wb", motor.flux_linkage_wb},
-            "φ/L_d below 1023 times twice board.current_full_scale_a");
+            "φ/L_d below 511 times twice board.current_full_scale_a");
     require(y, 0, largest_base, {"motor.inductance_q_h", motor.inductance_q_h},
             "L_q/L_d within the observer's base");
     int shift = 0;
@@ -268,17 +268,15 @@ void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSe
 {
     const double period = b.control_period_s;
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
-    const double decay_d = period * m.resistance / m.inductance_d;
-    const double decay_q = period * m.resistance / m.inductance_q;
+    const double decay = period * m.resistance / m.inductance_d * b.current_a / base_x;
     const double volt_gain = period / m.inductance_d * b.voltage_v / base_x;
     const Source frequency = {"board.pwm_frequency_hz", board.pwm_frequency_hz, -1};
     const Mantissa largest =
-        normalise(std::ldexp(headroom.weight * std::max({decay_d, decay_q, volt_gain}), 12), 2, 15,
-                  frequency, "the current of this motor changes too much in a PWM period");
+        normalise(std::ldexp(headroom.weight * std::max(decay, volt_gain), 12), 2, 15, frequency,
+                  "the current of this motor changes too much in a PWM period");
     c.weight_shift = largest.shift;
     const double weight = std::ldexp(1.0, 12 + static_cast<int>(largest.shift));
-    c.decay_d = static_cast<int32_t>(std::lround(decay_d * weight));
-    c.decay_q = static_cast<int32_t>(std::lround(decay_q * weight));
+    c.decay = static_cast<int32_t>(std::lround(decay * weight));
     c.volt_gain = static_cast<int32_t>(std::lround(volt_gain * weight));
     store(c.flux_q27, m.flux_current / base_x * Q27, 1, Q27 - 1,
           {"motor.flux_linkage_wb", motor.flux_linkage_wb}, "φ/L_d in the observer's numbers");

@@ -103,7 +103,7 @@ const std::vector<Field> FIELDS = {
     {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},
     {"speed_loop", "ramp_rpm_s", "rpm/s", 0, 1e7, OPTIONAL, tuning<&T::speed_ramp_rpm_s>, "how fast the speed reference changes; 0: by the motor"},
     {"speed_loop", "inertia_feed_forward", "", 0, 1, NEEDED, tuning<&T::inertia_feed_forward>, "share of J·dω/dt fed to the torque demand"},
-    {"speed_loop", "slow_ticks", "", 2, 100, NEEDED, tuning<&T::slow_ticks>, "control ticks in a period of the speed and position loop"},
+    {"speed_loop", "slow_ticks", "", 6, 100, NEEDED, tuning<&T::slow_ticks>, "control ticks in a period of the speed and position loop"},
     {"position_loop", "bandwidth_hz", "Hz", 0, 500, OPTIONAL, tuning<&T::position_bandwidth_hz>, "of the position loop; 0: by the motor"},
     {"position_loop", "speed_rpm", "rpm", 0, 200000, OPTIONAL, tuning<&T::position_speed_rpm>, "speed limit of the profile; 0: by the motor"},
     {"position_loop", "acceleration_rad_s2", "rad/s²", 0, 1e7, OPTIONAL, tuning<&T::position_acceleration_rad_s2>, "acceleration limit of the profile, mechanical; 0: by the motor"},

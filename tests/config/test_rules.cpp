@@ -207,7 +207,7 @@ void the_weights_have_room_for_the_largest_correction()
         built({"adaptation.resistance_pct=60", "adaptation.inductance_pct=40",
                "adaptation.flux_pct=25", "observer.kappa_p=0.1"})
             .observer;
-    const int32_t largest_weight = std::max({c.decay_d, c.decay_q, c.volt_gain});
+    const int32_t largest_weight = std::max(c.decay, c.volt_gain);
     TEST_ASSERT_TRUE(largest_weight * (1.6 / 0.6) <= 32767);
     TEST_ASSERT_TRUE(c.rate * 1.4 * 1.4 <= 32767);
     TEST_ASSERT_TRUE(c.proportional * 1.4 * 1.4 <= 32767);

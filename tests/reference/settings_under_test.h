@@ -24,6 +24,8 @@ constexpr double Q13 = 8192.0;
 constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
 constexpr double Q27 = 134217728.0;
+constexpr double SINE_LSB =
+    1.0 / Q15; // |sin| and |cos| are at most 32767, within 1 LSB of 32767 of theirs
 
 inline MotorSettings motor_a()
 {
@@ -137,6 +139,10 @@ struct Setup {
     {
         return {current(i.d), current(i.q)};
     }
+    twin::Vector voltage(const ab_t &v) const
+    {
+        return {voltage(v.alpha), voltage(v.beta)};
+    }
     twin::Vector voltage(const dq_t &v) const
     {
         return {voltage(v.d), voltage(v.q)};
@@ -174,7 +180,7 @@ inline twin::NnObserver::Params observer_params(const Setup &s)
     p.period_s = period;
     p.inductance_d_h = ld;
     p.inductance_q_h = ld * Q14 / c.iq_gain_q14;
-    p.resistance_ohm = c.decay_d * weight / period * ld;
+    p.resistance_ohm = c.decay * weight * base_x / s.bases.current_a / period * ld;
     p.flux_wb = flux_current * ld;
     p.eta = std::ldexp(c.rate, -static_cast<int>(c.rate_shift)) * descent;
     p.saliency = c.saliency_q13 / Q13;

@@ -84,10 +84,10 @@ void test_measured_currents()
 
 void test_network()
 {
-    check_ends(Signal::network_x, 134217727,
-               [](Frame &f, int32_t x) { f.drive.observer.x_q27 = x; });
-    check_ends(Signal::network_y, 134217727,
-               [](Frame &f, int32_t x) { f.drive.observer.y_q27 = x; });
+    check_ends(Signal::network_alpha, 134217727,
+               [](Frame &f, int32_t x) { f.drive.observer.alpha_q27 = x; });
+    check_ends(Signal::network_beta, 134217727,
+               [](Frame &f, int32_t x) { f.drive.observer.beta_q27 = x; });
     check_ends(Signal::network_error_d, 8191,
                [](Frame &f, int32_t x) { f.drive.observer.error.d = x; });
     check_ends(Signal::network_error_q, 8191,
@@ -104,15 +104,15 @@ void test_most_negative_values()
     Frame frame = calm();
     frame.drive.signals.phase_a = -16384;
     frame.drive.signals.phase_b = -16384;
-    frame.drive.observer.x_q27 = -134217728;
-    frame.drive.observer.y_q27 = -134217728;
+    frame.drive.observer.alpha_q27 = -134217728;
+    frame.drive.observer.beta_q27 = -134217728;
     frame.drive.observer.error = {-8192, -8192};
     frame.drive.observer.weight_step = -536870912;
     frame.drive.current_loop.pi_d.integral_q26 = -67108864;
     frame.drive.current_loop.pi_q.integral_q26 = -67108864;
     frame.drive.speed_loop.pi.integral_q26 = -67108864;
     for (const Signal signal :
-         {Signal::phase_a, Signal::phase_b, Signal::network_x, Signal::network_y,
+         {Signal::phase_a, Signal::phase_b, Signal::network_alpha, Signal::network_beta,
           Signal::network_error_d, Signal::network_error_q, Signal::network_weight_step,
           Signal::integral_d, Signal::integral_q, Signal::integral_speed}) {
         TEST_ASSERT_EQUAL_UINT64(1, hits(frame, signal));
@@ -141,8 +141,10 @@ void test_integrals_saturate_at_one()
 
 void test_largest_ratio_of_either_axis()
 {
-    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio.d = x; });
-    check_ends(Signal::ratio, 18000, [](Frame &f, int32_t x) { f.drive.ratio.q = x; });
+    check_ends(Signal::ratio, 18000,
+               [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.alpha = x; });
+    check_ends(Signal::ratio, 18000,
+               [](Frame &f, int32_t x) { f.drive.signals.ratio_ab.beta = x; });
 }
 
 void test_limits_are_not_internal()

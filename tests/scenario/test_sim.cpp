@@ -56,6 +56,8 @@ void test_drive_reaches_run_on_request_only()
     sim.request(DRIVE_REQUEST_RUN);
     run(1);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, sim.drive().state);
+    TEST_ASSERT_FALSE(sim.plant().gates_on);
+    run(1);
     TEST_ASSERT_TRUE(sim.plant().gates_on);
 }
 
@@ -67,7 +69,7 @@ void test_plant_scales_apply_to_the_plant_alone()
     const plant_cfg_t plant = nf::make_plant_cfg(config, drive);
     TEST_ASSERT_EQUAL_DOUBLE(1.5 * config.motor.resistance_ohm, plant.motor.resistance_ohm);
     TEST_ASSERT_EQUAL_DOUBLE(0.9 * config.motor.flux_linkage_wb, plant.motor.flux_linkage_wb);
-    TEST_ASSERT_EQUAL_INT32(unscaled.observer.decay_d, drive.observer.decay_d);
+    TEST_ASSERT_EQUAL_INT32(unscaled.observer.decay, drive.observer.decay);
     TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
 }
 

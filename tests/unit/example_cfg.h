@@ -36,8 +36,7 @@ static inline protection_cfg_t example_protection_cfg(void)
 static inline nn_observer_cfg_t example_observer_cfg(void)
 {
     return (nn_observer_cfg_t){
-        .decay_d = 9604,    /* T·R/L = 0.0183190, times 2^19 */
-        .decay_q = 9604,    /* the same: L_d = L_q */
+        .decay = 4802,      /* T·R/L·I_b/I_x = 0.0183190/2, times 2^19 */
         .volt_gain = 25423, /* T/L·U_b/I_x = 0.0484914, times 2^19 */
         .weight_shift = 7U,
         .flux_q27 = 55972264, /* 33.362 A / 80 A, times 2^27 */

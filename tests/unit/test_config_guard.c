@@ -95,7 +95,7 @@ static void test_every_flipped_bit_is_found_within_two_rounds(void)
 /* Two flips of the highest bit in words two apart cancel in both of Fletcher's sums of 32 bits. */
 static void test_two_flipped_highest_bits_are_found(void)
 {
-    cfg.observer.decay_d ^= INT32_MIN;
+    cfg.observer.decay ^= INT32_MIN;
     cfg.observer.volt_gain ^= INT32_MIN;
     (void)steps_to_fault();
     TEST_ASSERT_EQUAL_INT(FAULT_CONFIGURATION, fault.id);

@@ -35,8 +35,7 @@ void setUp(void)
     observer.rate /= 2;
     observer.proportional /= 2;
     observer.volt_gain /= 2;
-    observer.decay_q /= 2;
-    observer.decay_d /= 2;
+    observer.decay /= 2;
     run_loop = example_current_loop_cfg();
     hold_loop = example_hold_loop_cfg();
     memset(&model, 0x5A, sizeof model);
@@ -76,8 +75,7 @@ static void assert_model(double r, double l, double flux)
 {
     const nn_observer_cfg_t *const o = &model.observer;
 
-    assert_scaled("1 - W1", observer.decay_d, r / l, o->decay_d);
-    assert_scaled("1 - W1'", observer.decay_q, r / l, o->decay_q);
+    assert_scaled("1 - W1", observer.decay, r / l, o->decay);
     assert_scaled("W3", observer.volt_gain, 1.0 / l, o->volt_gain);
     assert_scaled("eta", observer.rate, l * l, o->rate);
     assert_scaled("kappa_p", observer.proportional, l * l, o->proportional);
@@ -96,8 +94,7 @@ static void assert_rest_untouched(void)
     current_loop_cfg_t run = model.run_loop;
     current_loop_cfg_t hold = model.hold_loop;
 
-    o.decay_d = observer.decay_d;
-    o.decay_q = observer.decay_q;
+    o.decay = observer.decay;
     o.volt_gain = observer.volt_gain;
     o.rate = observer.rate;
     o.proportional = observer.proportional;
@@ -275,8 +272,7 @@ static void test_flux_and_inductance_both_reach_the_shift_of_the_state(void)
 
 static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(void)
 {
-    observer.decay_d = 32767;
-    observer.decay_q = 32767;
+    observer.decay = 32767;
     observer.volt_gain = 32767;
     observer.rate = 32767;
     observer.proportional = 32767;
@@ -292,8 +288,7 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
         model_track_flux(&model, &cfg, &NOMINAL, -8192, 0x20000000);
     }
     model_set(&model, &cfg, &NOMINAL, 32767, 1);
-    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay_d);
-    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay_q);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay);
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.volt_gain);
     TEST_ASSERT_EQUAL_INT32(0x7FFFFFF, model.observer.flux_q27);
     TEST_ASSERT_EQUAL_INT32(32767, model.run_loop.emf_q13);

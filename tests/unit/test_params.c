@@ -78,14 +78,13 @@ static const field_t FIELDS[] = {
     FIELD(supervision.stall_periods, 0, 1000000),
     FIELD(supervision.late_max, 0, 1000000),
     FIELD(supervision.late_window, 1, 1000000),
-    FIELD(observer.decay_d, 0, 32767),
-    FIELD(observer.decay_q, 0, 32767),
+    FIELD(observer.decay, 0, 32767),
     FIELD(observer.volt_gain, 1, 32767),
     FIELD(observer.weight_shift, 2, 15),
     FIELD(observer.flux_q27, 1, 0x7FFFFFF),
     FIELD(observer.iq_gain_q14, 1, 32767),
     FIELD(observer.saliency_q13, 1, 32767),
-    FIELD(observer.current_shift, 0, 10),
+    FIELD(observer.current_shift, 0, 9),
     FIELD(observer.rate, 0, 32767),
     FIELD(observer.rate_shift, 0, 30),
     FIELD(observer.proportional, 0, 32767),
@@ -161,7 +160,7 @@ static const field_t FIELDS[] = {
     FIELD(model.flux_limit_q14, 0, 8192),
     FIELD(model.flux_rate, 0, 32767),
     FIELD(model.flux_speed_min, 0, 0x20000000),
-    FIELD(slow_ticks, 2, 100),
+    FIELD(slow_ticks, 6, 100),
 };
 
 void setUp(void)
