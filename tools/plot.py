@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Figures of simulated runs: one run as a picture, or a report of all.
+"""Figures of simulated runs: one run as a picture, a report of all, what the dead time does.
 
 Runs come from the simulator, which writes a trace and the metrics of a scenario:
 
@@ -30,6 +30,16 @@ Each run is a trace, NAME.csv, and its metrics, NAME.json. The scenario in the m
 the figures: s1, s2 and s3 get the paper's, any other an overview. The part before t = 0 is
 not drawn.
 """
+
+
+DEADTIME_HELP = """What giving the dead time back does: motor A at constant speeds under constant loads, with
+and without, each a run of the simulator. A figure of currents, angle errors and harmonics, and a table
+of THD, ripples and angle errors, which is printed.
+
+  tools/plot.py deadtime --out build/deadtime     deadtime.png, deadtime.json
+  tools/plot.py report --deadtime build/deadtime/deadtime.json
+"""
+MOTORSIM = Path(__file__).resolve().parent.parent / "build" / "host" / "motorsim"
 
 
 def chosen_panels(names, trace):
@@ -65,7 +75,24 @@ def trace_command(args):
 
 def report_command(args):
     from report.assemble import write_report
-    print(write_report(args.runs, args.out))
+    more = []
+    if args.deadtime:
+        from deadtime import measure, section
+        measurement = measure.read(args.deadtime)
+        more = [lambda folder: section.entry(measurement, folder)]
+    print(write_report(args.runs, args.out, more))
+
+
+def deadtime_command(args):
+    from deadtime import figure, measure, section, table
+    from report import style
+    from report.assemble import save
+    measurement = measure.measure(args.motorsim)
+    path = args.out / f"{section.KEY}.json"
+    measure.write(measurement, path)
+    print(table.text(measurement))
+    save(figure.draw(measurement, style.PRINT), style.PRINT, path.with_suffix(".png"))
+    print(path.with_suffix(".png"))
 
 
 def panel_list():
@@ -101,6 +128,19 @@ def add_report(commands):
                         help="folder of the runs (default: build/runs)")
     parser.add_argument("--out", type=Path, default=Path("build/report"), metavar="DIR",
                         help="folder to write to (default: build/report)")
+    parser.add_argument("--deadtime", type=Path, metavar="FILE",
+                        help="deadtime.json of `tools/plot.py deadtime`, for a section of its own")
+
+
+def add_deadtime(commands):
+    parser = commands.add_parser(
+        "deadtime", help="what giving the dead time back does", description=DEADTIME_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(run=deadtime_command)
+    parser.add_argument("--motorsim", type=Path, default=MOTORSIM, metavar="FILE",
+                        help="the simulator (default: build/host/motorsim)")
+    parser.add_argument("--out", type=Path, default=Path("build/deadtime"), metavar="DIR",
+                        help="folder to write to (default: build/deadtime)")
 
 
 def main(arguments=None):
@@ -113,6 +153,7 @@ def main(arguments=None):
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     add_trace(commands)
     add_report(commands)
+    add_deadtime(commands)
     args = parser.parse_args(arguments)
     try:
         args.run(args)

@@ -7,7 +7,7 @@ _Static_assert(HAL_TIMER_CLOCK_HZ == BOARD_CLOCK_HZ,
                "board.timer_clock_hz: this chip's timer runs at 170000000 Hz");
 _Static_assert(HAL_ADC_BITS == 12U, "board.adc_bits: this chip's converters have 12");
 _Static_assert(HAL_DEAD_TIME_TICKS <= 1008U,
-               "hal.dead_time_ns: this chip's timer makes 1008 of its ticks at most");
+               "board.dead_time_s: this chip's timer makes 1008 of its ticks at most");
 _Static_assert(HAL_ADC_SAMPLING_NS <= 1100U,
                "hal.adc_sampling_ns: 47.5 converter cycles at most, as long as the bus is sampled");
 

@@ -197,6 +197,22 @@ void take(const Layer &layer, Config &config)
     }
 }
 
+void take_over(double &value, double from)
+{
+    if (value < 0) {
+        value = from;
+    }
+}
+
+// The plant's dead time and drop are the board's, the model's are the plant's, unless they are written.
+void pass_on_dead_time(Config &config)
+{
+    take_over(config.plant.dead_time_s, config.board.dead_time_s);
+    take_over(config.plant.device_drop_v, config.board.device_drop_v);
+    take_over(config.model.dead_time_s, config.plant.dead_time_s);
+    take_over(config.model.device_drop_v, config.plant.device_drop_v);
+}
+
 // Applies all layers and checks the whole.
 Config assemble(const Sources &sources)
 {
@@ -228,6 +244,7 @@ Config assemble(const Sources &sources)
     }
     check_orders(config);
     check_temperature(config);
+    pass_on_dead_time(config);
     return config;
 }
 
@@ -266,17 +283,19 @@ Reference part_of(const std::vector<Layer> &scenario, FileKind kind)
     return {found.text, found.origin, layer->path.parent_path()};
 }
 
-// The controller's belief, with what it takes from the plant filled in.
-ModelScales belief(const Config &config)
+// The key in a file that a value of the model is from.
+std::string written_key(const Config &config, const std::string &key)
 {
-    ModelScales model = config.model;
-    if (model.dead_time_s < 0) {
-        model.dead_time_s = config.plant.dead_time_s;
+    const std::string model = "model.";
+    if (key.rfind(model, 0) == 0 && config.origins.count(key) == 0) {
+        for (const char *from : {"plant.", "board."}) {
+            const std::string name = from + key.substr(model.size());
+            if (config.origins.count(name) != 0) {
+                return name;
+            }
+        }
     }
-    if (model.device_drop_v < 0) {
-        model.device_drop_v = config.plant.device_drop_v;
-    }
-    return model;
+    return key;
 }
 
 // The limit with four digits, rounded to where it is still allowed.
@@ -331,12 +350,13 @@ void check_output(const Config &config, const std::string &option, const fs::pat
 drive_cfg_t build(const Config &config)
 {
     try {
-        return make_drive_cfg(config.motor, config.board, config.tuning, belief(config));
+        return make_drive_cfg(config.motor, config.board, config.tuning, config.model);
     } catch (const SettingError &error) {
-        const auto found = config.origins.find(error.key);
+        const std::string key = written_key(config, error.key);
+        const auto found = config.origins.find(key);
         const Origin origin =
             found == config.origins.end() ? Origin{config.sources.motor, 0} : found->second;
-        fail(origin, error.key, fmt::format("{}", error.value), "does not fit the firmware",
+        fail(origin, key, fmt::format("{}", error.value), "does not fit the firmware",
              fmt::format("{}: {}", limit_text(error), error.reason));
     }
 }

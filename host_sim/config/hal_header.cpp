@@ -14,6 +14,10 @@ namespace
 
 constexpr double NS = 1e-9;
 constexpr double MILLI = 1e-3;
+// No half bridge switches faster.
+constexpr double DEAD_TIME_MIN_NS = 10.0;
+// A product of decimals may lie this share above the whole number that it is.
+constexpr double PRODUCT_ERROR = 1e-9;
 constexpr double Q16 = 65536.0;
 constexpr double DAC_COUNTS = 4096.0;
 // Two statements of one scale, each rounded by hand, agree within this share.
@@ -48,7 +52,7 @@ void need(bool holds, const Config &config, const std::string &key, double value
 // The defaults of the temperature sensor are for simulated power stages; the warning follows from its limit.
 bool is_needed(const Field &field)
 {
-    return std::strcmp(field.section, "hal") == 0 ||
+    return std::strcmp(field.section, "hal") == 0 || field.name() == "board.dead_time_s" ||
            (field.name().rfind("board.temperature_", 0) == 0 &&
             field.name() != "board.temperature_warn_c");
 }
@@ -81,17 +85,20 @@ void check_choices(const Config &config)
 void check_timing(const Config &config)
 {
     const HalSettings &hal = config.hal;
+    const double dead_ns = config.board.dead_time_s / NS;
     const double half = half_low_side_s(config.board) / NS;
     const std::string window = fmt::format(
         "{:.0f} ns, half of the shortest low-side on-time at board.duty_margin_pct = {:g} and "
         "board.pwm_frequency_hz = {:g}",
         half, config.board.duty_margin_pct, config.board.pwm_frequency_hz);
-    need(hal.dead_time_ns < half, config, "hal.dead_time_ns", hal.dead_time_ns,
+    need(dead_ns >= DEAD_TIME_MIN_NS, config, "board.dead_time_s", config.board.dead_time_s,
+         "lets both switches of a leg conduct", fmt::format("at least {:g} ns", DEAD_TIME_MIN_NS));
+    need(dead_ns < half, config, "board.dead_time_s", config.board.dead_time_s,
          "is longer than the PWM period allows", "below " + window);
-    need(hal.dead_time_ns + hal.adc_settling_ns <= half, config, "hal.adc_settling_ns",
-         hal.adc_settling_ns, "does not fit into the low-side on-time",
-         fmt::format("at most {:.0f} ns: with hal.dead_time_ns = {:g} it has to end within {}",
-                     half - hal.dead_time_ns, hal.dead_time_ns, window));
+    need(dead_ns + hal.adc_settling_ns <= half, config, "hal.adc_settling_ns", hal.adc_settling_ns,
+         "does not fit into the low-side on-time",
+         fmt::format("at most {:.0f} ns: with board.dead_time_s = {:g} it has to end within {}",
+                     half - dead_ns, config.board.dead_time_s, window));
     need(hal.adc_sampling_ns <= half, config, "hal.adc_sampling_ns", hal.adc_sampling_ns,
          "does not fit into the low-side on-time", "at most " + window);
 }
@@ -171,13 +178,12 @@ std::string flag(const char *name, bool value, const std::string &meaning)
 std::string timer_lines(const Config &config)
 {
     const BoardSettings &board = config.board;
-    const HalSettings &hal = config.hal;
     const double clock = board.timer_clock_hz;
     return define("TIMER_CLOCK_HZ", clock, "U", "board.timer_clock_hz") +
            define("TIMER_COUNTS", clock / (2 * board.pwm_frequency_hz), "U",
                   fmt::format("half a period at {:g} Hz", board.pwm_frequency_hz)) +
-           define("DEAD_TIME_TICKS", std::ceil(hal.dead_time_ns * NS * clock), "U",
-                  fmt::format("{:g} ns, rounded up", hal.dead_time_ns));
+           define("DEAD_TIME_TICKS", std::ceil(board.dead_time_s * clock * (1 - PRODUCT_ERROR)),
+                  "U", fmt::format("{:g} ns, rounded up", board.dead_time_s / NS));
 }
 
 std::string sensing_lines(const Config &config)

@@ -8,7 +8,6 @@ namespace nf
 {
 
 struct HalSettings {
-    double dead_time_ns = 0;
     double adc_settling_ns = 0; // low side on before its shunt can be sampled
     double adc_sampling_ns = 0; // sample switch closed
     std::string break_polarity; // level of the over-current comparators that opens the gates

@@ -46,6 +46,8 @@ struct BoardSettings {
     double overcurrent_a = 0;
     double offset_max_a = 0;            // largest sensor offset that calibration accepts
     double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
+    double dead_time_s = 0;             // both switches of a leg off at each edge
+    double device_drop_v = 0;           // across a conducting switch or diode, whatever the current
     int offset_samples_log2 = 0;        // calibration averages 2^n samples
     double temperature_at_zero_c = -50; // of the power stage where its sensor reads 0
     double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
@@ -82,7 +84,9 @@ struct TuningSettings {
     int slow_ticks = 0;                      // control ticks in a slow period
 };
 
-// A belief that is true: what the simulated hardware has.
+// Dead time and device drop are one value unless a file tells them apart: the real board has what its file
+// says, and the drive believes what is real. Complete once a configuration is loaded.
+constexpr double AS_BOARD = -1;
 constexpr double AS_PLANT = -1;
 
 // [model] How the controller's belief differs from the motor file, as factors, and from the plant.
@@ -102,8 +106,8 @@ struct PlantSettings {
     double flux_scale = 1;
     double inertia_scale = 1;
     double coulomb_friction_nm = 0;
-    double dead_time_s = 0;
-    double device_drop_v = 0;
+    double dead_time_s = AS_BOARD;
+    double device_drop_v = AS_BOARD;
     double bus_ripple_pct = 0; // peak, of the nominal bus voltage
     double bus_ripple_hz = 300;
     double bus_capacitance_f = 0;         // 0: the bus is the supply, stiff both ways

@@ -1,8 +1,8 @@
 // A run of the simulator whose power stage obeys a control image in an emulator:
 //
-//     bil_plant SCENARIO [SET...]
+//     bil_plant SCENARIO IMPERFECTIONS [SET...]
 //
-// SET is an override as of `motorsim run --set`. Each tick writes to stdout what the image's converters
+// IMPERFECTIONS is a set as of `motorsim run --with`, SET an override as of `motorsim run --set`. Each tick writes to stdout what the image's converters
 // measure and what its user has asked for, and reads from stdin what the image's timer does with it
 // (scenario.py, little-endian both). The host's drive sees the same and must have demanded the same.
 // The table of results goes to stderr. Exit status: 0 all limits hold, 1 one does not or the image and
@@ -98,8 +98,8 @@ private:
 
 int run(const std::vector<std::string> &arguments)
 {
-    const nf::Config config =
-        nf::load_scenario(arguments.at(0), {}, {arguments.begin() + 1, arguments.end()});
+    const nf::Config config = nf::load_scenario(arguments.at(0), {arguments.at(1)},
+                                                {arguments.begin() + 2, arguments.end()});
     if (config.scenario.mode != nf::DriveMode::speed) {
         throw std::runtime_error("the image's console commands speeds only");
     }
@@ -115,8 +115,8 @@ int run(const std::vector<std::string> &arguments)
 
 int main(int argc, char **argv)
 {
-    if (argc < 2) {
-        std::fputs("usage: bil_plant SCENARIO [SET...]\n", stderr);
+    if (argc < 3) {
+        std::fputs("usage: bil_plant SCENARIO IMPERFECTIONS [SET...]\n", stderr);
         return BAD_INPUT;
     }
     try {

@@ -1,7 +1,7 @@
 """A scenario of the simulator with the image in the loop.
 
-scenario.py IMAGE BOARD BIL_PLANT SCENARIO: the image runs from its reset vector on the board of the file
-BOARD; the plant, and the judgement, are those of BIL_PLANT. Exit status as that program's.
+scenario.py IMAGE BOARD BIL_PLANT SCENARIO IMPERFECTIONS: the image runs from its reset vector on the board of
+the file BOARD; the plant, and the judgement, are those of BIL_PLANT. Exit status as that program's.
 """
 
 import struct
@@ -45,10 +45,10 @@ def loop(plant, board):
         before = asked
 
 
-def main(image, board_file, program, scenario):
+def main(image, board_file, program, scenario, imperfections):
     board = Board(Path(image), Path(board_file))
-    with subprocess.Popen([program, scenario, f"board={board_file}"], stdin=subprocess.PIPE,
-                          stdout=subprocess.PIPE) as plant:
+    with subprocess.Popen([program, scenario, imperfections, f"board={board_file}"],
+                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as plant:
         loop(plant, board)
     board.type("status")
     said = board.said()
@@ -58,6 +58,6 @@ def main(image, board_file, program, scenario):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 5:
+    if len(sys.argv) != 6:
         sys.exit(__doc__)
     main(*sys.argv[1:])

@@ -62,14 +62,14 @@ class Boots(unittest.TestCase):
     def test_says_what_it_is_and_opens_no_gate_unasked(self):
         made = ready()
         said = made.said()
-        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(BOARD_FILE['board']['name'])}, as published\r?\n")
+        self.assertRegex(said, rf"^neurofoc: .*, {re.escape(BOARD_FILE['board']['name'])}, robust\r?\n")
         self.assertIn("READY", said)
         self.assertNotIn("watchdog", said)
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_dead_time_is_at_least_that_of_the_board(self):
         self.assertGreaterEqual(ready().chip.timer.dead_time() / CLOCK_HZ,
-                                BOARD_FILE["hal"]["dead_time_ns"] * 1e-9 * (1 - 1e-9))
+                                BOARD_FILE["board"]["dead_time_s"] * (1 - 1e-9))
 
     def test_samples_and_updates_at_the_peak(self):
         made = ready()

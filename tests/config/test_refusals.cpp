@@ -332,6 +332,19 @@ void the_optional_settings_are_refused_outside_their_ranges()
         "--set: startup.curent_pct = 1: unknown key, did you mean startup.current_pct?");
 }
 
+// A quarter of 33.3 µs, whoever's dead time it is.
+void a_dead_time_that_does_not_fit_is_named_where_it_is_written()
+{
+    const Folder folder;
+    for (const std::string key : {"board.dead_time_s", "plant.dead_time_s", "model.dead_time_s"}) {
+        const std::string line = "--set: " + key +
+                                 " = 9e-06: does not fit the firmware; allowed: at most 8.333e-06 "
+                                 "s: a quarter of the PWM period";
+        TEST_ASSERT_EQUAL_STRING(
+            line.c_str(), refusal({}, {"board.pwm_frequency_hz=30000", key + "=9e-6"}).c_str());
+    }
+}
+
 // 0.95·310 V/√3 = 170.03 V at 2·0.387 Wb: 219.68 rad/s.
 void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
 {
@@ -614,6 +627,7 @@ int main()
     RUN_TEST(a_motor_of_little_flux_takes_the_usual_gains);
     RUN_TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed);
     RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
+    RUN_TEST(a_dead_time_that_does_not_fit_is_named_where_it_is_written);
     RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);

@@ -159,7 +159,47 @@ void the_scenario_begins_after_the_start_up()
     TEST_ASSERT_EQUAL_DOUBLE(plain.scenario.prelude_s + start_s, started.scenario.prelude_s);
 }
 
+const std::vector<std::string> BOARD_1_US = {"board.dead_time_s=1e-6", "board.device_drop_v=0.9"};
+
 // 1 µs of 100 µs; 0.9 V of 450 V.
+void the_plant_and_the_belief_have_the_dead_time_of_the_board()
+{
+    const Folder folder;
+    const nf::Config config = nf::load_scenario("s", {}, BOARD_1_US);
+    TEST_ASSERT_EQUAL_DOUBLE(1e-6, config.plant.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, config.plant.device_drop_v);
+    const modulator_cfg_t told = nf::build(config).modulator;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.01 * 32768, told.dead_time_q15);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.002 * 32768, told.drop_q15);
+}
+
+void a_plant_with_another_dead_time_is_believed()
+{
+    const Folder folder;
+    const nf::Config config =
+        nf::load_scenario("s", {}, also(BOARD_1_US, {"plant.dead_time_s=2e-6"}));
+    TEST_ASSERT_EQUAL_DOUBLE(2e-6, config.plant.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(2e-6, config.model.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, config.model.device_drop_v);
+}
+
+void a_plant_may_be_better_than_its_board()
+{
+    const Folder folder;
+    const nf::Config config = nf::load_scenario("s", {}, also(BOARD_1_US, {"plant.dead_time_s=0"}));
+    TEST_ASSERT_EQUAL_DOUBLE(0, config.plant.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0, config.model.dead_time_s);
+}
+
+void a_belief_of_its_own_leaves_plant_and_board_alone()
+{
+    const Folder folder;
+    const nf::Config config = nf::load_scenario("s", {}, also(BOARD_1_US, {"model.dead_time_s=0"}));
+    TEST_ASSERT_EQUAL_DOUBLE(0, config.model.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(1e-6, config.plant.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(1e-6, config.board.dead_time_s);
+}
+
 void a_belief_of_minus_one_is_what_the_plant_has()
 {
     const Folder folder;
@@ -242,6 +282,10 @@ int main()
     RUN_TEST(start_up_current_and_hand_over_are_shares_of_the_motor);
     RUN_TEST(the_alignment_takes_as_many_swings_of_the_rotor_for_every_inertia);
     RUN_TEST(the_scenario_begins_after_the_start_up);
+    RUN_TEST(the_plant_and_the_belief_have_the_dead_time_of_the_board);
+    RUN_TEST(a_plant_with_another_dead_time_is_believed);
+    RUN_TEST(a_plant_may_be_better_than_its_board);
+    RUN_TEST(a_belief_of_its_own_leaves_plant_and_board_alone);
     RUN_TEST(a_belief_of_minus_one_is_what_the_plant_has);
     RUN_TEST(the_least_current_is_there_only_where_dead_time_or_drop_is_compensated);
     RUN_TEST(the_model_may_be_corrected_as_far_as_the_tuning_says);

@@ -1,6 +1,7 @@
 // The files that come with the project, and the header made of them.
 #include "config.h"
 #include "describe.h"
+#include "hal_header.h"
 #include "header.h"
 #include "schema.h"
 
@@ -89,6 +90,31 @@ void imperfections_of_the_plant_leave_the_firmware_alone()
     TEST_ASSERT_NOT_EQUAL_INT(plain.observer.flux_q27, imp.observer.flux_q27);
 }
 
+// HAL_DEAD_TIME_TICKS of a hardware binding's header, in s.
+double dead_time_of_the_timer(const nf::Config &config)
+{
+    const std::string header = nf::make_hal_header(config);
+    const std::string name = "HAL_DEAD_TIME_TICKS (";
+    const std::size_t found = header.find(name);
+    TEST_ASSERT_TRUE(found != std::string::npos);
+    return std::stod(header.substr(found + name.size())) / config.board.timer_clock_hz;
+}
+
+// The timer rounds up to a tick of its clock, the drive to 2^-15 of the PWM period.
+void an_image_gives_back_the_dead_time_that_its_timer_makes()
+{
+    const std::map<std::string, std::string> images = {{"g431_bench", "motor_a"},
+                                                       {"b_g431b_esc1", "outrunner_24v"}};
+    for (const auto &[board, motor] : images) {
+        const nf::Config config = nf::load_parts(motor, board, "robust");
+        const double period_s = 1 / config.board.pwm_frequency_hz;
+        const double tolerance_s = 1 / config.board.timer_clock_hz + period_s / 32768 / 2;
+        const double given_back_s = nf::build(config).modulator.dead_time_q15 * period_s / 32768;
+        TEST_ASSERT_TRUE(given_back_s > tolerance_s);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance_s, dead_time_of_the_timer(config), given_back_s);
+    }
+}
+
 void the_rows_cover_every_byte_of_the_configuration()
 {
     const nf::Config config = nf::load_parts("motor_a", "bench_310v", "robust");
@@ -154,6 +180,7 @@ int main()
     RUN_TEST(every_shipped_scenario_fits_the_firmware);
     RUN_TEST(the_set_all_is_the_sum_of_its_parts);
     RUN_TEST(imperfections_of_the_plant_leave_the_firmware_alone);
+    RUN_TEST(an_image_gives_back_the_dead_time_that_its_timer_makes);
     RUN_TEST(the_rows_cover_every_byte_of_the_configuration);
     RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
     RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);

@@ -37,8 +37,8 @@ def picture(run, layout, folder):
                    forms[style.NARROW], f"{name}.png")
 
 
-def write_report(runs_folder, folder):
-    """Returns the path of the page."""
+def write_report(runs_folder, folder, more=()):
+    """Returns the path of the page. What is in `more` takes the folder and gives an entry as of page()."""
     runs = sorted(read_runs(runs_folder), key=lambda run: run.scenario not in TITLES)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -49,5 +49,5 @@ def write_report(runs_folder, folder):
         shown = Run(run.name, run.trace.cut(start=0.0), run.metrics)
         entries.append((shown, [picture(shown, layout, folder) for layout in layouts(shown)]))
     path = folder / "index.html"
-    path.write_text(page(entries), encoding="utf-8")
+    path.write_text(page(entries, [make(folder) for make in more]), encoding="utf-8")
     return path

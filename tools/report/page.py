@@ -46,10 +46,12 @@ class Picture:
     file: str       # a PNG beside the page
 
 
-def page(entries):
-    """The page of (run, pictures) pairs."""
+def page(entries, more=()):
+    """The page of (run, pictures) pairs, and of (identifier, title, section) of what follows them."""
     runs = [run for run, _ in entries]
-    sections = "\n".join(section(run, pictures) for run, pictures in entries)
+    sections = "\n".join([*(section(run, pictures) for run, pictures in entries),
+                          *(text for _, _, text in more)])
+    links = "".join([*map(link, runs), *(anchor(name, title) for name, title, _ in more)])
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -62,7 +64,7 @@ def page(entries):
 <header>
 <h1>Sensorless drive: simulated runs</h1>
 <p>{summary(runs)}</p>
-<nav aria-label="Runs">{"".join(link(run) for run in runs)}</nav>
+<nav aria-label="Runs">{links}</nav>
 </header>
 <main>
 {claims(runs)}
@@ -88,8 +90,12 @@ def count(number, noun):
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def anchor(name, title):
+    return f'<a href="#{html.escape(name)}">{html.escape(title)}</a>'
+
+
 def link(run):
-    return f'<a href="#{html.escape(run.name)}">{html.escape(heading(run))}</a>'
+    return anchor(run.name, heading(run))
 
 
 def heading(run):

@@ -1,0 +1,1 @@
+"""What giving the dead time back does to a drive on the switched plant, measured with and without."""
