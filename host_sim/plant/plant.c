@@ -25,16 +25,21 @@ static double present_time_s(const plant_t *plant)
     return (double)plant->periods * plant->inverter.period_s;
 }
 
-static double supply_now_v(const plant_t *plant)
+static double supply_v(const plant_t *plant, double time_s)
 {
     const plant_supply_cfg_t *supply = &plant->supply;
     if (!(supply->ripple_fraction > 0.0)) {
         return supply->voltage_v;
     }
-    const double cycles = supply->ripple_hz * present_time_s(plant);
+    const double cycles = supply->ripple_hz * time_s;
     const double phase_rad = PLANT_TWO_PI * (cycles - floor(cycles));
     const double ripple = supply->ripple_fraction * plant_rotation_from_angle(phase_rad).sine;
     return supply->voltage_v * (1.0 + ripple);
+}
+
+static double supply_now_v(const plant_t *plant)
+{
+    return supply_v(plant, present_time_s(plant));
 }
 
 static bool has_capacitor(const plant_t *plant)
@@ -159,11 +164,18 @@ static const plant_vector_t unit_vector[PLANT_ALL_LEGS + 1U] = {
     {0.0, 0.0},
 };
 
+/* What acts in a whole period. A supply without capacitor moves on in it: its voltage in the middle. */
+static double acting_bus_v(const plant_t *plant)
+{
+    const double half_s = 0.5 * plant->inverter.period_s;
+    return has_capacitor(plant) ? plant->bus_v : supply_v(plant, present_time_s(plant) + half_s);
+}
+
 /* Ideal segments go to the motor in runs as long as possible. Returns the charge that the bridge has
  * taken from the capacitor, if there is one. */
 static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
 {
-    const plant_rails_t rails = {plant->bus_v, plant->supply.device_drop_v, plant->broken};
+    const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v, plant->broken};
     double charge_c = 0.0;
     double *const meter = has_capacitor(plant) ? &charge_c : NULL;
     plant_interval_t run[PLANT_SEGMENTS_MAX];
@@ -173,8 +185,8 @@ static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
         if (is_ideal(plant, segment)) {
             const plant_vector_t unit = unit_vector[segment->high];
             run[pending].duration_s = segment->duration_s;
-            run[pending].v.alpha = plant->bus_v * unit.alpha;
-            run[pending].v.beta = plant->bus_v * unit.beta;
+            run[pending].v.alpha = rails.bus_v * unit.alpha;
+            run[pending].v.beta = rails.bus_v * unit.beta;
             pending++;
         } else {
             plant_motor_run_driven(&plant->motor, pending, run);

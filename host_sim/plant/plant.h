@@ -61,7 +61,7 @@ typedef struct {
     plant_inverter_t inverter;
     plant_sensors_t sensors;
     plant_supply_cfg_t supply;
-    double bus_v;                      /* during the period that starts now */
+    double bus_v;                      /* at the start of the period */
     uint64_t periods;                  /* completed so far */
     uint32_t compare_next[PLANT_LEGS]; /* preload registers */
     uint32_t compare[PLANT_LEGS];      /* active in the period that starts now */
@@ -84,7 +84,7 @@ typedef struct {
     double i_q_a;
     double i_abc_a[PLANT_LEGS]; /* into the motor, sum zero */
     double torque_nm;           /* air gap, motoring positive */
-    double bus_v;               /* of the period that starts now */
+    double bus_v;               /* at the start of the period */
 } plant_view_t;
 
 /* Sets up a plant at time zero: no current, no load, gates off, all compare values zero. Returns
