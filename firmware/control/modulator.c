@@ -72,19 +72,19 @@ static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
     return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
 }
 
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, dq_t current,
-                       sincos_t angle, compare_t *out)
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, ab_t current,
+                       compare_t *out)
 {
     const abc_t u = phases(ratio);
     const int32_t highest = fx_max(fx_max(u.a, u.b), u.c);
     const int32_t lowest = fx_min(fx_min(u.a, u.b), u.c);
     const int32_t centre = HALF_Q15 - fx_asr(highest + lowest, 1U);
     const int32_t timer = cfg->timer_counts;
-    const int32_t loss = leg_loss(mod, cfg);
     abc_t duty = {u.a + centre, u.b + centre, u.c + centre};
 
-    if (loss != 0) {
-        const abc_t i = phases(transforms_park_inverse(current, angle));
+    if (modulator_compensates(cfg)) {
+        const int32_t loss = leg_loss(mod, cfg);
+        const abc_t i = phases(current);
         const int32_t span = highest - lowest;
 
         duty.a += give_back(cfg, loss, span, u.a, i.a);

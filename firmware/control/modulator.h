@@ -7,7 +7,7 @@
  *
  * Dead time and device drop. In a leg whose current i flows into the motor, each period loses the dead time
  * t_d of its high side and the drop v_d of the conducting device; with i < 0 it gains both. The duty is
- * given back t_d/T + v_d/u_bus in the direction of the current, as predicted for the period by its reference. Near
+ * given back t_d/T + v_d/u_bus in the direction of the current expected for the period. Near
  * zero the current's ripple decides: the two edges of a leg lie symmetrically in the period, where the ripple has
  * opposite signs, and while |i| is below its size they cancel. With s the difference of the largest and the
  * smallest ratio and u the ratio of the leg, the ripple at the edges of the leg in the middle is
@@ -23,6 +23,7 @@
 
 #include "transforms.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct {
@@ -60,12 +61,17 @@ int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus);
 /* Voltage (Q15 of U_b, ±65535) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
 dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
+/* Whether anything is given back. If not, nothing has to be known of the current. */
+static inline bool modulator_compensates(const modulator_cfg_t *cfg)
+{
+    return (cfg->dead_time_q15 != 0) || (cfg->drop_q15 != 0);
+}
+
 /*
  * A ratio vector, |α|, |β| ≤ 46341, to compare values; duties are clamped to 0…1, counts rounded.
- * current: expected in the middle of the period, in the frame at the angle whose sine and cosine are given, Q15 of I_b,
- * |d|, |q| ≤ 32767; it matters only where dead time or drop are given back.
+ * current: expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341.
  */
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, dq_t current,
-                       sincos_t angle, compare_t *out);
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, ab_t current,
+                       compare_t *out);
 
 #endif

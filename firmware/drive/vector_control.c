@@ -226,9 +226,22 @@ static void control_currents(drive_t *drive, bool running)
 }
 
 /*
- * The voltage to compare values. It is turned for the middle of the period in which it acts. The current expected then
- * is in RUN the reference, which is free of noise and soon reached; an imposed one is controlled softly: its mean.
+ * The current in the period to come, for what the legs are given back. In RUN it is under way from what is measured to
+ * its reference: half way. The measurement alone lets noise through, the reference alone is wrong about a leg that the
+ * current has not yet left. An imposed current is controlled softly: its mean.
  */
+static dq_t expected_current(const drive_signals_t *s, bool running)
+{
+    dq_t expected = s->current_mean;
+
+    if (running) {
+        expected.d = fx_asr(s->current.d + s->current_ref.d, 1U);
+        expected.q = fx_asr(s->current.q + s->current_ref.q, 1U);
+    }
+    return expected;
+}
+
+/* The voltage to compare values. It is turned for the middle of the period in which it acts. */
 static void modulate(drive_t *drive, bool running, compare_t *out)
 {
     drive_signals_t *const s = &drive->signals;
@@ -237,12 +250,15 @@ static void modulate(drive_t *drive, bool running, compare_t *out)
     const angle_t ahead = (angle_t)step + (angle_t)fx_asr(step, 1U);
     const sincos_t angle = trig_sincos(rotor_position_angle(frame) + ahead);
     const dq_t ratio = modulator_ratio(&drive->modulator, s->voltage);
+    ab_t current = {0, 0};
 
+    if (modulator_compensates(&drive->cfg->modulator)) {
+        current = transforms_park_inverse(expected_current(s, running), angle);
+    }
     drive->ratio_acting.alpha = s->ratio_ab.alpha;
     drive->ratio_acting.beta = s->ratio_ab.beta;
     s->ratio_ab = transforms_park_inverse(ratio, angle);
-    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab,
-                      running ? s->current_ref : s->current_mean, angle, out);
+    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab, current, out);
 }
 
 /* While it does not run free, θ̂ goes with the frame and closes up to it. */

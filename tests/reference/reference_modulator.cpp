@@ -24,12 +24,11 @@ using nf::twin::Vector;
 static constexpr double RATIO_LSB = 12.0 + 2.45 + 3.4 + 2.2;
 static constexpr double LEAST_SHARE = 0.3;
 
-// A current in a frame at angle 0.
 static compare_t compared(const modulator_t &mod, const modulator_cfg_t &cfg, ab_t ratio,
-                          dq_t current)
+                          ab_t current)
 {
     compare_t out;
-    modulator_compare(&mod, &cfg, ratio, current, trig_sincos(0), &out);
+    modulator_compare(&mod, &cfg, ratio, current, &out);
     return out;
 }
 
@@ -77,7 +76,7 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
             const auto angle = static_cast<angle_t>(seeded.in(INT32_MIN, INT32_MAX));
             const dq_t ratio = modulator_ratio(&mod, v);
             const compare_t c =
-                compared(mod, cfg, transforms_park_inverse(ratio, trig_sincos(angle)), dq_t{0, 0});
+                compared(mod, cfg, transforms_park_inverse(ratio, trig_sincos(angle)), ab_t{0, 0});
             const Vector volt =
                 nf::twin::park_inverse(s.voltage(v), angle / STEPS_PER_TURN * TWO_PI);
             const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, s.voltage(bus));
@@ -107,7 +106,7 @@ static void test_too_long_vectors_are_cut_like_the_twin()
     modulator_reset(&mod);
     for (int k = 0; k < 100000; k++) {
         const ab_t ratio = {seeded.in(-32767, 32767), seeded.in(-32767, 32767)};
-        const compare_t c = compared(mod, s.cfg.modulator, ratio, dq_t{0, 0});
+        const compare_t c = compared(mod, s.cfg.modulator, ratio, ab_t{0, 0});
         const Eigen::Vector3d exact =
             nf::twin::Modulator::duties(Vector(ratio.alpha, ratio.beta), Q15);
         const Eigen::Vector3d duty =
@@ -166,7 +165,7 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
                             static_cast<int32_t>(radius * std::sin(direction))};
         const ab_t current = {static_cast<int32_t>(size * std::cos(ahead)),
                               static_cast<int32_t>(size * std::sin(ahead))};
-        const compare_t c = compared(mod, cfg, ratio, dq_t{current.alpha, current.beta});
+        const compare_t c = compared(mod, cfg, ratio, current);
         const Vector volt = Vector(ratio.alpha, ratio.beta) / Q15 * bus_v;
         const Vector ampere(s.current(current.alpha), s.current(current.beta));
         const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, bus_v) +
