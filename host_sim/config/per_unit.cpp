@@ -93,6 +93,10 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
     protection_cfg_t c{};
     store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, Q14 - 2,
           {"board.overcurrent_a", board.overcurrent_a}, reason);
+    if (board.trip_a > 0) {
+        require(board.trip_a, board.overcurrent_a, HUGE_VAL, {"board.trip_a", board.trip_a},
+                "board.overcurrent_a: the comparators must not trip before the drive's own limit");
+    }
     store(c.bus_max, board.bus_max_v / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
           {"board.bus_max_v", board.bus_max_v}, reason);
     store(c.bus_min, board.bus_min_v / b.voltage_v * Q15, 0, MANTISSA_MAX - 1,
