@@ -1,9 +1,12 @@
 #include "supervision.h"
 
-#define ONE_TURN_Q16 (65536)
-#define TURN_SAMPLES_MIN (8U)
-#define TURNS_MAX (3U)       /* a load step within a turn can make two of them look lopsided */
+#define ARC_Q16 (32768) /* half a turn: in it each phase of a vector moves by its length at least */
+#define ARC_SAMPLES_MIN (8U)
+#define ARCS_MAX (3U)        /* a load step can make one of them look lopsided, at its ends two */
 #define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
+#define UNEXPLAINED_MAX (5U) /* slow periods */
+#define ROOT_3_HALF_Q15 (28378)
+#define NO_PHASE (SUPERVISION_PHASES)
 
 /* Word by word: a library's memset takes five times as long. */
 void supervision_reset(supervision_t *state)
@@ -18,8 +21,11 @@ void supervision_reset(supervision_t *state)
         state->highest[phase] = 0;
     }
     state->weak = 0U;
-    state->weak_turns = 0U;
+    state->weak_arcs = 0U;
     state->suspect = (fault_t){.id = FAULT_NONE};
+    state->absent = NO_PHASE;
+    state->absent_periods = 0U;
+    state->unexplained = 0U;
     state->off_current = (dq_t){0, 0};
     state->off_reference = 0U;
     state->runaway = 0U;
@@ -72,7 +78,7 @@ static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg,
     };
 }
 
-/* The end of a turn: which phase hardly moved, and for how many turns now. */
+/* The end of an arc: which phase hardly moved, and for how many arcs now. */
 static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg, fault_t *fault)
 {
     uint32_t weak = 0U;
@@ -86,21 +92,21 @@ static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *
     }
     limit = fx_asr(strongest, WEAK_SHARE_LOG2);
     if ((strongest <= cfg->phase_range_min) || (range_of(state, weak) >= limit)) {
-        state->weak_turns = 0U;
+        state->weak_arcs = 0U;
         state->suspect.id = FAULT_NONE;
     } else {
-        state->weak_turns = (weak == state->weak) ? (state->weak_turns + 1U) : 1U;
+        state->weak_arcs = (weak == state->weak) ? (state->weak_arcs + 1U) : 1U;
         state->weak = weak;
         state->suspect = suspect(state, cfg, weak, limit);
     }
-    if (state->weak_turns >= TURNS_MAX) {
+    if (state->weak_arcs >= ARCS_MAX) {
         *fault = state->suspect;
         id = fault->id;
     }
     return id;
 }
 
-/* Electrical turns since the start of this one, wrapping. */
+/* Electrical turns since the start of this arc, wrapping. */
 static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 {
     const uint32_t turned = (uint32_t)turns_q16 - (uint32_t)state->start_q16;
@@ -124,14 +130,60 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
     state->samples++;
     if (fx_abs(in->speed) > cfg->phase_speed_max) {
         state->samples = 0U;
-        state->weak_turns = 0U;
+        state->weak_arcs = 0U;
         state->suspect.id = FAULT_NONE;
-    } else if ((state->samples >= TURN_SAMPLES_MIN) &&
-               ((turned >= ONE_TURN_Q16) || (turned <= -ONE_TURN_Q16))) {
+    } else if ((state->samples >= ARC_SAMPLES_MIN) &&
+               ((turned >= ARC_Q16) || (turned <= -ARC_Q16))) {
         state->samples = 0U;
         id = compare_phases(state, cfg, fault);
     } else {
-        /* the turn goes on */
+        /* the arc goes on */
+    }
+    return id;
+}
+
+typedef struct {
+    uint32_t phase;  /* that should have a current and has none; NO_PHASE: all as they should be */
+    int32_t current; /* what it has */
+} absent_t;
+
+static absent_t absent_phase(const supervision_cfg_t *cfg, const supervision_imposed_t *in)
+{
+    const int32_t across = fx_asr(in->expected.beta * ROOT_3_HALF_Q15, 15U);
+    const int32_t along = fx_asr(in->expected.alpha, 1U);
+    const int32_t expected[SUPERVISION_PHASES] = {in->expected.alpha, across - along,
+                                                  -across - along};
+    const int32_t measured[SUPERVISION_PHASES] = {in->a, in->b, -in->a - in->b};
+    absent_t absent = {.phase = NO_PHASE, .current = 0};
+
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        if ((fx_abs(measured[phase]) <= cfg->phase_zero_max) &&
+            (fx_abs(expected[phase]) > cfg->phase_range_min)) {
+            absent = (absent_t){.phase = phase, .current = fx_abs(measured[phase])};
+        }
+    }
+    return absent;
+}
+
+fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg_t *cfg,
+                                     const supervision_imposed_t *in, fault_t *fault)
+{
+    const absent_t absent = absent_phase(cfg, in);
+    const int32_t voltage = fx_max(fx_abs(in->voltage.d), fx_abs(in->voltage.q));
+    const int32_t voltage_max = cfg->voltage_max + in->emf;
+    const bool excess = lasts(&state->unexplained, voltage > voltage_max, UNEXPLAINED_MAX);
+    fault_id_t id = FAULT_NONE;
+
+    state->absent_periods = (absent.phase == state->absent) ? (state->absent_periods + 1U) : 0U;
+    state->absent = absent.phase;
+    if ((absent.phase != NO_PHASE) && (excess || (state->absent_periods > cfg->absent_periods))) {
+        id = FAULT_LOST_PHASE;
+        *fault = (fault_t){.id = id, .value = absent.current, .limit = cfg->phase_range_min};
+    } else if (excess) {
+        id = FAULT_CURRENT_IMPLAUSIBLE;
+        *fault = (fault_t){.id = id, .value = voltage, .limit = voltage_max};
+    } else {
+        /* as it should be */
     }
     return id;
 }
@@ -207,20 +259,25 @@ fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t
     return found.id;
 }
 
-fault_id_t supervision_check_late(supervision_t *state, const supervision_cfg_t *cfg,
+fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t *cfg,
                                   fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
+    state->late++;
     if (state->late > cfg->late_max) {
         id = FAULT_LATE;
         *fault =
             (fault_t){.id = id, .value = (int32_t)state->late, .limit = (int32_t)cfg->late_max};
     }
+    return id;
+}
+
+void supervision_forget_late(supervision_t *state, const supervision_cfg_t *cfg)
+{
     state->late_periods++;
     if (state->late_periods >= cfg->late_window) {
         state->late_periods = 0U;
         state->late = 0U;
     }
-    return id;
 }
