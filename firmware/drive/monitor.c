@@ -19,7 +19,10 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
                                     fault);
 }
 
-/* The current control's integrals are what it needs beyond the model. */
+/*
+ * The current control's integrals are what it needs beyond the model. In RUN they prove nothing: a rotor that is caught
+ * again takes as much for a while.
+ */
 static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 {
     const drive_signals_t *const s = &drive->signals;

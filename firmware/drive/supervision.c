@@ -66,10 +66,9 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
 
 /* What a weak phase means: an open wire has no current, a dead channel some. c is not measured. */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
-                       int32_t limit)
+                       int32_t current, int32_t limit)
 {
-    const bool at_zero = (state->highest[weak] <= cfg->phase_zero_max) &&
-                         (state->lowest[weak] >= -cfg->phase_zero_max);
+    const bool at_zero = fx_abs(current) <= cfg->phase_zero_max;
 
     return (fault_t){
         .id = (at_zero || (weak == 2U)) ? FAULT_LOST_PHASE : FAULT_ADC_STUCK,
@@ -79,7 +78,8 @@ static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg,
 }
 
 /* The end of an arc: which phase hardly moved, and for how many arcs now. */
-static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg, fault_t *fault)
+static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg,
+                                 const int32_t current[SUPERVISION_PHASES], fault_t *fault)
 {
     uint32_t weak = 0U;
     int32_t strongest = 0;
@@ -97,7 +97,7 @@ static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *
     } else {
         state->weak_arcs = (weak == state->weak) ? (state->weak_arcs + 1U) : 1U;
         state->weak = weak;
-        state->suspect = suspect(state, cfg, weak, limit);
+        state->suspect = suspect(state, cfg, weak, current[weak], limit);
     }
     if (state->weak_arcs >= ARCS_MAX) {
         *fault = state->suspect;
@@ -117,6 +117,7 @@ static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                     const supervision_phases_t *in, fault_t *fault)
 {
+    const int32_t current[SUPERVISION_PHASES] = {in->a, in->b, -in->a - in->b};
     fault_id_t id = FAULT_NONE;
     int32_t turned;
 
@@ -124,9 +125,9 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
         state->start_q16 = in->turns_q16;
     }
     turned = turned_q16(state, in->turns_q16);
-    note_phase(state, 0U, in->a);
-    note_phase(state, 1U, in->b);
-    note_phase(state, 2U, -in->a - in->b);
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        note_phase(state, phase, current[phase]);
+    }
     state->samples++;
     if (fx_abs(in->speed) > cfg->phase_speed_max) {
         state->samples = 0U;
@@ -135,7 +136,7 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
     } else if ((state->samples >= ARC_SAMPLES_MIN) &&
                ((turned >= ARC_Q16) || (turned <= -ARC_Q16))) {
         state->samples = 0U;
-        id = compare_phases(state, cfg, fault);
+        id = compare_phases(state, cfg, current, fault);
     } else {
         /* the arc goes on */
     }
