@@ -24,9 +24,10 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
         [FAULT_ADC_SATURATED] = {"ADC_SATURATED", FAULT_UNIT_CURRENT,
                                  "short circuit or broken sensor wire; check the motor cable, then "
                                  "the amplifier's output without current"},
-        [FAULT_ADC_STUCK] = {"ADC_STUCK", FAULT_UNIT_CURRENT,
-                             "current sensor or its converter stands still, or at a start the shaft "
-                             "is driven too fast; check amplifiers"},
+        [FAULT_ADC_STUCK] =
+            {"ADC_STUCK", FAULT_UNIT_CURRENT,
+             "current sensor or its converter stands still, or at a start the shaft "
+             "is driven too fast; check amplifiers"},
         [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT,
                               "motor wire open, switch or current sensor dead; measure the three "
                               "winding resistances at the terminals"},

@@ -24,11 +24,14 @@
 #define SUPERVISION_PHASES (3U)
 
 typedef struct {
-    int32_t phase_range_min;  /* phases are compared when one moved more than this, or has to carry it, 1…65535 */
-    int32_t phase_zero_max;   /* one that stays within this of zero is an open wire, 0…16384 */
-    step_t phase_speed_max;   /* above it an arc has too few samples to compare, 1…2^30 */
-    uint32_t absent_periods;  /* LOST_PHASE: a phase is at zero that has to carry a current, for more slow periods */
-    int32_t voltage_max;      /* CURRENT_IMPLAUSIBLE: an imposed current needs more than the model says and this, Q15 of U_b,
+    int32_t
+        phase_range_min; /* phases are compared when one moved more than this, or has to carry it, 1…65535 */
+    int32_t phase_zero_max; /* one that stays within this of zero is an open wire, 0…16384 */
+    step_t phase_speed_max; /* above it an arc has too few samples to compare, 1…2^30 */
+    uint32_t
+        absent_periods; /* LOST_PHASE: a phase is at zero that has to carry a current, for more slow periods */
+    int32_t
+        voltage_max; /* CURRENT_IMPLAUSIBLE: an imposed current needs more than the model says and this, Q15 of U_b,
                                   1…32767 */
     int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
     int32_t residual_max;     /* OBSERVER_LOST: mean of the larger model error, 1…8191 */
@@ -53,14 +56,14 @@ typedef struct {
     uint32_t samples;      /* of this arc; 0: begin anew */
     int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
-    uint32_t weak;           /* the phase that did not move in the last arcs … */
-    uint32_t weak_arcs;      /* … and in how many in a row */
-    fault_t suspect;         /* what the last weak arc would be; none after a healthy one */
-    uint32_t absent;         /* the phase without the current imposed on it, or SUPERVISION_PHASES … */
+    uint32_t weak;      /* the phase that did not move in the last arcs … */
+    uint32_t weak_arcs; /* … and in how many in a row */
+    fault_t suspect;    /* what the last weak arc would be; none after a healthy one */
+    uint32_t absent;    /* the phase without the current imposed on it, or SUPERVISION_PHASES … */
     uint32_t absent_periods; /* … and for how many slow periods */
     uint32_t unexplained;    /* slow periods with too much voltage, up and down */
-    dq_t off_current;       /* mean error of the current, Q15 times 2^mean_shift */
-    uint32_t off_reference; /* counts of periods, up and down */
+    dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
+    uint32_t off_reference;  /* counts of periods, up and down */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;

@@ -222,13 +222,14 @@ current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const Moto
     return c;
 }
 
-void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor, const BoardSettings &board,
-                        const TuningSettings &tuning, const Model &m, const Bases &b)
+void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
+                        const BoardSettings &board, const TuningSettings &tuning, const Model &m,
+                        const Bases &b)
 {
     const double resistive = VOLTAGE_RESISTANCE_SHARE * m.resistance * motor.max_current_a;
     const double voltage = resistive + VOLTAGE_BUS_SHARE * board.bus_nominal_v;
-    c.voltage_max =
-        static_cast<int32_t>(std::lround(std::clamp(voltage / b.voltage_v * Q15, 1.0, MANTISSA_MAX)));
+    c.voltage_max = static_cast<int32_t>(
+        std::lround(std::clamp(voltage / b.voltage_v * Q15, 1.0, MANTISSA_MAX)));
     if (tuning.startup_current_pct > 0) {
         c.absent_periods = slow_periods(ABSENT / swing_rad_s(motor, board, tuning, m), tuning, b);
     }

@@ -209,8 +209,8 @@ static bool is_beyond_trip(const plant_t *plant)
 
 /* The comparators trip within a segment that begins with the motor like this: the plant goes to the
  * instant at which they do. Returns the time from the beginning. */
-static double run_to_trip(plant_t *plant, const plant_motor_t *from,
-                          const plant_segment_t *segment, double *charge_c)
+static double run_to_trip(plant_t *plant, const plant_motor_t *from, const plant_segment_t *segment,
+                          double *charge_c)
 {
     plant_segment_t part = *segment;
     double early_s = 0.0;

@@ -333,8 +333,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
 
             result = catch_spin_step(&spin, &cfg, current);
             ticks++;
-            TEST_ASSERT_TRUE(
-                ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
+            TEST_ASSERT_TRUE(ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
         }
         TEST_ASSERT_TRUE(abs(spin.speed) <= 0x40000000);
     }

@@ -457,9 +457,8 @@ static void test_the_shortest_slow_periods_supervise_too(void)
         quiet_frame();
         go_to(DRIVE_STATE_RUN);
         in.adc_temperature = 4000U;
-        TEST_ASSERT_TRUE(
-            run_to_fault(FAULT_OVERTEMPERATURE, 1000U) <=
-            ((cfg.derating.temperature_periods + 2U) * SUPERVISION_STEPS * n));
+        TEST_ASSERT_TRUE(run_to_fault(FAULT_OVERTEMPERATURE, 1000U) <=
+                         ((cfg.derating.temperature_periods + 2U) * SUPERVISION_STEPS * n));
     }
 }
 

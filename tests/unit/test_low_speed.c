@@ -558,8 +558,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.current_loop.reactance_q_q13 = 16250;
         cfg.current_loop.resistance_q13 = 32767;
         cfg.hold_loop = cfg.current_loop;
-        cfg.startup.catch_spin =
-            (catch_spin_cfg_t){1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run};
+        cfg.startup.catch_spin = (catch_spin_cfg_t){
+            1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run};
         cfg.startup.align.step_voltage = 32767;
         cfg.startup.handover_speed = 2;
         cfg.startup.track_speed = 1;

@@ -228,8 +228,8 @@ static void check_trip(double sign)
     TEST_ASSERT_FALSE(plant_take_trip(&plant));
 }
 
-static void test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction(
-    void)
+static void
+test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction(void)
 {
     check_trip(1.0);
     check_trip(-1.0);

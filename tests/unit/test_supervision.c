@@ -314,8 +314,8 @@ static void test_a_swing_that_passes_through_zero_is_no_lost_phase(void)
     for (uint32_t k = 0U; k < (100U * (cfg.absent_periods + 2U)); k++) {
         const bool through = (k % (cfg.absent_periods + 2U)) <= cfg.absent_periods;
 
-        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_imposed(
-                                              &state, &cfg, through ? &none : &whole, &fault));
+        TEST_ASSERT_EQUAL_INT(
+            FAULT_NONE, supervision_check_imposed(&state, &cfg, through ? &none : &whole, &fault));
     }
 }
 
