@@ -297,8 +297,8 @@ const char *excuse_of(const Fault &fault, PlaceId place)
         std::strcmp(fault.name, "break_input") == 0 || fault.kind == Kind::temperature ||
         fault.kind == Kind::memory || std::strstr(fault.name, "405 V") != nullptr;
     const char *excuse = nullptr;
-    if (fault.kind == Kind::bus && place == START && *fault.later != '\0') {
-        excuse = "not seen, speed off"; // R and L were measured at a voltage that was not there
+    if (fault.kind == Kind::bus && PLACE[place].moves && *fault.later != '\0') {
+        excuse = "not seen, speed off"; // the observer's voltage is not what acts
     } else if (fault.kind == Kind::bus) {
         excuse = "not seen";
     } else if (place == READY && !seen_without_current) {
