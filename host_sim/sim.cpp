@@ -74,6 +74,7 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.capacitance_f = config.plant.bus_capacitance_f;
     cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
+    cfg.trip_a = config.board.trip_a;
     return cfg;
 }
 

@@ -23,7 +23,7 @@ static void next_align_phase(align_t *align)
 
 static void pull_rotor(align_t *align, const align_cfg_t *cfg)
 {
-    align->current_ref = fx_min(align->current_ref + cfg->slope, cfg->current_high);
+    align->current_ref = fx_towards(align->current_ref, cfg->current_high, cfg->slope);
     align->frame_speed = 0;
     if (align->tick <= cfg->sweep_ticks) {
         align->frame_speed = align->backwards ? -cfg->sweep_speed : cfg->sweep_speed;

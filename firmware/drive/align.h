@@ -26,7 +26,7 @@
 typedef struct {
     int32_t current_high; /* Q15 of I_b, 1…16384 */
     int32_t current_low;  /* of the second measurement, 0…current_high − 1 */
-    int32_t slope;        /* rise of the current in a tick, Q15 of I_b, 1…16384 */
+    int32_t slope;        /* change of the current in a tick, Q15 of I_b, 1…16384 */
     step_t
         sweep_speed; /* of the vector while it turns, 1…2^29, within the observer's speed_limit */
     uint32_t sweep_ticks;  /* half a turn takes so long, 1…pull_ticks */

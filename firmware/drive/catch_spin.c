@@ -6,7 +6,7 @@
 #define QUARTER_TURN_BACK (0xC0000000U)
 
 enum {
-    PRELOAD, /* the compare values of this tick act from the next on */
+    PRELOAD, /* once nothing flows; the compare values of this tick act from the next on */
     FIRST_PULSE,
     PAUSE,
     SECOND_PULSE
@@ -82,8 +82,14 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
     spin->tick++;
     switch (spin->phase) {
     case PRELOAD:
-        next_pulse_phase(spin);
-        spin->gates = true;
+        if (magnitude(current) <= fx_asr(cfg->current, CATCH_SPIN_QUIET_LOG2)) {
+            next_pulse_phase(spin);
+            spin->gates = true;
+        } else if (spin->tick >= cfg->wait_ticks) {
+            result = CATCH_SPIN_LIVE;
+        } else {
+            /* it decays */
+        }
         break;
     case FIRST_PULSE:
         if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {

@@ -7,6 +7,8 @@
  * sign, and the direction less a quarter turn is the rotor. No leg switches meanwhile, so dead time plays no part. A
  * speed that does not fit the size of the current is noise: the rotor stands, or is slow enough to be pulled in.
  *
+ * What flows from before has to end first, through the diodes of the open bridge.
+ *
  * Pure, total. Call catch_spin_step once a control tick in place of current control, compare values all 0.
  */
 #ifndef CATCH_SPIN_H
@@ -17,8 +19,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* A current below 2^-this of that at which a pulse ends is none; judged is what is above it. */
+#define CATCH_SPIN_QUIET_LOG2 (2U)
+
 typedef struct {
     int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
+    uint32_t wait_ticks;  /* a current that has not ended after so many ticks never will, 1…2^20 */
     uint32_t pulse_ticks; /* or after so many ticks, 1…16 */
     uint32_t gap_factor;  /* the pause is so many times as long as the pulse, 1…16 … */
     uint32_t pause_max;   /* … but not longer than so many ticks, 1…256 */
@@ -30,12 +36,13 @@ typedef struct {
 typedef enum {
     CATCH_SPIN_BUSY = 0,
     CATCH_SPIN_STANDING, /* at rest, or too slow to tell */
-    CATCH_SPIN_TURNING
+    CATCH_SPIN_TURNING,
+    CATCH_SPIN_LIVE /* a current does not end */
 } catch_spin_result_t;
 
 typedef struct {
     uint32_t tick;   /* of the phase */
-    uint32_t phase;  /* 0 preload, 1 pulse, 2 pause, 3 pulse */
+    uint32_t phase;  /* 0 wait and preload, 1 pulse, 2 pause, 3 pulse */
     uint32_t length; /* of the pulses */
     ab_t first;      /* current at the end of the first pulse */
     bool gates;      /* to be enabled in this tick */

@@ -62,6 +62,19 @@ static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t
     return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
 }
 
+/* Before the currents: what too late a tick does to them is to be called late. */
+static void watch_late(drive_t *drive, const drive_in_t *in)
+{
+    fault_t fault = {.id = FAULT_NONE};
+
+    if (((in->flags & DRIVE_FLAG_LATE) != 0U) &&
+        (supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault) !=
+         FAULT_NONE) &&
+        drive_is_driving(drive->state)) {
+        drive_fail(drive, fault);
+    }
+}
+
 /* Latch what is wrong. */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
@@ -75,9 +88,6 @@ static void watch(drive_t *drive, const drive_in_t *in)
 
     if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
         drive_fail(drive, protection_record(&drive->limits, &measured, name_of(drive, in, id)));
-    }
-    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
-        drive->supervision.late++;
     }
 }
 
@@ -252,6 +262,7 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     } else {
         /* stay */
     }
+    watch_late(drive, in);
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
     if (controlled && is_controlled(drive->state)) {

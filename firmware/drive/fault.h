@@ -29,7 +29,8 @@ typedef enum {
     FAULT_LATE,              /* value: late ticks within the window */
     FAULT_CONFIGURATION,     /* value: CRC of the configuration, limit: the CRC stored with it */
     FAULT_STARTUP,           /* value, limit: as the start-up says */
-    FAULT_COUNT              /* how many there are, no fault */
+    FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage beyond what the current explains */
+    FAULT_COUNT                /* how many there are, no fault */
 } fault_id_t;
 
 /* What happened, what was measured, what was allowed, and when. Currents Q15 of I_b, bus Q15 of U_b. */

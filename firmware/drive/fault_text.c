@@ -6,11 +6,11 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
     static const fault_text_t texts[FAULT_COUNT] = {
         [FAULT_NONE] = {"NONE", FAULT_UNIT_NONE, "no fault"},
         [FAULT_BREAK] = {"BREAK", FAULT_UNIT_CURRENT,
-                         "short circuit or noise at the comparators; check motor cable and "
-                         "insulation, then the trip level"},
+                         "short circuit, noise, or if little was measured a stuck current sensor; "
+                         "check cable and insulation, then sensors"},
         [FAULT_OVERCURRENT] =
             {"OVERCURRENT", FAULT_UNIT_CURRENT,
-             "current loop oscillates or motor file is wrong; check R and L, then "
+             "current loop oscillates, motor file wrong or ticks late; check R, L and late ticks, "
              "lower current_loop.bandwidth_hz"},
         [FAULT_OVERVOLTAGE] = {"OVERVOLTAGE", FAULT_UNIT_VOLTAGE,
                                "energy of braking or supply too high; check the supply, then brake "
@@ -24,12 +24,13 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
         [FAULT_ADC_SATURATED] = {"ADC_SATURATED", FAULT_UNIT_CURRENT,
                                  "short circuit or broken sensor wire; check the motor cable, then "
                                  "the amplifier's output without current"},
-        [FAULT_ADC_STUCK] = {"ADC_STUCK", FAULT_UNIT_CURRENT,
-                             "current sensor or its converter stands still; check amplifier supply "
-                             "and wiring of that phase"},
+        [FAULT_ADC_STUCK] =
+            {"ADC_STUCK", FAULT_UNIT_CURRENT,
+             "current sensor or its converter stands still, or at a start the shaft "
+             "is driven too fast; check amplifiers"},
         [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT,
-                              "motor wire open or switch dead; measure all three winding "
-                              "resistances at the board's terminals"},
+                              "motor wire open, switch or current sensor dead; measure the three "
+                              "winding resistances at the terminals"},
         [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_HEAT,
                             "more than continuous current for too long; check the load, then "
                             "motor.continuous_current_a"},
@@ -37,18 +38,18 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
                                    "power stage too hot or sensor open; check cooling, then the "
                                    "sensor's reading when cold"},
         [FAULT_OBSERVER_LOST] = {"OBSERVER_LOST", FAULT_UNIT_CURRENT,
-                                 "rotor lost: wrong R, L or flux, or too slow under load; check "
-                                 "the motor file, then dead time"},
+                                 "wrong R, L or flux, too slow under load, or a motor wire open; "
+                                 "check motor file, dead time, wires"},
         [FAULT_SPEED_IMPLAUSIBLE] =
             {"SPEED_IMPLAUSIBLE", FAULT_UNIT_SPEED,
-             "estimate does not follow the reference: rotor lost; check the "
-             "motor file, then speed loop and inertia"},
+             "rotor lost, or a motor wire open; check motor file and wires, then speed loop and "
+             "inertia"},
         [FAULT_STALL] = {"STALL", FAULT_UNIT_SPEED,
                          "full torque without motion; check for a blocked shaft, then load and "
                          "motor.max_current_a"},
         [FAULT_OVERSPEED] = {"OVERSPEED", FAULT_UNIT_SPEED,
-                             "load drives the motor or speed loop overshoots; check the load, then "
-                             "lower speed_loop.bandwidth_hz"},
+                             "driven by the load, speed loop overshoots or a motor wire is open; "
+                             "check both, lower speed_loop.bandwidth_hz"},
         [FAULT_LATE] = {"LATE", FAULT_UNIT_NONE,
                         "control interrupt held up; check longer interrupts above it, then lower "
                         "the PWM frequency"},
@@ -58,6 +59,10 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
         [FAULT_STARTUP] = {"STARTUP", FAULT_UNIT_NONE,
                            "rotor did not follow the start; check load and phase order, then the "
                            "start current"},
+        [FAULT_CURRENT_IMPLAUSIBLE] =
+            {"CURRENT_IMPLAUSIBLE", FAULT_UNIT_VOLTAGE,
+             "a current sensor does not tell what flows, or a motor wire is open; check sensors, "
+             "then wires, then R"},
     };
     const unsigned int index = (unsigned int)id;
 

@@ -70,6 +70,11 @@ void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out)
         (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
     if ((result == CATCH_SPIN_TURNING) && is_fast(drive)) {
         start_turning(drive);
+    } else if (result == CATCH_SPIN_LIVE) {
+        drive_fail(drive, (fault_t){.id = FAULT_ADC_STUCK,
+                                    .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),
+                                    .limit = fx_asr(drive->cfg->startup.catch_spin.current,
+                                                    CATCH_SPIN_QUIET_LOG2)});
     } else if (result != CATCH_SPIN_BUSY) {
         out->gate_enable = false;
         start_alignment(drive, &in->command);

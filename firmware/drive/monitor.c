@@ -1,6 +1,7 @@
 #include "monitor.h"
 
 #include "drive_state.h"
+#include "trig.h"
 
 static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 {
@@ -16,6 +17,28 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 
     return supervision_check_phases(&drive->supervision, &drive->cfg->supervision, &measured,
                                     fault);
+}
+
+/*
+ * The current control's integrals are what it needs beyond the model. In RUN they prove nothing: a rotor that is caught
+ * again takes as much for a while.
+ */
+static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
+{
+    const drive_signals_t *const s = &drive->signals;
+    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->frame));
+    const int32_t speed = fx_asr(fx_abs(drive->frame_speed), drive->cfg->speed_shift);
+    const supervision_imposed_t measured = {
+        .a = s->phase_a,
+        .b = s->phase_b,
+        .expected = transforms_park_inverse(s->current_ref, angle),
+        .voltage = {.d = pi_output(&drive->current_loop.pi_d),
+                    .q = pi_output(&drive->current_loop.pi_q)},
+        .emf = fx_asr(speed * drive->model.hold_loop.emf_q13, 13U),
+    };
+
+    return supervision_check_imposed(&drive->supervision, &drive->cfg->supervision, &measured,
+                                     fault);
 }
 
 /* The rotor has come to rest on the imposed current. */
@@ -79,12 +102,8 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
         .torque_at_limit =
             (torque >= drive->torque_range.upper) || (torque <= drive->torque_range.lower),
     };
-    fault_id_t id = supervision_check_late(&drive->supervision, cfg, fault);
 
-    if ((id == FAULT_NONE) && (drive->state == DRIVE_STATE_RUN)) {
-        id = supervision_check_speed(&drive->supervision, cfg, &measured, fault);
-    }
-    return id;
+    return supervision_check_speed(&drive->supervision, cfg, &measured, fault);
 }
 
 /* One of the checks that take turns. */
@@ -100,13 +119,16 @@ static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *
         id =
             derating_step(&drive->derating, &drive->cfg->derating, current, adc_temperature, fault);
     } else if (step == 1U) {
+        supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
         id = config_guard_step(&drive->guard, drive->cfg, fault);
     } else if (!driving || (drive->state == DRIVE_STATE_CATCH_SPIN)) {
         /* no current is controlled */
     } else if (step == 2U) {
         id = check_current(drive, fault);
-    } else {
+    } else if (drive->state == DRIVE_STATE_RUN) {
         id = check_speed(drive, fault);
+    } else {
+        /* the speed is not controlled */
     }
     return id;
 }
@@ -124,6 +146,9 @@ static void watch_phases(drive_t *drive)
 
     if (drive_is_driving(drive->state) && (drive->state != DRIVE_STATE_CATCH_SPIN)) {
         latch(drive, check_phases(drive, &fault), &fault);
+        if (drive->state != DRIVE_STATE_RUN) {
+            latch(drive, check_imposed(drive, &fault), &fault);
+        }
     }
 }
 

@@ -94,6 +94,8 @@ static const char *check_supervision(const char *before, const supervision_cfg_t
     bad = range(bad, "supervision.phase_range_min", cfg->phase_range_min, 1, RANGE_MAX);
     bad = range(bad, "supervision.phase_zero_max", cfg->phase_zero_max, 0, CURRENT_MAX);
     bad = range(bad, "supervision.phase_speed_max", cfg->phase_speed_max, 1, TURN_QUARTER);
+    bad = check_periods(bad, "supervision.absent_periods", cfg->absent_periods);
+    bad = range(bad, "supervision.voltage_max", cfg->voltage_max, 1, FX_Q15_MAX);
     bad = range(bad, "supervision.follow_error_max", cfg->follow_error_max, 1, RANGE_MAX);
     bad = range(bad, "supervision.residual_max", cfg->residual_max, 1, RESIDUAL_MAX);
     bad = range(bad, "supervision.mean_shift", shift_value(cfg->mean_shift), 0, 14);
@@ -285,6 +287,7 @@ static const char *check_catch_spin(const char *before, const catch_spin_cfg_t *
     const char *bad = before;
 
     bad = range(bad, "startup.catch_spin.current", cfg->current, 1, CURRENT_MAX);
+    bad = range(bad, "startup.catch_spin.wait_ticks", shift_value(cfg->wait_ticks), 1, TICKS_MAX);
     bad = range(bad, "startup.catch_spin.pulse_ticks", shift_value(cfg->pulse_ticks), 1, 16);
     bad = range(bad, "startup.catch_spin.gap_factor", shift_value(cfg->gap_factor), 1, 16);
     bad = range(bad, "startup.catch_spin.pause_max", shift_value(cfg->pause_max), 1, 256);

@@ -1,9 +1,12 @@
 #include "supervision.h"
 
-#define ONE_TURN_Q16 (65536)
-#define TURN_SAMPLES_MIN (8U)
-#define TURNS_MAX (3U)       /* a load step within a turn can make two of them look lopsided */
+#define ARC_Q16 (32768) /* half a turn: in it each phase of a vector moves by its length at least */
+#define ARC_SAMPLES_MIN (8U)
+#define ARCS_MAX (3U)        /* a load step can make one of them look lopsided, at its ends two */
 #define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
+#define UNEXPLAINED_MAX (5U) /* slow periods */
+#define ROOT_3_HALF_Q15 (28378)
+#define NO_PHASE (SUPERVISION_PHASES)
 
 /* Word by word: a library's memset takes five times as long. */
 void supervision_reset(supervision_t *state)
@@ -18,8 +21,11 @@ void supervision_reset(supervision_t *state)
         state->highest[phase] = 0;
     }
     state->weak = 0U;
-    state->weak_turns = 0U;
+    state->weak_arcs = 0U;
     state->suspect = (fault_t){.id = FAULT_NONE};
+    state->absent = NO_PHASE;
+    state->absent_periods = 0U;
+    state->unexplained = 0U;
     state->off_current = (dq_t){0, 0};
     state->off_reference = 0U;
     state->runaway = 0U;
@@ -60,10 +66,9 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
 
 /* What a weak phase means: an open wire has no current, a dead channel some. c is not measured. */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
-                       int32_t limit)
+                       int32_t current, int32_t limit)
 {
-    const bool at_zero = (state->highest[weak] <= cfg->phase_zero_max) &&
-                         (state->lowest[weak] >= -cfg->phase_zero_max);
+    const bool at_zero = fx_abs(current) <= cfg->phase_zero_max;
 
     return (fault_t){
         .id = (at_zero || (weak == 2U)) ? FAULT_LOST_PHASE : FAULT_ADC_STUCK,
@@ -72,8 +77,9 @@ static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg,
     };
 }
 
-/* The end of a turn: which phase hardly moved, and for how many turns now. */
-static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg, fault_t *fault)
+/* The end of an arc: which phase hardly moved, and for how many arcs now. */
+static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg,
+                                 const int32_t current[SUPERVISION_PHASES], fault_t *fault)
 {
     uint32_t weak = 0U;
     int32_t strongest = 0;
@@ -86,21 +92,21 @@ static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *
     }
     limit = fx_asr(strongest, WEAK_SHARE_LOG2);
     if ((strongest <= cfg->phase_range_min) || (range_of(state, weak) >= limit)) {
-        state->weak_turns = 0U;
+        state->weak_arcs = 0U;
         state->suspect.id = FAULT_NONE;
     } else {
-        state->weak_turns = (weak == state->weak) ? (state->weak_turns + 1U) : 1U;
+        state->weak_arcs = (weak == state->weak) ? (state->weak_arcs + 1U) : 1U;
         state->weak = weak;
-        state->suspect = suspect(state, cfg, weak, limit);
+        state->suspect = suspect(state, cfg, weak, current[weak], limit);
     }
-    if (state->weak_turns >= TURNS_MAX) {
+    if (state->weak_arcs >= ARCS_MAX) {
         *fault = state->suspect;
         id = fault->id;
     }
     return id;
 }
 
-/* Electrical turns since the start of this one, wrapping. */
+/* Electrical turns since the start of this arc, wrapping. */
 static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 {
     const uint32_t turned = (uint32_t)turns_q16 - (uint32_t)state->start_q16;
@@ -111,6 +117,7 @@ static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                     const supervision_phases_t *in, fault_t *fault)
 {
+    const int32_t current[SUPERVISION_PHASES] = {in->a, in->b, -in->a - in->b};
     fault_id_t id = FAULT_NONE;
     int32_t turned;
 
@@ -118,20 +125,66 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
         state->start_q16 = in->turns_q16;
     }
     turned = turned_q16(state, in->turns_q16);
-    note_phase(state, 0U, in->a);
-    note_phase(state, 1U, in->b);
-    note_phase(state, 2U, -in->a - in->b);
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        note_phase(state, phase, current[phase]);
+    }
     state->samples++;
     if (fx_abs(in->speed) > cfg->phase_speed_max) {
         state->samples = 0U;
-        state->weak_turns = 0U;
+        state->weak_arcs = 0U;
         state->suspect.id = FAULT_NONE;
-    } else if ((state->samples >= TURN_SAMPLES_MIN) &&
-               ((turned >= ONE_TURN_Q16) || (turned <= -ONE_TURN_Q16))) {
+    } else if ((state->samples >= ARC_SAMPLES_MIN) &&
+               ((turned >= ARC_Q16) || (turned <= -ARC_Q16))) {
         state->samples = 0U;
-        id = compare_phases(state, cfg, fault);
+        id = compare_phases(state, cfg, current, fault);
     } else {
-        /* the turn goes on */
+        /* the arc goes on */
+    }
+    return id;
+}
+
+typedef struct {
+    uint32_t phase;  /* that should have a current and has none; NO_PHASE: all as they should be */
+    int32_t current; /* what it has */
+} absent_t;
+
+static absent_t absent_phase(const supervision_cfg_t *cfg, const supervision_imposed_t *in)
+{
+    const int32_t across = fx_asr(in->expected.beta * ROOT_3_HALF_Q15, 15U);
+    const int32_t along = fx_asr(in->expected.alpha, 1U);
+    const int32_t expected[SUPERVISION_PHASES] = {in->expected.alpha, across - along,
+                                                  -across - along};
+    const int32_t measured[SUPERVISION_PHASES] = {in->a, in->b, -in->a - in->b};
+    absent_t absent = {.phase = NO_PHASE, .current = 0};
+
+    for (uint32_t phase = 0U; phase < SUPERVISION_PHASES; phase++) {
+        if ((fx_abs(measured[phase]) <= cfg->phase_zero_max) &&
+            (fx_abs(expected[phase]) > cfg->phase_range_min)) {
+            absent = (absent_t){.phase = phase, .current = fx_abs(measured[phase])};
+        }
+    }
+    return absent;
+}
+
+fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg_t *cfg,
+                                     const supervision_imposed_t *in, fault_t *fault)
+{
+    const absent_t absent = absent_phase(cfg, in);
+    const int32_t voltage = fx_max(fx_abs(in->voltage.d), fx_abs(in->voltage.q));
+    const int32_t voltage_max = cfg->voltage_max + in->emf;
+    const bool excess = lasts(&state->unexplained, voltage > voltage_max, UNEXPLAINED_MAX);
+    fault_id_t id = FAULT_NONE;
+
+    state->absent_periods = (absent.phase == state->absent) ? (state->absent_periods + 1U) : 0U;
+    state->absent = absent.phase;
+    if ((absent.phase != NO_PHASE) && (excess || (state->absent_periods > cfg->absent_periods))) {
+        id = FAULT_LOST_PHASE;
+        *fault = (fault_t){.id = id, .value = absent.current, .limit = cfg->phase_range_min};
+    } else if (excess) {
+        id = FAULT_CURRENT_IMPLAUSIBLE;
+        *fault = (fault_t){.id = id, .value = voltage, .limit = voltage_max};
+    } else {
+        /* as it should be */
     }
     return id;
 }
@@ -207,20 +260,25 @@ fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t
     return found.id;
 }
 
-fault_id_t supervision_check_late(supervision_t *state, const supervision_cfg_t *cfg,
+fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t *cfg,
                                   fault_t *fault)
 {
     fault_id_t id = FAULT_NONE;
 
+    state->late++;
     if (state->late > cfg->late_max) {
         id = FAULT_LATE;
         *fault =
             (fault_t){.id = id, .value = (int32_t)state->late, .limit = (int32_t)cfg->late_max};
     }
+    return id;
+}
+
+void supervision_forget_late(supervision_t *state, const supervision_cfg_t *cfg)
+{
     state->late_periods++;
     if (state->late_periods >= cfg->late_window) {
         state->late_periods = 0U;
         state->late = 0U;
     }
-    return id;
 }

@@ -24,9 +24,15 @@
 #define SUPERVISION_PHASES (3U)
 
 typedef struct {
-    int32_t phase_range_min;  /* phases are compared when one moved more than this, 1…65535 */
-    int32_t phase_zero_max;   /* one that stays within this of zero is an open wire, 0…16384 */
-    step_t phase_speed_max;   /* above it a turn has too few samples to compare, 1…2^30 */
+    int32_t
+        phase_range_min; /* phases are compared when one moved more than this, or has to carry it, 1…65535 */
+    int32_t phase_zero_max; /* one that stays within this of zero is an open wire, 0…16384 */
+    step_t phase_speed_max; /* above it an arc has too few samples to compare, 1…2^30 */
+    uint32_t
+        absent_periods; /* LOST_PHASE: a phase is at zero that has to carry a current, for more slow periods */
+    int32_t
+        voltage_max; /* CURRENT_IMPLAUSIBLE: an imposed current needs more than the model says and this, Q15 of U_b,
+                                  1…32767 */
     int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
     int32_t residual_max;     /* OBSERVER_LOST: mean of the larger model error, 1…8191 */
     uint32_t mean_shift;      /* both means are over 2^mean_shift periods, 0…14 */
@@ -44,17 +50,20 @@ typedef struct {
 
 typedef struct {
     uint32_t step;         /* of the other checks, the next one, 0…SUPERVISION_STEPS − 1 */
-    uint32_t late;         /* late ticks in this window: counted by the drive */
+    uint32_t late;         /* late ticks in this window */
     uint32_t late_periods; /* of this window */
-    int32_t start_q16;     /* where this turn began, Q16 electrical turns */
-    uint32_t samples;      /* of this turn; 0: begin anew */
-    int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this turn */
+    int32_t start_q16;     /* where this arc began, Q16 electrical turns */
+    uint32_t samples;      /* of this arc; 0: begin anew */
+    int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
-    uint32_t weak;          /* the phase that did not move in the last turns … */
-    uint32_t weak_turns;    /* … and in how many in a row */
-    fault_t suspect;        /* what the last weak turn would be; none after a healthy one */
-    dq_t off_current;       /* mean error of the current, Q15 times 2^mean_shift */
-    uint32_t off_reference; /* counts of periods, up and down */
+    uint32_t weak;      /* the phase that did not move in the last arcs … */
+    uint32_t weak_arcs; /* … and in how many in a row */
+    fault_t suspect;    /* what the last weak arc would be; none after a healthy one */
+    uint32_t absent;    /* the phase without the current imposed on it, or SUPERVISION_PHASES … */
+    uint32_t absent_periods; /* … and for how many slow periods */
+    uint32_t unexplained;    /* slow periods with too much voltage, up and down */
+    dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
+    uint32_t off_reference;  /* counts of periods, up and down */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
@@ -72,11 +81,27 @@ typedef struct {
 } supervision_phases_t;
 
 /*
- * LOST_PHASE, ADC_STUCK: over a whole electrical turn a phase moved less than an eighth of the strongest,
- * three turns in a row. Never at standstill, where currents are constant. A turn needs 8 samples.
+ * LOST_PHASE, ADC_STUCK: over an arc of half an electrical turn a phase moved less than an eighth of the
+ * strongest, three arcs in a row. Never at standstill, where currents are constant. An arc has at least 8 samples.
  */
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                     const supervision_phases_t *in, fault_t *fault);
+
+typedef struct {
+    int32_t a; /* phase currents, −16384…16383 */
+    int32_t b;
+    ab_t expected; /* the reference, ±32767 */
+    dq_t voltage;  /* of the current control beyond what the model explains, Q15 of U_b */
+    int32_t emf;   /* of a rotor that goes with the frame, Q15 of U_b, 0…65535 */
+} supervision_imposed_t;
+
+/*
+ * Where a current is imposed. LOST_PHASE: a phase stays at zero that has to carry a current; a swinging rotor can hold
+ * it there for a part of a swing only. CURRENT_IMPLAUSIBLE: voltage that the current as measured cannot need; a sensor
+ * does not tell what flows. Once a slow period.
+ */
+fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg_t *cfg,
+                                     const supervision_imposed_t *in, fault_t *fault);
 
 typedef struct {
     dq_t current;
@@ -111,8 +136,11 @@ typedef struct {
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);
 
-/* LATE: in any state. */
-fault_id_t supervision_check_late(supervision_t *state, const supervision_cfg_t *cfg,
+/* LATE: in any state, in each tick that follows a late one. */
+fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t *cfg,
                                   fault_t *fault);
+
+/* Once a period: the window in which they are counted goes on, and ends. */
+void supervision_forget_late(supervision_t *state, const supervision_cfg_t *cfg);
 
 #endif

@@ -20,7 +20,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
 {
     const hal_host_faults_t *const faults = &hal->faults;
     const uint32_t late = hal->late ? DRIVE_FLAG_LATE : 0U;
-    const uint32_t broken = faults->broken ? DRIVE_FLAG_BREAK : 0U;
+    const bool tripped = plant_take_trip(hal->plant);
+    const uint32_t broken = (faults->broken || tripped) ? DRIVE_FLAG_BREAK : 0U;
     plant_adc_t adc;
 
     plant_sample(hal->plant, &adc);

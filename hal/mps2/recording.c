@@ -301,7 +301,10 @@ static void mix_supervision(uint32_t *hash, const supervision_t *s)
         mix_i32(hash, s->highest[phase]);
     }
     mix_u32(hash, s->weak);
-    mix_u32(hash, s->weak_turns);
+    mix_u32(hash, s->weak_arcs);
+    mix_u32(hash, s->absent);
+    mix_u32(hash, s->absent_periods);
+    mix_u32(hash, s->unexplained);
     mix_fault(hash, &s->suspect);
     mix_dq(hash, s->off_current);
     mix_u32(hash, s->off_reference);

@@ -139,6 +139,9 @@ void add_supervision(Rows &to)
     ampere("phase_range_min", c.phase_range_min);
     ampere("phase_zero_max", c.phase_zero_max);
     rpm("phase_speed_max", c.phase_speed_max);
+    to.add("supervision.absent_periods", c.absent_periods, "{:.4g} s",
+           c.absent_periods * to.slow_period());
+    to.add("supervision.voltage_max", c.voltage_max, "{:.4g} V", to.volt(c.voltage_max));
     ampere("follow_error_max", c.follow_error_max);
     ampere("residual_max", c.residual_max);
     to.add("supervision.mean_shift", c.mean_shift, "mean of {:.4g} s",
@@ -268,6 +271,8 @@ void add_catch_spin(Rows &to)
     const catch_spin_cfg_t &c = to.built.startup.catch_spin;
     to.add("startup.catch_spin.current", c.current, "a pulse ends above {:.5g} A",
            to.ampere(c.current));
+    to.add("startup.catch_spin.wait_ticks", c.wait_ticks, "{:.4g} s, until nothing flows",
+           c.wait_ticks * to.bases.control_period_s);
     to.add("startup.catch_spin.pulse_ticks", c.pulse_ticks, "or after {:.4g} s",
            to.seconds(c.pulse_ticks));
     to.add("startup.catch_spin.gap_factor", c.gap_factor, "the pause, in pulses");

@@ -49,10 +49,12 @@ void need(bool holds, const Config &config, const std::string &key, double value
     }
 }
 
-// The defaults of the temperature sensor are for simulated power stages; the warning follows from its limit.
+// The defaults of the temperature sensor are for simulated power stages, which may also do without comparators;
+// the warning follows from its limit.
 bool is_needed(const Field &field)
 {
     return std::strcmp(field.section, "hal") == 0 || field.name() == "board.dead_time_s" ||
+           field.name() == "board.trip_a" ||
            (field.name().rfind("board.temperature_", 0) == 0 &&
             field.name() != "board.temperature_warn_c");
 }
@@ -140,9 +142,10 @@ void check_scales(const Config &config)
 constexpr double RISE_MIN_V = 0.025;
 
 // The comparators look at the pin before the programmable amplifier.
-double trip_level_v(const HalSettings &hal)
+double trip_level_v(const Config &config)
 {
-    const double rise = volts_per_ampere(hal) * hal.trip_a;
+    const HalSettings &hal = config.hal;
+    const double rise = volts_per_ampere(hal) * config.board.trip_a;
     const double output = hal.amplifier_zero_v + (hal.break_polarity == ACTIVE_LOW ? -rise : rise);
     return output / hal.pga_gain;
 }
@@ -150,15 +153,13 @@ double trip_level_v(const HalSettings &hal)
 void check_trip(const Config &config)
 {
     const HalSettings &hal = config.hal;
-    const double level = trip_level_v(hal);
-    need(hal.trip_a >= config.board.overcurrent_a, config, "hal.trip_a", hal.trip_a,
-         "trips before the drive's own limit can",
-         fmt::format("at least board.overcurrent_a = {:g} A", config.board.overcurrent_a));
+    const double level = trip_level_v(config);
+    const double trip_a = config.board.trip_a;
     const double rise_per_ampere = volts_per_ampere(hal) / hal.pga_gain;
-    need(hal.trip_a * rise_per_ampere >= RISE_MIN_V, config, "hal.trip_a", hal.trip_a,
+    need(trip_a * rise_per_ampere >= RISE_MIN_V, config, "board.trip_a", trip_a,
          "is within offset and hysteresis of the comparator",
          fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
-    need(level > 0 && level < hal.adc_reference_v, config, "hal.trip_a", hal.trip_a,
+    need(level > 0 && level < hal.adc_reference_v, config, "board.trip_a", trip_a,
          fmt::format("needs a comparator level of {:.3g} V", level),
          fmt::format("a current for which it is within 0 to {:g} V", hal.adc_reference_v));
 }
@@ -203,11 +204,13 @@ std::string sensing_lines(const Config &config)
                   "board.bus_full_scale_v");
 }
 
-std::string trip_lines(const HalSettings &hal)
+std::string trip_lines(const Config &config)
 {
-    const double level = trip_level_v(hal);
+    const HalSettings &hal = config.hal;
+    const double level = trip_level_v(config);
     return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
-                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator", hal.trip_a, level)) +
+                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator", config.board.trip_a,
+                              level)) +
            flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
 }
 
@@ -260,7 +263,7 @@ std::string make_hal_header(const Config &config)
         "\n#endif\n",
         quoted(fmt::format("neurofoc: {}, {}, {}", config.motor.name, config.board.name,
                            config.tuning.name)),
-        timer_lines(config), sensing_lines(config), trip_lines(config.hal),
+        timer_lines(config), sensing_lines(config), trip_lines(config),
         temperature_lines(config.board), speed_lines(config));
 }
 

@@ -17,7 +17,6 @@ struct HalSettings {
     int pga_gain = 0;            // the part of the gain behind the comparators' inputs
     double adc_reference_v = 0;
     double bus_divider = 0; // bus to converter
-    double trip_a = 0;
 };
 
 } // namespace nf

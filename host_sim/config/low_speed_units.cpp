@@ -28,6 +28,8 @@ constexpr double HOLD_INTEGRAL = 0.2;
 // A pulse that looks for a turning rotor ends at this share of the largest current.
 constexpr double CATCH_SHARE = 0.05;
 constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
+// Open gates put the bus against a current, which ends in L·I/U: ten times what 100 mH, 30 A and 300 V take.
+constexpr double CATCH_WAIT_S = 0.1;
 constexpr int CATCH_TICKS = 8;
 constexpr int CATCH_GAP_MAX = 16;
 constexpr int CATCH_PAUSE_MAX = 32;
@@ -45,6 +47,13 @@ constexpr double LOST_TIME_S = 0.1;
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 constexpr uint32_t ATTEMPTS = 5;
+
+// What supervision allows an imposed current. A swing of 1/ω_n can hold a phase at zero, at its turning point, for
+// 1.4, and the leg's dead time keeps it there, for 3 as measured; twice that is an open wire. The current control adds at most this much to R·i and the EMF: for the winding's
+// R at 100 K more than cold, and for a dead time of 2 % of the period that nobody gives back.
+constexpr double ABSENT = 6;
+constexpr double VOLTAGE_RESISTANCE_SHARE = 0.4;
+constexpr double VOLTAGE_BUS_SHARE = 0.03;
 
 constexpr double FLUX_TIME_S = 0.05;
 constexpr double FLUX_SPEED_SHARE = 0.2; // of rated speed
@@ -134,6 +143,7 @@ catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings
     catch_spin_cfg_t c{};
     store(c.current, threshold / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
+    c.wait_ticks = ticks(CATCH_WAIT_S, b);
     c.pulse_ticks = CATCH_TICKS;
     c.gap_factor = static_cast<uint32_t>(
         std::clamp(std::floor(CATCH_TURN / turn) - 1, 1.0, double{CATCH_GAP_MAX}));
@@ -210,6 +220,19 @@ current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const Moto
         c.pi_q = c.pi_d;
     }
     return c;
+}
+
+void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
+                        const BoardSettings &board, const TuningSettings &tuning, const Model &m,
+                        const Bases &b)
+{
+    const double resistive = VOLTAGE_RESISTANCE_SHARE * m.resistance * motor.max_current_a;
+    const double voltage = resistive + VOLTAGE_BUS_SHARE * board.bus_nominal_v;
+    c.voltage_max = static_cast<int32_t>(
+        std::lround(std::clamp(voltage / b.voltage_v * Q15, 1.0, MANTISSA_MAX)));
+    if (tuning.startup_current_pct > 0) {
+        c.absent_periods = slow_periods(ABSENT / swing_rad_s(motor, board, tuning, m), tuning, b);
+    }
 }
 
 model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tuning, const Model &m,

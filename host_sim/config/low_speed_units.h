@@ -24,6 +24,11 @@ current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const Moto
                                   const BoardSettings &board, const TuningSettings &tuning,
                                   const Model &m, const Bases &b);
 
+// What supervision allows an imposed current; its other numbers stay.
+void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
+                        const BoardSettings &board, const TuningSettings &tuning, const Model &m,
+                        const Bases &b);
+
 model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tuning, const Model &m,
                            const Bases &b);
 

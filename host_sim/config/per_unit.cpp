@@ -45,9 +45,9 @@ constexpr double BUS_END_SHARE = 0.75;
 constexpr double STANDSTILL = 1.0 / 64;
 
 // Supervision. Currents are shares of the continuous current; DESIGN.md says what each must not see.
-// A turn is judged from a fifth of the continuous current's amplitude on, twice that peak to peak; an
-// eighth of it is then above the noise of 1 LSB rms, which spans 8 LSB in a turn.
-constexpr double PHASE_RANGE_SHARE = 0.4;
+// Half a turn is judged from a fifth of the continuous current's amplitude on, which a phase then moves by at
+// least; an eighth of it is above the noise of 1 LSB rms, which spans 8 LSB in a turn.
+constexpr double PHASE_RANGE_SHARE = 0.2;
 constexpr double PHASE_RANGE_LSB = 64 + 1;
 constexpr double PHASE_TURNS = 0.4; // in a slow period: beyond, two samples a turn can miss a phase
 constexpr double FOLLOW_SHARE = 0.2;
@@ -93,6 +93,10 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
     protection_cfg_t c{};
     store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, Q14 - 2,
           {"board.overcurrent_a", board.overcurrent_a}, reason);
+    if (board.trip_a > 0) {
+        require(board.trip_a, board.overcurrent_a, HUGE_VAL, {"board.trip_a", board.trip_a},
+                "board.overcurrent_a: the comparators must not trip before the drive's own limit");
+    }
     store(c.bus_max, board.bus_max_v / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
           {"board.bus_max_v", board.bus_max_v}, reason);
     store(c.bus_min, board.bus_min_v / b.voltage_v * Q15, 0, MANTISSA_MAX - 1,
@@ -549,6 +553,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     const double period_s = b.control_period_s * tuning.slow_ticks * SUPERVISION_STEPS;
     c.derating = make_derating(motor, board, period_s, b);
     c.supervision = make_supervision(motor, board, tuning, period_s, b);
+    set_imposed_limits(c.supervision, motor, board, tuning, m, b);
     c.observer = make_observer(motor, board, tuning, m, b);
     c.current_loop = make_current_loop(motor, tuning, m, b);
     c.speed_loop = make_speed_loop(motor, tuning, m, b);

@@ -67,6 +67,7 @@ const std::vector<Field> FIELDS = {
     {"board", "bus_low_v", "V", 0, 1000, OPTIONAL, board<&B::bus_low_v>, "motoring is derated below; 0: bus_min_v and a quarter of the way to nominal"},
     {"board", "bus_brake_v", "V", 0, 1500, OPTIONAL, board<&B::bus_brake_v>, "braking is derated above; 0: half way from nominal to bus_max_v"},
     {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
+    {"board", "trip_a", "A", 0, 5000, OPTIONAL, board<&B::trip_a>, "comparators open the gates by themselves at this phase current; 0: there are none"},
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
@@ -86,7 +87,6 @@ const std::vector<Field> FIELDS = {
     {"hal", "pga_gain", "", 2, 64, OPTIONAL, hal<&H::pga_gain>, "the part of the gain behind the comparators' inputs"},
     {"hal", "adc_reference_v", "V", 1, 5, OPTIONAL, hal<&H::adc_reference_v>, "full scale of the converters"},
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
-    {"hal", "trip_a", "A", 0.01, 5000, OPTIONAL, hal<&H::trip_a>, "comparators open the gates at this current"},
 
     {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},

@@ -44,6 +44,7 @@ struct BoardSettings {
     double bus_low_v = 0;   // below it motoring is derated; 0: a quarter of the way up to nominal
     double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the maximum
     double overcurrent_a = 0;
+    double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
     double offset_max_a = 0;            // largest sensor offset that calibration accepts
     double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
     double dead_time_s = 0;             // both switches of a leg off at each edge

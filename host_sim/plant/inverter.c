@@ -39,7 +39,7 @@ static const char *inverter_bad_field(const plant_inverter_cfg_t *cfg)
     return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
 }
 
-static void forget_commands(plant_inverter_t *inverter)
+void plant_inverter_forget(plant_inverter_t *inverter)
 {
     inverter->commanded = 0;
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
@@ -58,7 +58,7 @@ bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t 
     inverter->tick_s = inverter->period_s / (2.0 * (double)cfg->timer_counts);
     inverter->dead_time_s = cfg->dead_time_s;
     inverter->timer_counts = cfg->timer_counts;
-    forget_commands(inverter);
+    plant_inverter_forget(inverter);
     return true;
 }
 
@@ -209,7 +209,7 @@ void plant_inverter_pattern(plant_inverter_t *inverter, const uint32_t compare[P
 
 void plant_inverter_off(plant_inverter_t *inverter, plant_pattern_t *pattern)
 {
-    forget_commands(inverter);
+    plant_inverter_forget(inverter);
     pattern->count = 0;
     append(pattern, inverter->period_s, 0, 0);
 }

@@ -67,7 +67,10 @@ bool plant_inverter_init(plant_inverter_t *inverter, const plant_inverter_cfg_t 
 void plant_inverter_pattern(plant_inverter_t *inverter, const uint32_t compare[PLANT_LEGS],
                             plant_pattern_t *pattern);
 
-/* One period with all six switches open; the legs come back from the low command. */
+/* All six switches open from now on: the legs come back from the low command, no dead time runs. */
+void plant_inverter_forget(plant_inverter_t *inverter);
+
+/* One period with all six switches open. */
 void plant_inverter_off(plant_inverter_t *inverter, plant_pattern_t *pattern);
 
 #ifdef __cplusplus

@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+/* Halvings of a segment in which the comparators trip. */
+#define TRIP_HALVINGS 20
+
 static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
 {
     const double lowest_v = cfg->voltage_v * (1.0 - cfg->ripple_fraction);
@@ -83,6 +86,11 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
     if (*bad_field != NULL) {
         return false;
     }
+    if (!plant_is_not_negative(cfg->trip_a)) {
+        *bad_field = "trip_a";
+        return false;
+    }
+    plant->trip_a = cfg->trip_a;
     plant->supply = cfg->supply;
     plant->bus_v = supply_now_v(plant);
     plant_set_temperature(plant, PLANT_AMBIENT_C);
@@ -100,6 +108,13 @@ void plant_write_compare(plant_t *plant, const uint32_t compare[PLANT_LEGS])
 void plant_set_gates(plant_t *plant, bool on)
 {
     plant->gates_on = on;
+}
+
+bool plant_take_trip(plant_t *plant)
+{
+    const bool tripped = plant->tripped;
+    plant->tripped = false;
+    return tripped;
 }
 
 void plant_set_load_torque(plant_t *plant, double torque_nm)
@@ -171,30 +186,99 @@ static double acting_bus_v(const plant_t *plant)
     return has_capacitor(plant) ? plant->bus_v : supply_v(plant, present_time_s(plant) + half_s);
 }
 
-/* Ideal segments go to the motor in runs as long as possible. Returns the charge that the bridge has
- * taken from the capacitor, if there is one. */
-static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
+/* Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has taken
+ * from the capacitor, if there is one, to *charge_c. */
+static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned count,
+                         const plant_segment_t segments[], double *charge_c)
 {
-    const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v, plant->broken};
-    double charge_c = 0.0;
-    double *const meter = has_capacitor(plant) ? &charge_c : NULL;
+    double *const meter = has_capacitor(plant) ? charge_c : NULL;
     plant_interval_t run[PLANT_SEGMENTS_MAX];
     unsigned pending = 0;
-    for (unsigned k = 0; k < pattern->count; k++) {
-        const plant_segment_t *segment = &pattern->segment[k];
+    for (unsigned k = 0; k < count; k++) {
+        const plant_segment_t *segment = &segments[k];
         if (is_ideal(plant, segment)) {
             const plant_vector_t unit = unit_vector[segment->high];
             run[pending].duration_s = segment->duration_s;
-            run[pending].v.alpha = rails.bus_v * unit.alpha;
-            run[pending].v.beta = rails.bus_v * unit.beta;
+            run[pending].v.alpha = rails->bus_v * unit.alpha;
+            run[pending].v.beta = rails->bus_v * unit.beta;
             pending++;
         } else {
             plant_motor_run_driven(&plant->motor, pending, run);
             pending = 0;
-            plant_bridge_run(&plant->motor, segment, &rails, meter);
+            plant_bridge_run(&plant->motor, segment, rails, meter);
         }
     }
     plant_motor_run_driven(&plant->motor, pending, run);
+}
+
+static bool is_beyond_trip(const plant_t *plant)
+{
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(&plant->motor), current);
+    return fmax(fabs(current[0]), fmax(fabs(current[1]), fabs(current[2]))) > plant->trip_a;
+}
+
+/* The comparators trip within a segment that begins with the motor like this: the plant goes to the
+ * instant at which they do. Returns the time from the beginning. */
+static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const plant_motor_t *from,
+                          const plant_segment_t *segment, double *charge_c)
+{
+    plant_segment_t part = *segment;
+    double early_s = 0.0;
+    double late_s = segment->duration_s;
+    for (int k = 0; k < TRIP_HALVINGS; k++) {
+        double unused_c = 0.0;
+        part.duration_s = 0.5 * (early_s + late_s);
+        plant->motor = *from;
+        run_segments(plant, rails, 1, &part, &unused_c);
+        if (is_beyond_trip(plant)) {
+            late_s = part.duration_s;
+        } else {
+            early_s = part.duration_s;
+        }
+    }
+    part.duration_s = late_s;
+    plant->motor = *from;
+    run_segments(plant, rails, 1, &part, charge_c);
+    return late_s;
+}
+
+/* Up to the instant at which the comparators trip; the rest of the period with all switches open. */
+static void run_watched(plant_t *plant, const plant_rails_t *rails, const plant_pattern_t *pattern,
+                        double *charge_c)
+{
+    plant_segment_t open = {plant->inverter.period_s, 0, 0};
+    for (unsigned k = 0; k < pattern->count && plant->gates_on; k++) {
+        const plant_segment_t *segment = &pattern->segment[k];
+        const plant_motor_t before = plant->motor;
+        double segment_c = 0.0;
+        run_segments(plant, rails, 1, segment, &segment_c);
+        if (is_beyond_trip(plant)) {
+            segment_c = 0.0;
+            open.duration_s -= run_to_trip(plant, rails, &before, segment, &segment_c);
+            plant->tripped = true;
+            plant->gates_on = false;
+        } else {
+            open.duration_s -= segment->duration_s;
+        }
+        *charge_c += segment_c;
+    }
+    if (!plant->gates_on && open.duration_s > 0.0) {
+        plant_inverter_forget(&plant->inverter);
+        run_segments(plant, rails, 1, &open, charge_c);
+    }
+}
+
+/* One period. Returns the charge that the bridge has taken from the capacitor, if there is one. */
+static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
+{
+    const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v, plant->broken};
+    double charge_c = 0.0;
+    if (plant->gates_on && plant->trip_a > 0.0) {
+        run_watched(plant, &rails, pattern, &charge_c);
+    } else {
+        run_segments(plant, &rails, pattern->count, pattern->segment, &charge_c);
+    }
     return charge_c;
 }
 

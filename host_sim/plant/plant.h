@@ -17,6 +17,11 @@
  * so the rectifier charges like a diode, in backward Euler steps, and energy fed back stays in the
  * capacitor exactly.
  *
+ * Comparators: at the instant at which a phase current exceeds trip_a in either direction all six switches open, as
+ * by a timer's break input, and stay so until somebody enables them again; the plant remembers that it tripped until
+ * it is asked. The instant is that of the first segment between two switchings at whose end the current is beyond,
+ * bisected to 2^-20 of the segment; a peak within one segment goes unseen.
+ *
  * A plant is one plain struct without pointers: assigning it is a snapshot, and the copy goes on
  * exactly as the original does. Nothing depends on global state or on the machine's libm (only
  * floor, ceil and sqrt are used, which are exact), so equal configurations and inputs give equal
@@ -54,6 +59,7 @@ typedef struct {
     plant_inverter_cfg_t inverter;
     plant_supply_cfg_t supply;
     plant_sensor_cfg_t sensor;
+    double trip_a; /* A, >= 0, of the comparators; 0: there are none */
 } plant_cfg_t;
 
 typedef struct {
@@ -69,6 +75,8 @@ typedef struct {
     bool
         ideal_legs; /* a leg's potential is that of its rail, and nobody asks for the bus current */
     bool gates_on;
+    double trip_a;
+    bool tripped;
 } plant_t;
 
 /* Temperature of the power stage until it is set, degrees C. */
@@ -96,8 +104,11 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field);
  * timer_counts. In force after the next plant_step. */
 void plant_write_compare(plant_t *plant, const uint32_t compare[PLANT_LEGS]);
 
-/* Enables the switches, or opens all six. From the present instant. */
+/* Enables the switches, or opens all six. From the present instant, unless the comparators see to it. */
 void plant_set_gates(plant_t *plant, bool on);
+
+/* Whether the comparators have opened the switches since the last call. */
+bool plant_take_trip(plant_t *plant);
 
 /* Load torque, N m, constant until changed. Positive opposes positive rotation; it is an external
  * torque and does not turn with the speed. From the present instant. */

@@ -189,11 +189,12 @@ class Board:
     """The image from its reset vector on. Analogue values are set in counts as the drive takes them."""
 
     def __init__(self, image, board_file, reset_flags=PIN_FLAG):
-        hal = tomllib.loads(board_file.read_text(encoding="utf-8"))["hal"]
+        board = tomllib.loads(board_file.read_text(encoding="utf-8"))
+        hal = board["hal"]
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
         self.sign = -1 if hal["amplifier_gain"] < 0 else 1
         self.gain = hal["pga_gain"]
-        self.trip_a = hal["trip_a"]
+        self.trip_a = board["board"]["trip_a"]
         self.chip = Chip(reset_flags)
         self.core = Core(image, self.chip)
 

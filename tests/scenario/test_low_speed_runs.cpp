@@ -3,6 +3,10 @@
 #include "scenario.h"
 #include "sim.h"
 
+extern "C" {
+#include "fault_text.h"
+}
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -90,6 +94,7 @@ private:
 
 struct Start {
     double time_s = -1; // from the request to 98 % of 1000 rpm
+    const char *fault = "";
     double backwards_deg = 0;
 };
 
@@ -109,6 +114,7 @@ Start start(const std::string &imperfection, double angle_deg, double load_nm)
             break;
         }
     }
+    result.fault = fault_text(bench.sim.drive().fault.id)->name;
     return result;
 }
 
@@ -122,7 +128,7 @@ void check_starts(const std::string &imperfection, double load_nm)
         const double angle_deg = 360.0 * k / ANGLES - 180;
         const Start found = start(imperfection, angle_deg, load_nm);
         const std::string where =
-            fmt::format("{} at {}°, {} N·m", imperfection, angle_deg, load_nm);
+            fmt::format("{} at {}°, {} N·m: {}", imperfection, angle_deg, load_nm, found.fault);
         TEST_ASSERT_TRUE_MESSAGE(found.time_s >= 0, where.c_str());
         slowest_s = std::max(slowest_s, found.time_s);
         furthest_deg = std::max(furthest_deg, found.backwards_deg);

@@ -126,9 +126,11 @@ static inline derating_cfg_t example_derating_cfg(void)
 static inline supervision_cfg_t example_supervision_cfg(void)
 {
     return (supervision_cfg_t){
-        .phase_range_min = 2201,      /* 2.69 A peak to peak */
-        .phase_zero_max = 550,        /* 0.67 A */
+        .phase_range_min = 1101,      /* 1.34 A */
+        .phase_zero_max = 275,        /* 0.34 A */
         .phase_speed_max = 171798692, /* 0.4 turns a slow period */
+        .absent_periods = 38U,        /* 3 / (79 rad/s) */
+        .voltage_max = 1296,          /* 0.4·R·10 A + 0.03·310 V = 17.8 V */
         .follow_error_max = 1101,     /* 1.34 A */
         .residual_max = 4128,         /* 5.04 A */
         .mean_shift = 4U,             /* 64 ms */
@@ -173,6 +175,7 @@ static inline catch_spin_cfg_t example_catch_spin_cfg(void)
 {
     return (catch_spin_cfg_t){
         .current = 410, /* 0.5 A */
+        .wait_ticks = 1000U,
         .pulse_ticks = 8U,
         .gap_factor = 8U,
         .pause_max = 32U,
@@ -297,6 +300,8 @@ static inline void example_supervise_nothing(drive_cfg_t *cfg)
     cfg->supervision = (supervision_cfg_t){
         .phase_range_min = 65535,
         .phase_speed_max = 1,
+        .absent_periods = 1000000U,
+        .voltage_max = 32767,
         .follow_error_max = 65535,
         .residual_max = 8191,
         .mean_shift = 14U,

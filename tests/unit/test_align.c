@@ -168,18 +168,23 @@ static void test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_re
 
 static void test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_pull(void)
 {
-    align_reset_held(&align, &cfg, 5000);
-    for (uint32_t k = cfg.sweep_ticks + 1U; k <= cfg.pull_ticks; k++) {
-        const int32_t before = align.current_ref;
+    static const int32_t held[] = {5000, 6554, 8192}; /* below, at and above current_high */
 
-        TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
-        align_step(&align, &cfg, 0, 0);
-        TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
-        TEST_ASSERT_TRUE((align.current_ref >= before) &&
-                         (align.current_ref <= (before + cfg.slope)));
+    for (uint32_t i = 0U; i < 3U; i++) {
+        align_reset_held(&align, &cfg, held[i]);
+        for (uint32_t k = cfg.sweep_ticks + 1U; k <= cfg.pull_ticks; k++) {
+            const int32_t before = align.current_ref;
+
+            TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
+            align_step(&align, &cfg, 0, 0);
+            TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
+            TEST_ASSERT_TRUE(abs(align.current_ref - before) <= cfg.slope);
+            TEST_ASSERT_TRUE(abs(align.current_ref - cfg.current_high) <=
+                             abs(before - cfg.current_high));
+        }
+        TEST_ASSERT_EQUAL_INT(ALIGN_MEASURE_HIGH, align.phase);
+        TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
     }
-    TEST_ASSERT_EQUAL_INT(ALIGN_MEASURE_HIGH, align.phase);
-    TEST_ASSERT_EQUAL_INT32(cfg.current_high, align.current_ref);
 }
 
 /* ---- means ---- */

@@ -219,8 +219,10 @@ static void test_first_pulse_ends_above_the_current_and_the_second_is_as_long(vo
 
         catch_spin_reset(&spin);
         while (result == CATCH_SPIN_BUSY) {
-            /* The preload takes the first tick; 410 alone is not above. */
-            result = catch_spin_step(&spin, &cfg, (ab_t){(tick >= length) ? 411 : 410, 0});
+            /* The preload takes the first tick, without a current; 410 alone is not above. */
+            const int32_t current = (tick == 0U) ? 0 : ((tick >= length) ? 411 : 410);
+
+            result = catch_spin_step(&spin, &cfg, (ab_t){current, 0});
             tick++;
             on += (spin.gates && (result == CATCH_SPIN_BUSY)) ? 1U : 0U;
         }
@@ -237,6 +239,28 @@ static void test_reset_forgets_what_was_there_before(void)
     TEST_ASSERT_EQUAL_UINT32(0U, spin.tick | spin.phase | spin.length | spin.angle);
     TEST_ASSERT_FALSE(spin.gates);
     TEST_ASSERT_EQUAL_INT32(0, spin.speed | spin.first.alpha | spin.first.beta);
+}
+
+static void test_gates_stay_open_until_the_current_from_before_has_ended(void)
+{
+    const int32_t quiet = cfg.current / 4; /* 102 */
+
+    for (uint32_t tick = 1U; tick < cfg.wait_ticks; tick++) {
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY,
+                              catch_spin_step(&spin, &cfg, (ab_t){0, -(quiet + 1)}));
+        TEST_ASSERT_FALSE(spin.gates);
+    }
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY, catch_spin_step(&spin, &cfg, (ab_t){0, -quiet}));
+    TEST_ASSERT_TRUE(spin.gates);
+}
+
+static void test_a_current_that_does_not_end_in_time_is_reported_with_open_gates(void)
+{
+    for (uint32_t tick = 1U; tick < cfg.wait_ticks; tick++) {
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY, catch_spin_step(&spin, &cfg, (ab_t){2000, 0}));
+    }
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_LIVE, catch_spin_step(&spin, &cfg, (ab_t){2000, 0}));
+    TEST_ASSERT_FALSE(spin.gates);
 }
 
 /* ---- what is believed ---- */
@@ -296,6 +320,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
 
         cfg = (catch_spin_cfg_t){
             .current = seeded_in(&seed, 1, 16384),
+            .wait_ticks = (uint32_t)seeded_in(&seed, 1, 100),
             .pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
             .gap_factor = (uint32_t)seeded_in(&seed, 1, 16),
             .pause_max = 256U,
@@ -308,7 +333,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
 
             result = catch_spin_step(&spin, &cfg, current);
             ticks++;
-            TEST_ASSERT_TRUE(ticks <= (1U + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
+            TEST_ASSERT_TRUE(ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
         }
         TEST_ASSERT_TRUE(abs(spin.speed) <= 0x40000000);
     }
@@ -324,6 +349,8 @@ int main(void)
     RUN_TEST(test_a_long_pulse_is_followed_by_the_longest_pause_allowed);
     RUN_TEST(test_gates_are_on_in_the_pulses_and_off_in_the_pause);
     RUN_TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long);
+    RUN_TEST(test_gates_stay_open_until_the_current_from_before_has_ended);
+    RUN_TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates);
     RUN_TEST(test_reset_forgets_what_was_there_before);
     RUN_TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed);
     RUN_TEST(test_a_current_that_rests_in_space_is_no_turning_rotor);

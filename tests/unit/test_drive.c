@@ -347,12 +347,29 @@ static uint32_t run_to_fault(fault_id_t id, uint32_t most)
 
 #define SUPERVISION_TICKS (40U) /* of 10 */
 
-static void test_late_ticks_in_a_row_are_a_fault_within_a_supervision_period_of_the_last(void)
+static void test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick(void)
 {
     go_to(DRIVE_STATE_RUN);
     in.flags = DRIVE_FLAG_LATE;
-    TEST_ASSERT_TRUE(run_to_fault(FAULT_LATE, 1000U) <=
-                     (cfg.supervision.late_max + 1U + SUPERVISION_TICKS));
+    TEST_ASSERT_EQUAL_UINT32(cfg.supervision.late_max + 1U, run_to_fault(FAULT_LATE, 1000U));
+}
+
+/* It is what they have led to. */
+static void test_an_overcurrent_in_the_last_late_tick_is_called_late(void)
+{
+    go_to(DRIVE_STATE_RUN);
+    in.flags = DRIVE_FLAG_LATE;
+    ticks(cfg.supervision.late_max);
+    in.adc_ia = 4000U;
+    TEST_ASSERT_EQUAL_UINT32(1U, run_to_fault(FAULT_LATE, 1U));
+}
+
+static void test_late_ticks_without_current_are_no_fault(void)
+{
+    go_to(DRIVE_STATE_READY);
+    in.flags = DRIVE_FLAG_LATE;
+    ticks(1000U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
 }
 
 static void test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state(void)
@@ -439,9 +456,9 @@ static void test_the_shortest_slow_periods_supervise_too(void)
         TEST_ASSERT_NULL(drive_init(&drive, &cfg));
         quiet_frame();
         go_to(DRIVE_STATE_RUN);
-        in.flags = DRIVE_FLAG_LATE;
-        TEST_ASSERT_TRUE(run_to_fault(FAULT_LATE, 1000U) <=
-                         (cfg.supervision.late_max + 1U + (SUPERVISION_STEPS * n)));
+        in.adc_temperature = 4000U;
+        TEST_ASSERT_TRUE(run_to_fault(FAULT_OVERTEMPERATURE, 1000U) <=
+                         ((cfg.derating.temperature_periods + 2U) * SUPERVISION_STEPS * n));
     }
 }
 
@@ -1128,7 +1145,9 @@ int main(void)
     RUN_TEST(test_offset_beyond_its_limit_is_a_fault_with_open_gates);
     RUN_TEST(test_offset_at_its_limit_is_accepted);
     RUN_TEST(test_a_sample_at_an_end_of_the_converter_is_named_so);
-    RUN_TEST(test_late_ticks_in_a_row_are_a_fault_within_a_supervision_period_of_the_last);
+    RUN_TEST(test_one_late_tick_more_than_allowed_is_a_fault_in_its_tick);
+    RUN_TEST(test_an_overcurrent_in_the_last_late_tick_is_called_late);
+    RUN_TEST(test_late_ticks_without_current_are_no_fault);
     RUN_TEST(test_a_flipped_bit_of_the_configuration_is_a_fault_in_bounded_time_in_every_state);
     RUN_TEST(test_init_refuses_a_configuration_that_is_not_what_was_built);
     RUN_TEST(test_overtemperature_is_a_fault_in_every_state_that_a_drive_rests_in);

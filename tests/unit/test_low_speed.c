@@ -432,6 +432,26 @@ static void test_the_tick_that_repeats_a_start_opens_the_gates(void)
     assert_gates_open();
 }
 
+/* A sensor that stands still looks like a current that never ends. */
+static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(void)
+{
+    for (int32_t b = 0; b < 2; b++) {
+        setUp();
+        run_at(0.0);
+        in.adc_ia = (uint16_t)((b != 0) ? MID_COUNTS : (MID_COUNTS + 200U));
+        in.adc_ib = (uint16_t)((b != 0) ? (MID_COUNTS - 200U) : MID_COUNTS);
+        for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state != DRIVE_STATE_FAULT); k++) {
+            drive_step(&drive, &in, &out);
+            TEST_ASSERT_FALSE(out.gate_enable);
+        }
+        TEST_ASSERT_EQUAL_INT(FAULT_ADC_STUCK, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT32(200 * 8, drive.fault.value);
+        TEST_ASSERT_EQUAL_INT32(cfg.startup.catch_spin.current / 4, drive.fault.limit);
+        TEST_ASSERT_EQUAL_UINT32(CALIBRATION_TICKS + cfg.startup.catch_spin.wait_ticks,
+                                 drive.fault.tick);
+    }
+}
+
 /* ---- any frame ---- */
 
 /* Phases so short that all states are passed often. */
@@ -538,8 +558,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.current_loop.reactance_q_q13 = 16250;
         cfg.current_loop.resistance_q13 = 32767;
         cfg.hold_loop = cfg.current_loop;
-        cfg.startup.catch_spin =
-            (catch_spin_cfg_t){1, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run};
+        cfg.startup.catch_spin = (catch_spin_cfg_t){
+            1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run};
         cfg.startup.align.step_voltage = 32767;
         cfg.startup.handover_speed = 2;
         cfg.startup.track_speed = 1;
@@ -582,6 +602,7 @@ int main(void)
     RUN_TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing);
     RUN_TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught);
     RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
+    RUN_TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor);
     RUN_TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state);
     RUN_TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range);
     return UNITY_END();

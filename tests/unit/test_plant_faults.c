@@ -1,4 +1,4 @@
-/* What can be broken at run time: wires, shaft, the rotor's place, the temperature. */
+/* What can go wrong at run time: wires, shaft, the rotor's place, the temperature; and what comparators do about it. */
 #include "plant.h"
 #include "unity.h"
 
@@ -184,6 +184,95 @@ static void test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere(void)
         ROUNDING_A, before.i_d_a * cos(turn_rad) + before.i_q_a * sin(turn_rad), view.i_d_a);
 }
 
+#define TRIP_A 5.0
+#define VECTOR_V (2.0 / 3.0 * BUS_V) /* one leg against the two others */
+#define INDUCTANCE_H 0.0116          /* along phase a of a rotor at angle 0 */
+
+/* A: what motor.h states for the currents of a transient, 1e-6 of phi/L_d. */
+#define TRANSIENT_A 3.4e-5
+
+static void start_standing(double trip_a, double drop_v)
+{
+    plant_cfg_t cfg = DRIVE;
+
+    cfg.motor.initial_speed_mech_rad_s = 0.0;
+    cfg.motor.inertia_kg_m2 = 1.0e9;
+    cfg.supply.device_drop_v = drop_v;
+    cfg.trip_a = trip_a;
+    start(&cfg);
+}
+
+/* R-L circuit, from a current at a voltage after a time. */
+static double settled(double from_a, double volt, double time_s)
+{
+    const double end_a = volt / RESISTANCE_OHM;
+
+    return end_a + (from_a - end_a) * exp(-time_s * RESISTANCE_OHM / INDUCTANCE_H);
+}
+
+/* The whole bus into phase a from the second period on, 1.8 A a period: 5 A flow in the fourth. Then the diodes put the
+ * bus against it. */
+static void check_trip(double sign)
+{
+    const uint32_t into = (sign > 0.0) ? COUNTS : 0U;
+    const double trip_s =
+        -log(1.0 - TRIP_A * RESISTANCE_OHM / VECTOR_V) * INDUCTANCE_H / RESISTANCE_OHM;
+
+    start_standing(TRIP_A, 0.0);
+    run(3, into, COUNTS - into, COUNTS - into);
+    TEST_ASSERT_FALSE(plant_take_trip(&plant));
+    run(1, into, COUNTS - into, COUNTS - into);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        TRANSIENT_A, sign * settled(TRIP_A, -VECTOR_V, (3.0 * PERIOD_S) - trip_s), view.i_abc_a[0]);
+    TEST_ASSERT_TRUE(plant_take_trip(&plant));
+    TEST_ASSERT_FALSE(plant_take_trip(&plant));
+}
+
+static void
+test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction(void)
+{
+    check_trip(1.0);
+    check_trip(-1.0);
+}
+
+static void test_switches_that_comparators_opened_stay_open_until_they_are_enabled_again(void)
+{
+    start_standing(TRIP_A, 1.2);
+    run(6, COUNTS, 0, 0);
+    TEST_ASSERT_TRUE(plant_take_trip(&plant));
+    run(20, COUNTS, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING_A, 0.0, view.i_abc_a[0]);
+    TEST_ASSERT_FALSE(plant_take_trip(&plant));
+    plant_set_gates(&plant, true);
+    run(2, COUNTS, 0, 0);
+    TEST_ASSERT_TRUE(view.i_abc_a[0] > 2.0);
+}
+
+static void test_without_comparators_and_below_their_current_nothing_opens(void)
+{
+    start_standing(0.0, 0.0);
+    run(6, COUNTS, 0, 0);
+    TEST_ASSERT_TRUE(view.i_abc_a[0] > TRIP_A);
+    TEST_ASSERT_FALSE(plant_take_trip(&plant));
+    start_standing(view.i_abc_a[0] + TRANSIENT_A, 0.0);
+    run(6, COUNTS, 0, 0);
+    TEST_ASSERT_FALSE(plant_take_trip(&plant));
+}
+
+static void test_a_comparator_current_out_of_range_is_named(void)
+{
+    const double bad_values[] = {-1.0, NAN};
+
+    for (int k = 0; k < 2; k++) {
+        plant_cfg_t cfg = DRIVE;
+        const char *bad = NULL;
+
+        cfg.trip_a = bad_values[k];
+        TEST_ASSERT_FALSE(plant_init(&plant, &cfg, &bad));
+        TEST_ASSERT_EQUAL_STRING("trip_a", bad);
+    }
+}
+
 static void test_temperature_is_that_of_the_room_until_it_is_set(void)
 {
     plant_adc_t adc;
@@ -206,6 +295,10 @@ int main(void)
     RUN_TEST(test_a_blocked_shaft_stands_whatever_pulls_and_a_released_one_turns);
     RUN_TEST(test_a_blocked_shaft_holds_with_coulomb_friction_and_open_wires_too);
     RUN_TEST(test_a_turned_rotor_keeps_currents_and_speed_and_is_elsewhere);
+    RUN_TEST(test_comparators_open_the_switches_at_the_instant_of_their_current_in_each_direction);
+    RUN_TEST(test_switches_that_comparators_opened_stay_open_until_they_are_enabled_again);
+    RUN_TEST(test_without_comparators_and_below_their_current_nothing_opens);
+    RUN_TEST(test_a_comparator_current_out_of_range_is_named);
     RUN_TEST(test_temperature_is_that_of_the_room_until_it_is_set);
     return UNITY_END();
 }

@@ -111,7 +111,7 @@ static void test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_sp
     }
 }
 
-static void test_each_lost_phase_is_found_in_three_turns(void)
+static void test_each_lost_phase_is_found_in_three_half_turns(void)
 {
     for (int32_t k = 0; k < 3; k++) {
         phases_t p = HEALTHY;
@@ -122,12 +122,12 @@ static void test_each_lost_phase_is_found_in_three_turns(void)
         turns = turns_to_fault(&p, 40.0);
         TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
         TEST_ASSERT_TRUE(fault.value < fault.limit);
-        /* A turn begins a sample after the one before has ended. */
-        TEST_ASSERT_TRUE((turns >= 3.0) && (turns <= 3.0 + (4.0 * p.advance)));
+        /* An arc ends at most a sample late, and the next begins a sample after. */
+        TEST_ASSERT_TRUE((turns >= 1.5) && (turns <= 1.5 + (5.0 * p.advance)));
     }
 }
 
-static void test_a_stuck_channel_is_found_in_three_turns_and_told_from_a_lost_phase(void)
+static void test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase(void)
 {
     for (int32_t k = 0; k < 4; k++) {
         phases_t p = HEALTHY;
@@ -135,7 +135,7 @@ static void test_a_stuck_channel_is_found_in_three_turns_and_told_from_a_lost_ph
         setUp();
         p.stuck = k % 2;
         p.stuck_at = (k < 2) ? 3000 : -3000;
-        TEST_ASSERT_TRUE(turns_to_fault(&p, 40.0) <= 3.0 + (4.0 * p.advance));
+        TEST_ASSERT_TRUE(turns_to_fault(&p, 40.0) <= 1.5 + (5.0 * p.advance));
         TEST_ASSERT_EQUAL_INT(FAULT_ADC_STUCK, fault.id);
         TEST_ASSERT_EQUAL_INT32(0, fault.value);
     }
@@ -145,8 +145,9 @@ static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to
 {
     phases_t p = HEALTHY;
 
+    /* In half a turn a moves by 1 to 2 of its amplitude, b by up to 2, c = −a − b by at most 1.07 of that. */
     p.noise = 0;
-    p.gain_a = 0.14; /* the strongest is b, or c = −a − b with at most 1.07 of it */
+    p.gain_a = 0.28;
     assert_no_fault(&p);
     setUp();
     p.gain_a = 0.1;
@@ -160,10 +161,10 @@ static void test_phases_are_not_compared_below_the_least_current(void)
 
     p.noise = 0;
     p.lost = 0;
-    p.amplitude = 1269.0; /* b and c: ±√3/2 of it, range 2198, limit 2201 */
+    p.amplitude = 635.0; /* b and c: ±√3/2 of it, range at most 1100, limit 1101 */
     assert_no_fault(&p);
     setUp();
-    p.amplitude = 1275.0; /* 2208 */
+    p.amplitude = 1340.0; /* at least 1160, less what half a sample at each end takes */
     (void)turns_to_fault(&p, 40.0);
     TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
 }
@@ -230,6 +231,119 @@ static void test_turns_are_counted_across_the_end_of_their_word(void)
         (void)supervision_check_phases(&state, &cfg, &in, &fault);
     }
     TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+}
+
+/* ---- an imposed current ---- */
+
+/* A current vector of this length at an angle, in αβ. */
+static ab_t vector(double length, double turns)
+{
+    return (ab_t){(int32_t)lround(length * cos(TWO_PI * turns)),
+                  (int32_t)lround(length * sin(TWO_PI * turns))};
+}
+
+static supervision_imposed_t imposed(double length, double turns)
+{
+    supervision_imposed_t in = {.expected = vector(length, turns), .emf = 500};
+
+    in.a = in.expected.alpha;
+    in.b = (int32_t)lround(length * cos(TWO_PI * (turns - (1.0 / 3.0))));
+    return in;
+}
+
+/* Slow periods until the fault, or `most`. */
+static uint32_t imposed_to_fault(const supervision_imposed_t *in, uint32_t most)
+{
+    uint32_t periods = 1U;
+
+    while ((periods < most) &&
+           (supervision_check_imposed(&state, &cfg, in, &fault) == FAULT_NONE)) {
+        periods++;
+    }
+    return periods;
+}
+
+#define WHILE (1000U)
+
+static void test_an_imposed_current_that_flows_is_no_fault_at_any_angle(void)
+{
+    for (int32_t k = 0; k < 64; k++) {
+        const supervision_imposed_t in = imposed(6554.0, k / 64.0);
+
+        setUp();
+        TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
+    }
+}
+
+/* The periods of the limit, one in which it is not yet the same phase, and the one beyond. */
+static void test_each_phase_without_its_imposed_current_is_lost_after_its_time(void)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        supervision_imposed_t in = imposed(6554.0, k / 3.0); /* phase k has all of it */
+
+        setUp();
+        in.a = (k == 0) ? 0 : 5000;
+        in.b = (k == 0) ? 5000 : ((k == 1) ? 0 : -5000);
+        TEST_ASSERT_EQUAL_UINT32(cfg.absent_periods + 2U, imposed_to_fault(&in, WHILE));
+        assert_fault(FAULT_LOST_PHASE, 0, cfg.phase_range_min);
+    }
+}
+
+static void test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_largest_zero(void)
+{
+    supervision_imposed_t in = imposed(cfg.phase_range_min, 0.0);
+
+    in.a = cfg.phase_zero_max;
+    in.b = 5000;
+    TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
+    in.expected.alpha++;
+    TEST_ASSERT_TRUE(imposed_to_fault(&in, WHILE) < WHILE);
+    assert_fault(FAULT_LOST_PHASE, cfg.phase_zero_max, cfg.phase_range_min);
+    setUp();
+    in.a++;
+    TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
+}
+
+static void test_a_swing_that_passes_through_zero_is_no_lost_phase(void)
+{
+    const supervision_imposed_t whole = imposed(6554.0, 0.0);
+    supervision_imposed_t none = whole;
+
+    none.a = 0;
+    none.b = 5000;
+    for (uint32_t k = 0U; k < (100U * (cfg.absent_periods + 2U)); k++) {
+        const bool through = (k % (cfg.absent_periods + 2U)) <= cfg.absent_periods;
+
+        TEST_ASSERT_EQUAL_INT(
+            FAULT_NONE, supervision_check_imposed(&state, &cfg, through ? &none : &whole, &fault));
+    }
+}
+
+static void test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_direction(void)
+{
+    for (int32_t k = 0; k < 4; k++) {
+        supervision_imposed_t in = imposed(6554.0, 0.1);
+        const int32_t limit = cfg.voltage_max + in.emf;
+        int32_t *const axis = (k < 2) ? &in.voltage.d : &in.voltage.q;
+
+        setUp();
+        *axis = ((k % 2) == 0) ? limit : -limit;
+        TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
+        *axis += ((k % 2) == 0) ? 1 : -1;
+        TEST_ASSERT_EQUAL_UINT32(6U, imposed_to_fault(&in, WHILE));
+        assert_fault(FAULT_CURRENT_IMPLAUSIBLE, limit + 1, limit);
+    }
+}
+
+static void test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase(void)
+{
+    supervision_imposed_t in = imposed(6554.0, 0.0);
+
+    in.a = 0;
+    in.b = 5000;
+    in.voltage.d = 20000;
+    TEST_ASSERT_EQUAL_UINT32(6U, imposed_to_fault(&in, WHILE));
+    assert_fault(FAULT_LOST_PHASE, 0, cfg.phase_range_min);
 }
 
 /* ---- current ---- */
@@ -452,10 +566,10 @@ static void test_trouble_that_comes_and_goes_is_forgotten_as_it_came(void)
 
 static void test_more_late_ticks_than_allowed_in_a_window_are_a_fault(void)
 {
-    state.late = cfg.late_max;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_late(&state, &cfg, &fault));
-    state.late++;
-    TEST_ASSERT_EQUAL_INT(FAULT_LATE, supervision_check_late(&state, &cfg, &fault));
+    for (uint32_t k = 0U; k < cfg.late_max; k++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_count_late(&state, &cfg, &fault));
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_LATE, supervision_count_late(&state, &cfg, &fault));
     assert_fault(FAULT_LATE, (int32_t)cfg.late_max + 1, (int32_t)cfg.late_max);
 }
 
@@ -466,16 +580,20 @@ static void test_late_ticks_are_forgotten_at_the_end_of_the_window(void)
             TEST_ASSERT_EQUAL_UINT32(0U, state.late);
             state.late = cfg.late_max;
         }
-        TEST_ASSERT_EQUAL_INT(FAULT_NONE, supervision_check_late(&state, &cfg, &fault));
+        supervision_forget_late(&state, &cfg);
     }
 }
 
 static void test_reset_forgets_everything(void)
 {
-    static const supervision_t fresh = {.step = 0U};
+    static const supervision_t fresh = {.absent = SUPERVISION_PHASES};
     supervision_speed_t in = stalled();
     phases_t p = HEALTHY;
+    supervision_imposed_t lost = imposed(6554.0, 0.0);
 
+    lost.a = 0;
+    lost.voltage.d = 20000;
+    (void)imposed_to_fault(&lost, 3U);
     (void)periods_to_fault(&in, 10U);
     (void)turns_to_fault(&p, 1.5);
     (void)follow(500, 500, false);
@@ -490,14 +608,20 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed);
-    RUN_TEST(test_each_lost_phase_is_found_in_three_turns);
-    RUN_TEST(test_a_stuck_channel_is_found_in_three_turns_and_told_from_a_lost_phase);
+    RUN_TEST(test_each_lost_phase_is_found_in_three_half_turns);
+    RUN_TEST(test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase);
     RUN_TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live);
     RUN_TEST(test_phases_are_not_compared_below_the_least_current);
     RUN_TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel);
     RUN_TEST(test_load_steps_within_a_turn_are_no_fault);
     RUN_TEST(test_too_fast_a_turn_is_not_judged);
     RUN_TEST(test_turns_are_counted_across_the_end_of_their_word);
+    RUN_TEST(test_an_imposed_current_that_flows_is_no_fault_at_any_angle);
+    RUN_TEST(test_each_phase_without_its_imposed_current_is_lost_after_its_time);
+    RUN_TEST(test_a_phase_is_absent_from_the_least_current_on_and_up_to_the_largest_zero);
+    RUN_TEST(test_a_swing_that_passes_through_zero_is_no_lost_phase);
+    RUN_TEST(test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_direction);
+    RUN_TEST(test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase);
     RUN_TEST(test_a_current_that_does_not_follow_is_a_lost_phase_in_each_axis_and_direction);
     RUN_TEST(test_a_constant_current_error_at_the_limit_is_no_fault);
     RUN_TEST(test_a_current_error_of_a_turning_rotor_is_excused);
