@@ -336,6 +336,19 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
     return finish(sources, with, set);
 }
 
+MotorSettings load_motor(const std::string &motor, const std::vector<std::string> &set)
+{
+    const Layer home =
+        read_file(FileKind::motor, resolve(FileKind::motor, motor, "", "motor", COMMAND_LINE));
+    Config config;
+    take(home, config);
+    for (const std::string &text : set) {
+        take(read_override(text), config);
+    }
+    check_complete(FileKind::motor, home, config);
+    return config.motor;
+}
+
 void check_output(const Config &config, const std::string &option, const fs::path &path)
 {
     for (const fs::path &read : config.sources.read) {
