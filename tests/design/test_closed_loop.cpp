@@ -188,11 +188,12 @@ void a_step_response_starts_at_rest_and_ends_where_it_settles()
 {
     const Gains gains = {0.5, 0.3};
     for (const int input : {LOAD, SUPPLY}) {
-        const Response r = step_response(integrator(), gains, input, 200);
+        const Response r = step_response(integrator(), gains, 1, input, 200);
         TEST_ASSERT_EQUAL_INT(201, r.time_s.size());
         TEST_ASSERT_EQUAL_DOUBLE(0, r.states.front().norm());
         const LoopState end = settled(integrator(), gains, input);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0, (end - r.states.back()).cwiseAbs().maxCoeff());
+        TEST_ASSERT_DOUBLE_WITHIN(
+            1e-9, 0, (end - r.states.back().head<STATE_COUNT>()).cwiseAbs().maxCoeff());
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, input == SUPPLY ? 1 : 0, end[SPEED]);
     }
 }
@@ -201,9 +202,10 @@ void figures_of_a_response_are_those_of_a_closed_form()
 {
     // K_i = 0 and K_p = 0.5 halve the integrator's error at each sample.
     const Gains gains = {0.5, 0};
-    const Response r = step_response(integrator(), gains, SUPPLY, 3);
+    const Response r = step_response(integrator(), gains, 0.9, SUPPLY, 3);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.875, r.states[3][SPEED]);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.0625, r.output_rad_s[3]);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.9 * (0.5 + 0.75), r.states[3][THETA]);
     const ResponseFigures f = figures(integrator(), gains, SUPPLY, r);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, -0.5, f.peak_rad_s);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1, f.peak_time_s);

@@ -36,7 +36,7 @@ void the_cost_is_the_sum_along_the_response()
         for (const int input : {int(LOAD), int(SUPPLY)}) {
             settings.state = state;
             settings.input = input;
-            const Response r = step_response(printed(), PUBLISHED, input, 0.4);
+            const Response r = step_response(printed(), PUBLISHED, 1, input, 0.4);
             double sum = 0;
             for (std::size_t n = 0; n < 40; n++) {
                 sum +=

@@ -26,6 +26,7 @@ enum PhaseState {
 };
 
 using PhaseMatrix = Eigen::Matrix<double, PHASE_STATE_COUNT, PHASE_STATE_COUNT>;
+using PhaseVector = Eigen::Matrix<double, PHASE_STATE_COUNT, 1>;
 using PhaseInputs = Eigen::Matrix<double, PHASE_STATE_COUNT, INPUT_COUNT>;
 
 // (45).

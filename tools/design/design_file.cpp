@@ -53,6 +53,7 @@ const std::vector<Key> KEYS = {
     {"nominal.inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, PLACE(nominal.inertia_kg_m2), nullptr, "J of (9), see linear_model.h"},
     {"nominal.voltage_per_speed_v_s_per_rad", "V·s/rad", 1e-6, 1e4, NEEDED, PLACE(nominal.voltage_per_speed_v_s_per_rad), nullptr, "K_b of (23)"},
     {"nominal.sample_time_s", "s", 1e-6, 1, NEEDED, PLACE(nominal.sample_time_s), nullptr, "period T of the speed controller"},
+    {"nominal.k2", "", 0, 2, OPTIONAL, PLACE(nominal.k2), nullptr, "K_2 of (42), 1: the detector of the angle is true"},
     {"optimum.q1", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q1), nullptr, "weight of X² in the cost (50)"},
     {"optimum.q2", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q2), nullptr, "weight of the controller's output squared"},
     {"optimum.q3", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q3), nullptr, "weight of X² at the horizon"},

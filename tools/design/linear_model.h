@@ -20,6 +20,7 @@ struct NominalPoint {
     double inertia_kg_m2 = 0;                 // J of (9)
     double voltage_per_speed_v_s_per_rad = 0; // K_b of (23)
     double sample_time_s = 0;                 // T of (25)
+    double k2 = 1;                            // K_2 of (42): 1 where the angle's detector is true
 };
 
 // (16) with the inputs of (24).

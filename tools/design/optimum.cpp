@@ -16,9 +16,9 @@ constexpr int ITERATIONS = 400;
 constexpr double CENTRE_TOLERANCE = 1e-6;
 // Relative to the cost at the start of the descent: the optimum is off by about this share of it.
 constexpr double FIRST_WEIGHT = 1e-2;
-constexpr double LAST_WEIGHT = 1e-8;
 constexpr double WEIGHT_RATIO = 0.1;
-constexpr double ENTRY_WEIGHT = 1e4;    // the cost counts for nothing beside it
+constexpr int STAGES = 7;       // the last weight is 1e-8
+constexpr int ENTRY_STAGES = 6; // the last weight is 1e3: the cost counts for nothing beside it
 constexpr double GRADIENT_SHARE = 1e-3; // of cost per unit of gain, by which a stage is done
 
 Gains gains_of(const Eigen::VectorXd &z)
@@ -56,8 +56,8 @@ Descent enter(const Discrete &motor, const CostSettings &settings, const Gains &
     const double scale = cost(motor, settings, start);
     Descent descent{Eigen::Vector2d(start.kp, start.ki_per_s), 0, 0, 0, true};
     int iterations = 0;
-    for (double weight = FIRST_WEIGHT; weight < ENTRY_WEIGHT && !inside(descent.at);
-         weight /= WEIGHT_RATIO) {
+    for (int stage = 0; stage < ENTRY_STAGES && !inside(descent.at); stage++) {
+        const double weight = FIRST_WEIGHT / std::pow(WEIGHT_RATIO, stage);
         descent = conjugate_gradient(weighted(motor, settings, 1 / scale, weight, 1), descent.at,
                                      {GRADIENT_SHARE, ITERATIONS}, inside);
         iterations += descent.iterations;
@@ -83,7 +83,8 @@ Optimum stable_optimum(const Discrete &motor, const CostSettings &settings, cons
     Descent descent = enter(motor, settings, start, rho);
     int iterations = descent.iterations;
     const double scale = cost(motor, settings, gains_of(descent.at));
-    for (double weight = FIRST_WEIGHT; weight > LAST_WEIGHT / 2; weight *= WEIGHT_RATIO) {
+    for (int stage = 0; stage < STAGES; stage++) {
+        const double weight = FIRST_WEIGHT * std::pow(WEIGHT_RATIO, stage);
         descent = conjugate_gradient(weighted(motor, settings, 1 / scale, weight, rho), descent.at,
                                      {GRADIENT_SHARE, ITERATIONS});
         iterations += descent.iterations;

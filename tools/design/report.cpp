@@ -17,8 +17,13 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char *STATE_KEYS[] = {"i_q_a", "i_d_a", "speed_rad_s", "angle_rad",
-                                      "speed_error_sum_rad_s"};
+constexpr const char *STATE_KEYS[] = {"i_q_a",
+                                      "i_d_a",
+                                      "speed_rad_s",
+                                      "angle_rad",
+                                      "speed_error_sum_rad_s",
+                                      "current_angle_rad",
+                                      "firing_angle_rad"};
 constexpr const char *INPUT_KEYS[] = {"load_nm", "supply_speed_rad_s"};
 constexpr const char *STEP_NAMES[] = {"load", "speed"};
 
@@ -76,9 +81,9 @@ Json json_of(const PairResponse &r)
                  {"settled_i_q_a", r.settled[I_Q]},
                  {"settled_i_d_a", r.settled[I_D]},
                  {"time_s", r.response.time_s}};
-    for (int k = 0; k < STATE_COUNT; k++) {
+    for (int k = 0; k < PHASE_STATE_COUNT; k++) {
         Json values = Json::array();
-        for (const LoopState &state : r.response.states) {
+        for (const PhaseVector &state : r.response.states) {
             values.push_back(state[k]);
         }
         json[STATE_KEYS[k]] = values;
@@ -131,7 +136,8 @@ Json json_of(const NominalPoint &p)
             {"i_d_a", p.i_d_a},
             {"inertia_kg_m2", p.inertia_kg_m2},
             {"voltage_per_speed_v_s_per_rad", p.voltage_per_speed_v_s_per_rad},
-            {"sample_time_s", p.sample_time_s}};
+            {"sample_time_s", p.sample_time_s},
+            {"k2", p.k2}};
 }
 
 Json json_of(const CostSettings &c)

@@ -6,17 +6,19 @@
 namespace nf::design
 {
 
-Response step_response(const Discrete &motor, const Gains &gains, int input, double duration_s)
+Response step_response(const Discrete &motor, const Gains &gains, double k2, int input,
+                       double duration_s)
 {
-    const Loop loop = close_loop(motor, gains);
+    const PhaseLoop loop = add_phase_states(motor, gains, k2);
     const double command = input == SUPPLY ? 1 : 0;
     const auto samples = static_cast<int>(std::lround(duration_s / motor.sample_time_s));
     Response response;
-    LoopState state = LoopState::Zero();
+    PhaseVector state = PhaseVector::Zero();
     for (int n = 0; n <= samples; n++) {
         response.time_s.push_back(n * motor.sample_time_s);
         response.states.push_back(state);
-        response.output_rad_s.push_back(controller_output(motor, gains, state, command));
+        response.output_rad_s.push_back(
+            controller_output(motor, gains, state.head<STATE_COUNT>(), command));
         state = (loop.a * state + loop.b.col(input)).eval();
     }
     return response;

@@ -12,11 +12,13 @@ namespace nf::design
 // Deviations from the nominal point after a step of 1 at time 0, a value a sample.
 struct Response {
     std::vector<double> time_s;
-    std::vector<LoopState> states;
+    std::vector<PhaseVector> states;  // (46)
     std::vector<double> output_rad_s; // the controller's Δω_s
 };
 
-Response step_response(const Discrete &motor, const Gains &gains, int input, double duration_s);
+// By (45), with both loops; `k2` is K_2 of (42).
+Response step_response(const Discrete &motor, const Gains &gains, double k2, int input,
+                       double duration_s);
 
 // Where the states settle. A load step leaves currents, a speed step the speed itself.
 LoopState settled(const Discrete &motor, const Gains &gains, int input);

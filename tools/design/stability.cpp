@@ -46,8 +46,8 @@ std::vector<std::complex<double>> poles(const Eigen::MatrixXd &a)
     const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
     std::vector<std::complex<double>> values(solver.eigenvalues().begin(),
                                              solver.eigenvalues().end());
-    std::stable_sort(values.begin(), values.end(),
-                     [](const auto &x, const auto &y) { return std::abs(x) > std::abs(y); });
+    std::sort(values.begin(), values.end(),
+              [](const auto &x, const auto &y) { return std::abs(x) > std::abs(y); });
     return values;
 }
 

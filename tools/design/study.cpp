@@ -48,7 +48,8 @@ ModelStudy study(const DesignSettings &settings, const Model &model)
     for (const Pair &pair : s.pairs) {
         require_stable(motor, pair.gains, name_of(model, pair.name));
         for (const int input : {LOAD, SUPPLY}) {
-            Response response = step_response(motor, pair.gains, input, settings.response_s);
+            Response response =
+                step_response(motor, pair.gains, settings.nominal.k2, input, settings.response_s);
             const ResponseFigures f = figures(motor, pair.gains, input, response);
             s.responses.push_back(
                 {pair.name, input, std::move(response), f, settled(motor, pair.gains, input)});
