@@ -13,8 +13,8 @@ using Products = Eigen::Matrix<double, SQUARE, SQUARE>;
 Products kronecker(const LoopMatrix &a, const LoopMatrix &b)
 {
     Products product;
-    for (int row = 0; row < STATE_COUNT; row++) {
-        for (int column = 0; column < STATE_COUNT; column++) {
+    for (Eigen::Index row = 0; row < STATE_COUNT; row++) {
+        for (Eigen::Index column = 0; column < STATE_COUNT; column++) {
             product.block<STATE_COUNT, STATE_COUNT>(row * STATE_COUNT, column * STATE_COUNT) =
                 a(row, column) * b;
         }

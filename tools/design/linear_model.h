@@ -30,6 +30,6 @@ struct Continuous {
 };
 
 // (19), (24) by formula. (20) has the voltages as inputs; (22), (23) make them V_q = K_b·ω_s, V_d = 0.
-Continuous linearise(const Machine &machine, const NominalPoint &point);
+Continuous linearise(const Machine &m, const NominalPoint &p);
 
 } // namespace nf::design

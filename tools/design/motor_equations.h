@@ -33,17 +33,17 @@ struct Voltages {
 };
 
 // (1), (2), with the signs of (6), (7): the voltages that hold currents at an electrical speed.
-Voltages steady_voltages(const Machine &machine, const Currents &currents, double speed_rad_s);
+Voltages steady_voltages(const Machine &m, const Currents &i, double speed_rad_s);
 
 // The inverse of steady_voltages.
-Currents steady_currents(const Machine &machine, const Voltages &voltages, double speed_rad_s);
+Currents steady_currents(const Machine &m, const Voltages &v, double speed_rad_s);
 
 // (8), N·m, motoring positive.
-double torque(const Machine &machine, const Currents &currents);
+double torque(const Machine &m, const Currents &i);
 
 // (3), N·m: torque of a machine without resistance at a lead angle of its voltage. The paper's E and V
 // are effective values of a phase; here they are peak values, so 3 becomes 3/2.
-double torque_of_angle(const Machine &machine, int pole_pairs, double voltage_v, double lead_rad,
+double torque_of_angle(const Machine &m, int pole_pairs, double voltage_v, double lead_rad,
                        double speed_rad_s);
 
 // v_q = V·cos δ, v_d = V·sin δ: the directions that (19) has in its fourth column.
@@ -57,7 +57,6 @@ struct Drive {
 };
 
 // (11): the derivative of [i_q, i_d, ω_r, δ], from (4)–(7), (8), (9) with the motor's signs, (10).
-Eigen::Vector4d derivative(const Machine &machine, const Eigen::Vector4d &state,
-                           const Drive &drive);
+Eigen::Vector4d derivative(const Machine &m, const Eigen::Vector4d &x, const Drive &drive);
 
 } // namespace nf::design

@@ -13,13 +13,14 @@ namespace
 {
 
 constexpr int ITERATIONS = 400;
-constexpr double CENTRE_TOLERANCE = 1e-6;
-// Relative to the cost at the start of the descent: the optimum is off by about this share of it.
+// Weights of the barrier beside a cost of 1 at the start of the descent. The optimum is off by about the last.
 constexpr double FIRST_WEIGHT = 1e-2;
 constexpr double WEIGHT_RATIO = 0.1;
 constexpr int STAGES = 7;       // the last weight is 1e-8
 constexpr int ENTRY_STAGES = 6; // the last weight is 1e3: the cost counts for nothing beside it
-constexpr double GRADIENT_SHARE = 1e-3; // of cost per unit of gain, by which a stage is done
+// Of that cost per unit of gain: a stage is done, the search without a barrier is.
+constexpr double GRADIENT_SHARE = 1e-3;
+constexpr double FREE_TOLERANCE = 1e-6;
 
 Gains gains_of(const Eigen::VectorXd &z)
 {
@@ -96,16 +97,15 @@ Optimum stable_optimum(const Discrete &motor, const CostSettings &settings, cons
 Optimum free_optimum(const Discrete &motor, const CostSettings &settings, const Gains &start)
 {
     const double scale = cost(motor, settings, start);
-    Objective objective = weighted(motor, settings, 1 / scale, 0, 1);
-    objective.value = [&, scale](const Eigen::VectorXd &z) {
-        return cost(motor, settings, gains_of(z)) / scale;
+    const Objective objective = {
+        [&](const Eigen::VectorXd &z) { return cost(motor, settings, gains_of(z)) / scale; },
+        [&](const Eigen::VectorXd &z) -> Eigen::VectorXd {
+            return cost_gradient(motor, settings, gains_of(z)) / scale;
+        },
+        [](const Eigen::VectorXd &) { return true; },
     };
-    objective.gradient = [&, scale](const Eigen::VectorXd &z) -> Eigen::VectorXd {
-        return cost_gradient(motor, settings, gains_of(z)) / scale;
-    };
-    objective.allowed = [](const Eigen::VectorXd &) { return true; };
     const Descent descent = conjugate_gradient(objective, Eigen::Vector2d(start.kp, start.ki_per_s),
-                                               {CENTRE_TOLERANCE, ITERATIONS});
+                                               {FREE_TOLERANCE, ITERATIONS});
     const Gains found = gains_of(descent.at);
     return {found, cost(motor, settings, found), descent.iterations, descent.converged};
 }

@@ -263,11 +263,11 @@ std::string comparison_json(const std::vector<Comparison> &rows)
 
 std::string comparison_text(const std::vector<Comparison> &rows)
 {
-    std::string text = fmt::format("{:<36}{:>12}{:>12}{:>12}  {}\n", "quantity", "paper", "printed",
+    std::string text = fmt::format("{:<36}{:>13}{:>13}{:>13}  {}\n", "quantity", "paper", "printed",
                                    "computed", "remark");
     for (const Comparison &row : rows) {
         const std::string line =
-            fmt::format("{:<36}{:>12}{:>12}{:>12}  {}", row.quantity, number(row.paper),
+            fmt::format("{:<36}{:>13}{:>13}{:>13}  {}", row.quantity, number(row.paper),
                         number(row.printed), number(row.computed), row.remark);
         text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
     }
