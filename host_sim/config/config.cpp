@@ -336,17 +336,19 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
     return finish(sources, with, set);
 }
 
-MotorSettings load_motor(const std::string &motor, const std::vector<std::string> &set)
+Config load_motor(const std::string &motor, const std::vector<std::string> &set)
 {
-    const Layer home =
-        read_file(FileKind::motor, resolve(FileKind::motor, motor, "", "motor", COMMAND_LINE));
+    const fs::path path = resolve(FileKind::motor, motor, "", "motor", COMMAND_LINE);
+    const Layer home = read_file(FileKind::motor, path);
     Config config;
+    config.sources.motor = provenance_name(path);
+    config.sources.overrides = set;
     take(home, config);
     for (const std::string &text : set) {
         take(read_override(text), config);
     }
     check_complete(FileKind::motor, home, config);
-    return config.motor;
+    return config;
 }
 
 void check_output(const Config &config, const std::string &option, const fs::path &path)

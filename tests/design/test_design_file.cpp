@@ -87,7 +87,7 @@ void expect_refused_matrices(const char *old, const char *text, const char *mess
 
 void the_shipped_design_is_the_papers()
 {
-    TEST_ASSERT_EQUAL_STRING("motor B (paper B, section 4)", shipped().motor.name.c_str());
+    TEST_ASSERT_EQUAL_STRING("motor B (paper B, section 4)", shipped().inputs.motor.name.c_str());
     TEST_ASSERT_EQUAL_DOUBLE(5, shipped().optimum.cost.q2);
     TEST_ASSERT_EQUAL_INT(SPEED, shipped().optimum.cost.state);
     TEST_ASSERT_EQUAL_INT(LOAD, shipped().optimum.cost.input);
@@ -103,9 +103,10 @@ void overrides_reach_the_design_and_the_motor()
     TEST_ASSERT_EQUAL_INT(SUPPLY, s.optimum.cost.input);
     TEST_ASSERT_EQUAL_INT(60, s.optimum.cost.horizon_samples);
     TEST_ASSERT_EQUAL_DOUBLE(0.005, s.nominal.sample_time_s);
-    TEST_ASSERT_EQUAL_DOUBLE(0.5, s.motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, s.inputs.motor.resistance_ohm);
     TEST_ASSERT_EQUAL_DOUBLE(0.2, s.optimum.start.kp);
-    TEST_ASSERT_EQUAL_DOUBLE(2.125, read_design("motor_b", {"motor=motor_a"}).motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(2.125,
+                             read_design("motor_b", {"motor=motor_a"}).inputs.motor.resistance_ohm);
 }
 
 void a_design_without_published_matrices_has_one_model()

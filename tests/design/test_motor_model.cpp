@@ -26,7 +26,7 @@ const NominalPoint &nominal()
 
 Machine machine()
 {
-    return make_machine(shipped().motor, nominal().inertia_kg_m2);
+    return make_machine(shipped().inputs.motor, nominal().inertia_kg_m2);
 }
 
 Eigen::Vector4d nominal_state()

@@ -57,7 +57,7 @@ private:
 void nominal_rows(const DesignSettings &settings, Rows &rows)
 {
     const NominalPoint &p = settings.nominal;
-    const Machine machine = make_machine(settings.motor, p.inertia_kg_m2);
+    const Machine machine = make_machine(settings.inputs.motor, p.inertia_kg_m2);
     const double angle_rad = p.torque_angle_deg * PI / 180;
     const Currents flowing =
         steady_currents(machine, voltages_at(p.voltage_v, angle_rad), p.speed_rad_s);

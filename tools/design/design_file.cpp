@@ -1,6 +1,5 @@
 #include "design_file.h"
 
-#include "config.h"
 #include "document.h"
 #include "files.h"
 #include "schema.h"
@@ -240,11 +239,13 @@ DesignSettings read_design(const std::string &design, const std::vector<std::str
     }
     const bool written_here = values.at("motor").origin.file == settings.file;
     const fs::path base = written_here ? path.parent_path() : "";
-    settings.motor = load_motor(is_path(motor) ? (base / motor).string() : motor, motor_overrides);
+    settings.inputs = load_motor(is_path(motor) ? (base / motor).string() : motor, motor_overrides);
     const std::string matrices = top_text(values, "matrices");
     if (!matrices.empty()) {
         settings.matrices = path_of(matrices, path.parent_path(), DESIGNS).string();
+        settings.inputs.sources.read.emplace_back(settings.matrices);
     }
+    settings.inputs.sources.read.push_back(path);
     return settings;
 }
 

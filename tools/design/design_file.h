@@ -2,6 +2,7 @@
 // at, and where the matrices of a publication are.
 #pragma once
 
+#include "config.h"
 #include "cost.h"
 #include "linear_model.h"
 
@@ -20,7 +21,7 @@ struct OptimumSettings {
 
 struct DesignSettings {
     std::string file; // as shown to the user
-    MotorSettings motor;
+    Config inputs;    // the motor; among its sources every file that was read
     NominalPoint nominal;
     OptimumSettings optimum;
     Gains arbitrary = {0, 0}; // [arbitrary] of the figures 4a, 5a

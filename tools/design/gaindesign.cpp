@@ -81,6 +81,7 @@ void require_matrices(const DesignSettings &settings, const std::string &matrice
 int design(const Arguments &arguments)
 {
     const DesignSettings settings = read_design(arguments.design, arguments.set);
+    nf::check_output(settings.inputs, "--json", arguments.json);
     require_matrices(settings, arguments.matrices);
     const std::vector<ModelStudy> studies = study_all(settings);
     if (arguments.json.empty()) {
@@ -94,6 +95,7 @@ int design(const Arguments &arguments)
 int compare(const Arguments &arguments)
 {
     const DesignSettings settings = read_design(arguments.design, arguments.set);
+    nf::check_output(settings.inputs, "--json", arguments.json);
     const std::vector<Comparison> rows = compare_all(settings, study_all(settings));
     if (arguments.json.empty()) {
         write_text("-", comparison_text(rows));

@@ -201,11 +201,11 @@ std::string number(const std::optional<double> &value)
 std::string design_json(const DesignSettings &settings, const std::vector<ModelStudy> &studies,
                         const std::string &chosen)
 {
-    const Continuous continuous =
-        linearise(make_machine(settings.motor, settings.nominal.inertia_kg_m2), settings.nominal);
+    const Continuous continuous = linearise(
+        make_machine(settings.inputs.motor, settings.nominal.inertia_kg_m2), settings.nominal);
     const VoltageLoopGains gains = drive_gains(settings, find(studies, chosen));
     Json json = {{"design", settings.file},
-                 {"motor", settings.motor.name},
+                 {"motor", settings.inputs.motor.name},
                  {"states", STATE_KEYS},
                  {"inputs", INPUT_KEYS},
                  {"nominal", json_of(settings.nominal)},
@@ -233,7 +233,7 @@ std::string design_text(const DesignSettings &settings, const std::vector<ModelS
     std::string text = fmt::format(
         "{}: {}, T = {:g} s\ncost: unit step of {}, X = {}, Q = {:g}, {:g}, {:g}, {} samples; no "
         "mode slower than {:g} s\n\n",
-        settings.file, settings.motor.name, settings.nominal.sample_time_s,
+        settings.file, settings.inputs.motor.name, settings.nominal.sample_time_s,
         input_words()[static_cast<std::size_t>(c.input)],
         state_words()[static_cast<std::size_t>(c.state)], c.q1, c.q2, c.q3, c.horizon_samples,
         settings.optimum.slowest_time_constant_s);

@@ -20,7 +20,7 @@ std::string name_of(const Model &model, const std::string &pair)
 
 std::vector<Model> make_models(const DesignSettings &settings)
 {
-    const Machine machine = make_machine(settings.motor, settings.nominal.inertia_kg_m2);
+    const Machine machine = make_machine(settings.inputs.motor, settings.nominal.inertia_kg_m2);
     const Continuous continuous = linearise(machine, settings.nominal);
     std::vector<Model> models = {
         {"computed", discretise(continuous, settings.nominal.sample_time_s), {}}};
