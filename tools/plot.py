@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Figures of simulated runs, one as a picture, a report of all, what the dead time does; and of a gain design.
+"""Figures: one simulated run, a report of all, what the dead time does, a gain design.
 
 Runs come from the simulator, which writes a trace and the metrics of a scenario, designs from
 gaindesign:
@@ -39,8 +39,6 @@ the paper's gains and the ones found, and the step responses, for each set of ma
   tools/plot.py design build/design.json --out build/report
 
 """
-
-
 DEADTIME_HELP = """What giving the dead time back does: motor A at constant speeds under constant loads, with
 and without, each a run of the simulator. A figure of currents, angle errors and harmonics, and a table
 of THD, ripples and angle errors, which is printed.
