@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Figures of simulated runs: one run as a picture, a report of all, what the dead time does.
+"""Figures: one simulated run, a report of all, what the dead time does, a gain design.
 
-Runs come from the simulator, which writes a trace and the metrics of a scenario:
+Runs come from the simulator, which writes a trace and the metrics of a scenario, designs from
+gaindesign:
 
   build/host/motorsim run s1 --trace build/runs/s1.csv --json build/runs/s1.json
+  build/host/gaindesign design --json build/design.json
 
 Exit status: 0 done, 2 a file, a column or an argument is missing or wrong.
 `tools/plot.py COMMAND --help` tells more of each command.
@@ -30,8 +32,13 @@ Each run is a trace, NAME.csv, and its metrics, NAME.json. The scenario in the m
 the figures: s1, s2 and s3 get the paper's, any other an overview. The part before t = 0 is
 not drawn.
 """
+DESIGN_HELP = """A gain design as the figures 3, 4a, 4b, 5a, 5b and 6 of paper B: the stable region with
+the paper's gains and the ones found, and the step responses, for each set of matrices.
 
+  build/host/gaindesign design --json build/design.json
+  tools/plot.py design build/design.json --out build/report
 
+"""
 DEADTIME_HELP = """What giving the dead time back does: motor A at constant speeds under constant loads, with
 and without, each a run of the simulator. A figure of currents, angle errors and harmonics, and a table
 of THD, ripples and angle errors, which is printed.
@@ -95,6 +102,12 @@ def deadtime_command(args):
     print(path.with_suffix(".png"))
 
 
+def design_command(args):
+    from report.gains import write_figures
+    for path in write_figures(args.file, args.out):
+        print(path)
+
+
 def panel_list():
     from report.panels import CATALOGUE
     lines = [f"  {name:<15} {panel.title}{f', {panel.unit}' if panel.unit else ''}"
@@ -143,6 +156,16 @@ def add_deadtime(commands):
                         help="folder to write to (default: build/deadtime)")
 
 
+def add_design(commands):
+    parser = commands.add_parser(
+        "design", help="the figures of a gain design", description=DESIGN_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(run=design_command)
+    parser.add_argument("file", type=Path, metavar="FILE.json", help="output of gaindesign")
+    parser.add_argument("--out", type=Path, default=Path("build/report"), metavar="DIR",
+                        help="folder to write to (default: build/report)")
+
+
 def main(arguments=None):
     problem = own_python.missing("matplotlib", "numpy")
     if problem:
@@ -154,6 +177,7 @@ def main(arguments=None):
     add_trace(commands)
     add_report(commands)
     add_deadtime(commands)
+    add_design(commands)
     args = parser.parse_args(arguments)
     try:
         args.run(args)

@@ -336,6 +336,21 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
     return finish(sources, with, set);
 }
 
+Config load_motor(const std::string &motor, const std::vector<std::string> &set)
+{
+    const fs::path path = resolve(FileKind::motor, motor, "", "motor", COMMAND_LINE);
+    const Layer home = read_file(FileKind::motor, path);
+    Config config;
+    config.sources.motor = provenance_name(path);
+    config.sources.overrides = set;
+    take(home, config);
+    for (const std::string &text : set) {
+        take(read_override(text), config);
+    }
+    check_complete(FileKind::motor, home, config);
+    return config;
+}
+
 void check_output(const Config &config, const std::string &option, const fs::path &path)
 {
     for (const fs::path &read : config.sources.read) {

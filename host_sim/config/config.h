@@ -146,6 +146,9 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});
 
+// A motor alone, by name or path, with overrides "motor.key=value"; the rest is at its defaults.
+Config load_motor(const std::string &motor, const std::vector<std::string> &set = {});
+
 // Refuses to write over a file that the configuration was read from. `option` is for the message.
 void check_output(const Config &config, const std::string &option,
                   const std::filesystem::path &path);

@@ -64,6 +64,7 @@ class Commands(FolderTest):
         self.refused("trace", path, "--from", "7", says=r"s1\.csv: fewer than two.*expected")
         self.refused("trace", path, "--out", self.folder / "no" / "x.png", says=r"x\.png: .*place")
         self.refused("report", "--runs", self.folder / "no", says="no such folder")
+        self.refused("design", self.folder / "no.json", says=r"no\.json: No such file.*; expected")
         few = self.write("few.csv", "time_s,speed_rpm\n0,1\n1,2\n")
         self.refused("trace", few, "--panels", "iq", says=r"few\.csv: no column '.*expected")
         self.refused("trace", few, says=r"few\.csv: .*expected")
@@ -78,7 +79,8 @@ class Commands(FolderTest):
     def test_help_teaches(self):
         for arguments, words in ((["--help"], ("motorsim run s1", "trace", "report")),
                                  (["trace", "--help"], ("--panels", *CATALOGUE)),
-                                 (["report", "--help"], ("--runs", "fig. 5", "NAME.json"))):
+                                 (["report", "--help"], ("--runs", "fig. 5", "NAME.json")),
+                                 (["design", "--help"], ("gaindesign", "4a", "--out"))):
             status, out, _ = called(*arguments)
             self.assertEqual(status, 0)
             for word in words:

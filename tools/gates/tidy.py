@@ -1,4 +1,4 @@
-"""gate.tidy: clang-tidy over firmware, hal and host_sim, as the given build compiles them."""
+"""gate.tidy: clang-tidy over firmware, hal, host_sim and tools, as the given build compiles them."""
 
 import argparse
 import json
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import sources
 
-FOLDERS = {"firmware", "hal", "host_sim"}
+FOLDERS = {"firmware", "hal", "host_sim", "tools"}
 TOOL = Path(sys.executable).with_name("clang-tidy")
 # Path by path through the templates of the libraries, for nothing: sanitizers watch the C++ code run.
 NOT_FOR_CPP = "--checks=-clang-analyzer-*"

@@ -1,0 +1,192 @@
+// Command line of the gain design: paper B's optimal speed controller for a motor file.
+// Exit status: 0 done, 1 `check` found a pair unstable, 2 wrong usage, wrong file or an unstable design.
+#include "report.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace
+{
+
+using namespace nf::design;
+
+constexpr int DONE = 0;
+constexpr int UNSTABLE = 1;
+constexpr int BAD_INPUT = 2;
+
+constexpr const char *EXAMPLES = R"(Examples:
+  gaindesign design                              the gains of paper B's motor, and how they follow
+  gaindesign design --json build/design.json     all of it, for tools/plot.py design
+  gaindesign design --set optimum.horizon_samples=60 --set optimum.q2=1
+  gaindesign design --set motor.resistance_ohm=0.5 --set nominal.inertia_kg_m2=0.2
+  gaindesign check 0.264 -0.035                  is this pair of gains stable, and by which pole
+  gaindesign compare                             what of the paper can be reproduced
+
+--matrices says whose gains are printed as the drive's: computed from the motor file, or those of the
+publication that the design names. A design is a file like tools/design/designs/motor_b.toml. Its keys:
+
+  motor                                   name or path of a motor file
+  matrices                                path of published matrices, may be left out
+)";
+
+constexpr const char *EXIT_STATUS = R"(
+Exit status: 0 done, 1 `check` found the pair unstable, 2 wrong usage or input, or an unstable design.)";
+
+struct Arguments {
+    std::string design = "motor_b";
+    std::vector<std::string> set;
+    std::string matrices = "computed";
+    std::string json;
+    Gains gains = {0, 0};
+};
+
+void write_text(const std::string &path, const std::string &text)
+{
+    std::FILE *const file = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
+    bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
+    if (file != nullptr) {
+        good = (path == "-" ? std::fflush(file) : std::fclose(file)) == 0 && good;
+    }
+    if (!good) {
+        throw std::runtime_error(fmt::format(
+            "{}: cannot write: {}", path == "-" ? "standard output" : path, std::strerror(errno)));
+    }
+}
+
+std::vector<ModelStudy> study_all(const DesignSettings &settings)
+{
+    std::vector<ModelStudy> studies;
+    for (const Model &model : make_models(settings)) {
+        studies.push_back(study(settings, model));
+    }
+    return studies;
+}
+
+void require_matrices(const DesignSettings &settings, const std::string &matrices)
+{
+    if (matrices == "printed" && settings.matrices.empty()) {
+        throw std::runtime_error(
+            fmt::format("--matrices: printed: {} names no published matrices; allowed: computed",
+                        settings.file));
+    }
+}
+
+int design(const Arguments &arguments)
+{
+    const DesignSettings settings = read_design(arguments.design, arguments.set);
+    nf::check_output(settings.inputs, "--json", arguments.json);
+    require_matrices(settings, arguments.matrices);
+    const std::vector<ModelStudy> studies = study_all(settings);
+    if (arguments.json.empty()) {
+        write_text("-", design_text(settings, studies, arguments.matrices));
+    } else {
+        write_text(arguments.json, design_json(settings, studies, arguments.matrices));
+    }
+    return DONE;
+}
+
+int compare(const Arguments &arguments)
+{
+    const DesignSettings settings = read_design(arguments.design, arguments.set);
+    nf::check_output(settings.inputs, "--json", arguments.json);
+    const std::vector<Comparison> rows = compare_all(settings, study_all(settings));
+    if (arguments.json.empty()) {
+        write_text("-", comparison_text(rows));
+    } else {
+        write_text(arguments.json, comparison_json(rows));
+    }
+    return DONE;
+}
+
+int check(const Arguments &arguments)
+{
+    std::string text;
+    bool stable = true;
+    for (const Model &model : make_models(read_design(arguments.design, arguments.set))) {
+        text += poles_text(model, arguments.gains);
+        stable = stable && is_stable(model.discrete, arguments.gains);
+    }
+    write_text("-", text);
+    return stable ? DONE : UNSTABLE;
+}
+
+void describe_common(CLI::App &command, Arguments &arguments)
+{
+    command
+        .add_option("--design", arguments.design,
+                    "name of a file in tools/design/designs, or path of a .toml")
+        ->capture_default_str();
+    command.add_option("--set", arguments.set, "override a key; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+}
+
+void describe_json(CLI::App &command, Arguments &arguments)
+{
+    command
+        .add_option("--json", arguments.json,
+                    "write JSON in place of the text; - is standard output")
+        ->check([](const std::string &name) { return name.empty() ? "needs a file's name" : ""; },
+                "")
+        ->type_name("FILE");
+}
+
+int parse_and_do(int argc, char **argv)
+{
+    CLI::App app{"Designs the speed controller of a phase-compensated drive: paper B, section 3."};
+    Arguments arguments;
+    CLI::App *const design_command =
+        app.add_subcommand("design", "stable region, optimal gains, step responses");
+    CLI::App *const check_command = app.add_subcommand("check", "the poles of a pair of gains");
+    CLI::App *const compare_command =
+        app.add_subcommand("compare", "the paper's figures beside what follows from it");
+    for (CLI::App *const command : {design_command, check_command, compare_command}) {
+        describe_common(*command, arguments);
+    }
+    describe_json(*design_command, arguments);
+    describe_json(*compare_command, arguments);
+    design_command->add_option("--matrices", arguments.matrices, "whose gains the drive gets")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"computed", "printed"}));
+    check_command->add_option("kp", arguments.gains.kp, "K_p")->required();
+    check_command->add_option("ki", arguments.gains.ki_per_s, "K_i, 1/s")->required();
+    app.footer(EXAMPLES + key_list() + EXIT_STATUS);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success &asked) { // --help
+        return app.exit(asked);
+    } catch (const CLI::ParseError &error) {
+        fmt::print(stderr, "gaindesign: {}; `gaindesign --help` shows how\n", error.what());
+        return BAD_INPUT;
+    }
+    if (*design_command) {
+        return design(arguments);
+    }
+    if (*check_command) {
+        return check(arguments);
+    }
+    if (*compare_command) {
+        return compare(arguments);
+    }
+    fmt::print(stderr, "gaindesign: no command; `gaindesign --help` shows how\n");
+    return BAD_INPUT;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    try {
+        return parse_and_do(argc, argv);
+    } catch (const std::exception &error) {
+        fmt::print(stderr, "gaindesign: {}\n", error.what());
+        return BAD_INPUT;
+    }
+}
