@@ -1,5 +1,7 @@
 #include "modulator.h"
 
+#include <stddef.h>
+
 #define ONE_Q12 (4096)
 #define ONE_Q27 (0x8000000)
 #define HALF_Q15 (0x4000)
@@ -72,8 +74,8 @@ static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
     return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
 }
 
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, ab_t current,
-                       compare_t *out)
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
+                       const ab_t *current, compare_t *out)
 {
     const abc_t u = phases(ratio);
     const int32_t highest = fx_max(fx_max(u.a, u.b), u.c);
@@ -82,9 +84,9 @@ void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t 
     const int32_t timer = cfg->timer_counts;
     abc_t duty = {u.a + centre, u.b + centre, u.c + centre};
 
-    if (modulator_compensates(cfg)) {
+    if (current != NULL) {
         const int32_t loss = leg_loss(mod, cfg);
-        const abc_t i = phases(current);
+        const abc_t i = phases(*current);
         const int32_t span = highest - lowest;
 
         duty.a += give_back(cfg, loss, span, u.a, i.a);

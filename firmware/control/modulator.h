@@ -69,9 +69,9 @@ static inline bool modulator_compensates(const modulator_cfg_t *cfg)
 
 /*
  * A ratio vector, |α|, |β| ≤ 46341, to compare values; duties are clamped to 0…1, counts rounded.
- * current: expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341.
+ * current: expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341; NULL: nothing is given back.
  */
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio, ab_t current,
-                       compare_t *out);
+void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
+                       const ab_t *current, compare_t *out);
 
 #endif

@@ -21,7 +21,7 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
         .state = {fx_asr(x_q27, STATE_BITS + 1U), fx_asr(y_q27, STATE_BITS + 1U)},
         .speed = limited,
         .speed_out = limited,
-        .current = current,
+        .current = {fx_sat15(current.d), fx_sat15(current.q)},
     };
 }
 
@@ -34,8 +34,8 @@ static ab_t middle_current(const nn_observer_t *obs, sincos_t angle)
     const int32_t half_q15 = fx_asr(fx_asr(obs->speed_out, SPEED_TO_HALF) * PI_Q12, 15U);
     const dq_t i = obs->current;
     const dq_t turned = {
-        .d = fx_sat16(i.d + fx_asr(half_q15 * i.q, 15U)),
-        .q = fx_sat16(i.q - fx_asr(half_q15 * i.d, 15U)),
+        .d = i.d + fx_asr(half_q15 * i.q, 15U),
+        .q = i.q - fx_asr(half_q15 * i.d, 15U),
     };
 
     return transforms_park_inverse(turned, angle);
@@ -69,15 +69,16 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state
     const int32_t flux_q26 = fx_asr(cfg->flux_q27, 1U);
     const int32_t rho = obs->rho_q13;
     const dq_t current = {
-        .d = fx_sat16(fx_asr(state_q26.d - flux_q26, shift)),
-        .q = fx_sat16(fx_asr(fx_mul_32x16(state_q26.q, cfg->iq_gain_q14), shift - 2U)),
+        .d = fx_asr(state_q26.d - flux_q26, shift),
+        .q = fx_asr(fx_mul_32x16(state_q26.q, cfg->iq_gain_q14), shift - 2U),
     };
     const dq_t e = {fx_sat14(measured.d - current.d), fx_sat14(measured.q - current.q)};
     const int32_t flux_error_q = fx_asr(e.q * cfg->saliency_q13, 13U);
 
-    obs->current = current;
+    obs->current.d = fx_sat15(current.d);
+    obs->current.q = fx_sat15(current.q);
     obs->error = e;
-    obs->turned.d = fx_sat14(e.d + fx_asr(rho * fx_sat16(flux_error_q), 13U));
+    obs->turned.d = fx_sat14(e.d + fx_asr(rho * flux_error_q, 13U));
     obs->turned.q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U));
 }
 

@@ -77,7 +77,7 @@ typedef struct {
     step_t speed; /* ω̂(k+1), the integral (22): for the speed loop */
     step_t speed_out;   /* ω̂_out: inside the network and for the angle; within ±2^29 */
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
-    dq_t current;       /* î_d, î_q, 16 bits, saturated */
+    dq_t current;       /* î_d, î_q, ±16384: the converters' full scale, saturated */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
     dq_t turned; /* e', same range: d is the error of the flux' magnitude, q that of the angle */
     int32_t descent; /* b >> 12 in Q30 of I_b·I_x, 16 bits, saturated */

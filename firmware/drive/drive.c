@@ -62,15 +62,13 @@ static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t
     return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
 }
 
-/* Before the currents: what too late a tick does to them is to be called late. */
-static void watch_late(drive_t *drive, const drive_in_t *in)
+static void count_late(drive_t *drive)
 {
     fault_t fault = {.id = FAULT_NONE};
+    const fault_id_t id =
+        supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault);
 
-    if (((in->flags & DRIVE_FLAG_LATE) != 0U) &&
-        (supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault) !=
-         FAULT_NONE) &&
-        drive_is_driving(drive->state)) {
+    if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
         drive_fail(drive, fault);
     }
 }
@@ -262,7 +260,10 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     } else {
         /* stay */
     }
-    watch_late(drive, in);
+    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
+        count_late(
+            drive); /* before the currents: what late ticks do to them is to be called late */
+    }
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
     if (controlled && is_controlled(drive->state)) {

@@ -3,6 +3,8 @@
 #include "drive_state.h"
 #include "trig.h"
 
+#include <stddef.h>
+
 #define Q16_TO_Q32 (65536)
 #define PULL_SHIFT (6U) /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
 #define MEAN_SHIFT (5U) /* of the imposed current's filter, in ticks */
@@ -250,15 +252,17 @@ static void modulate(drive_t *drive, bool running, compare_t *out)
     const angle_t ahead = (angle_t)step + (angle_t)fx_asr(step, 1U);
     const sincos_t angle = trig_sincos(rotor_position_angle(frame) + ahead);
     const dq_t ratio = modulator_ratio(&drive->modulator, s->voltage);
-    ab_t current = {0, 0};
+    const ab_t *given_back = NULL;
+    ab_t current;
 
     if (modulator_compensates(&drive->cfg->modulator)) {
         current = transforms_park_inverse(expected_current(s, running), angle);
+        given_back = &current;
     }
     drive->ratio_acting.alpha = s->ratio_ab.alpha;
     drive->ratio_acting.beta = s->ratio_ab.beta;
     s->ratio_ab = transforms_park_inverse(ratio, angle);
-    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab, current, out);
+    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab, given_back, out);
 }
 
 /* While it does not run free, θ̂ goes with the frame and closes up to it. */

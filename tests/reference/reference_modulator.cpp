@@ -28,7 +28,7 @@ static compare_t compared(const modulator_t &mod, const modulator_cfg_t &cfg, ab
                           ab_t current)
 {
     compare_t out;
-    modulator_compare(&mod, &cfg, ratio, current, &out);
+    modulator_compare(&mod, &cfg, ratio, &current, &out);
     return out;
 }
 

@@ -51,7 +51,7 @@ static compare_t compare_with(ab_t ratio, ab_t current)
 {
     compare_t out;
 
-    modulator_compare(&mod, &cfg, ratio, current, &out);
+    modulator_compare(&mod, &cfg, ratio, &current, &out);
     return out;
 }
 

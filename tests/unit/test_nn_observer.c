@@ -22,9 +22,10 @@
 #define CURRENT_BASE_A (40.0)
 #define VOLTAGE_BASE_V (450.0)
 
-/* Saturation to 28, 14 and 30 bits: from −limit − 1 to limit. */
+/* Saturation to 28, 14, 15 and 30 bits: from −limit − 1 to limit. */
 #define STATE_LIMIT (0x7FFFFFF)
 #define ERROR_LIMIT (8191)
+#define CURRENT_LIMIT (16383)
 #define WEIGHT_STEP_LIMIT (0x1FFFFFFF)
 #define LARGEST_SPEED_LIMIT (0x20000000)
 #define LARGEST_CORNER (0x8000000)
@@ -358,14 +359,14 @@ static void test_current_output_is_in_the_base_of_the_measurement(void)
     TEST_ASSERT_EQUAL_INT32(200 - obs.current.q, obs.error.q);
 }
 
-static void test_current_output_saturates_to_16_bits_on_both_sides(void)
+static void test_current_output_saturates_to_15_bits_on_both_sides(void)
 {
     cfg.current_shift = 3U; /* eight times I_b */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         set_state(sign * 0x7000000, -sign * 0x7000000);
         predict((dq_t){0, 0}, (ab_t){0, 0});
-        TEST_ASSERT_EQUAL_INT32((sign > 0) ? 32767 : -32768, obs.current.d);
-        TEST_ASSERT_EQUAL_INT32((sign > 0) ? -32768 : 32767, obs.current.q);
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? 16383 : -16384, obs.current.d);
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? -16384 : 16383, obs.current.q);
         begin();
     }
 }
@@ -496,8 +497,8 @@ static void assert_ranges(void)
 
     assert_within(STATE_LIMIT, obs.alpha_q27);
     assert_within(STATE_LIMIT, obs.beta_q27);
-    assert_within(FX_Q15_MAX, obs.current.d);
-    assert_within(FX_Q15_MAX, obs.current.q);
+    assert_within(CURRENT_LIMIT, obs.current.d);
+    assert_within(CURRENT_LIMIT, obs.current.q);
     assert_within(FX_Q15_MAX, obs.descent);
     assert_within(ERROR_LIMIT, obs.error.d);
     assert_within(ERROR_LIMIT, obs.error.q);
@@ -792,7 +793,7 @@ static void test_start_begins_with_the_given_speed_current_and_angle(void)
     seeded_t seed = {0x57A27U};
 
     for (int32_t k = 0; k < 1000; k++) {
-        const dq_t current = {seeded_in(&seed, -16384, 16384), seeded_in(&seed, -16384, 16384)};
+        const dq_t current = {seeded_in(&seed, -16384, 16383), seeded_in(&seed, -16384, 16383)};
         const step_t speed = seeded_in(&seed, -cfg.speed_limit, cfg.speed_limit);
         /* I_x = 2·I_b: 2^11 of Q27 for a LSB. */
         const double complex expected =
@@ -960,7 +961,7 @@ int main(void)
     RUN_TEST(test_resistance_takes_from_the_current_of_the_last_instant);
     RUN_TEST(test_resistance_acts_in_the_middle_of_the_turn);
     RUN_TEST(test_current_output_is_in_the_base_of_the_measurement);
-    RUN_TEST(test_current_output_saturates_to_16_bits_on_both_sides);
+    RUN_TEST(test_current_output_saturates_to_15_bits_on_both_sides);
     RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
     RUN_TEST(test_training_goes_down_along_both_errors);
     RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
