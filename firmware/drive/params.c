@@ -94,7 +94,7 @@ static const char *check_supervision(const char *before, const supervision_cfg_t
     bad = range(bad, "supervision.phase_range_min", cfg->phase_range_min, 1, RANGE_MAX);
     bad = range(bad, "supervision.phase_zero_max", cfg->phase_zero_max, 0, CURRENT_MAX);
     bad = range(bad, "supervision.phase_speed_max", cfg->phase_speed_max, 1, TURN_QUARTER);
-    bad = check_periods(bad, "supervision.absent_periods", cfg->absent_periods);
+    bad = check_periods(bad, "supervision.swing_periods", cfg->swing_periods);
     bad = range(bad, "supervision.voltage_max", cfg->voltage_max, 1, FX_Q15_MAX);
     bad = range(bad, "supervision.follow_error_max", cfg->follow_error_max, 1, RANGE_MAX);
     bad = range(bad, "supervision.residual_max", cfg->residual_max, 1, RESIDUAL_MAX);

@@ -4,7 +4,6 @@
 #define ARC_SAMPLES_MIN (8U)
 #define ARCS_MAX (3U)        /* a load step can make one of them look lopsided, at its ends two */
 #define WEAK_SHARE_LOG2 (3U) /* a phase is weak below an eighth of the strongest */
-#define UNEXPLAINED_MAX (5U) /* slow periods */
 #define ROOT_3_HALF_Q15 (28378)
 #define NO_PHASE (SUPERVISION_PHASES)
 
@@ -172,12 +171,12 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
     const absent_t absent = absent_phase(cfg, in);
     const int32_t voltage = fx_max(fx_abs(in->voltage.d), fx_abs(in->voltage.q));
     const int32_t voltage_max = cfg->voltage_max + in->emf;
-    const bool excess = lasts(&state->unexplained, voltage > voltage_max, UNEXPLAINED_MAX);
+    const bool excess = lasts(&state->unexplained, voltage > voltage_max, cfg->swing_periods);
     fault_id_t id = FAULT_NONE;
 
     state->absent_periods = (absent.phase == state->absent) ? (state->absent_periods + 1U) : 0U;
     state->absent = absent.phase;
-    if ((absent.phase != NO_PHASE) && (excess || (state->absent_periods > cfg->absent_periods))) {
+    if ((absent.phase != NO_PHASE) && (excess || (state->absent_periods > cfg->swing_periods))) {
         id = FAULT_LOST_PHASE;
         *fault = (fault_t){.id = id, .value = absent.current, .limit = cfg->phase_range_min};
     } else if (excess) {

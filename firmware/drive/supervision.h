@@ -29,7 +29,7 @@ typedef struct {
     int32_t phase_zero_max; /* one that stays within this of zero is an open wire, 0…16384 */
     step_t phase_speed_max; /* above it an arc has too few samples to compare, 1…2^30 */
     uint32_t
-        absent_periods; /* LOST_PHASE: a phase is at zero that has to carry a current, for more slow periods */
+        swing_periods; /* what a swing on an imposed current cannot explain lasts for more slow periods */
     int32_t
         voltage_max; /* CURRENT_IMPLAUSIBLE: an imposed current needs more than the model says and this, Q15 of U_b,
                                   1…32767 */

@@ -139,8 +139,8 @@ void add_supervision(Rows &to)
     ampere("phase_range_min", c.phase_range_min);
     ampere("phase_zero_max", c.phase_zero_max);
     rpm("phase_speed_max", c.phase_speed_max);
-    to.add("supervision.absent_periods", c.absent_periods, "{:.4g} s",
-           c.absent_periods * to.slow_period());
+    to.add("supervision.swing_periods", c.swing_periods, "{:.4g} s",
+           c.swing_periods * to.slow_period());
     to.add("supervision.voltage_max", c.voltage_max, "{:.4g} V", to.volt(c.voltage_max));
     ampere("follow_error_max", c.follow_error_max);
     ampere("residual_max", c.residual_max);

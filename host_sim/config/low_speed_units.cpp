@@ -48,10 +48,11 @@ constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 constexpr uint32_t ATTEMPTS = 5;
 
-// What supervision allows an imposed current. A swing of 1/ω_n can hold a phase at zero, at its turning point, for
-// 1.4, and the leg's dead time keeps it there, for 3 as measured; twice that is an open wire. The current control adds at most this much to R·i and the EMF: for the winding's
-// R at 100 K more than cold, and for a dead time of 2 % of the period that nobody gives back.
-constexpr double ABSENT = 6;
+// What supervision allows an imposed current, in units of 1/ω_n of its swing: the turning point can hold a phase at zero
+// for 1.4, and the leg's dead time keeps it there, for 3 as measured; what lasts twice as long is no swing.
+// The current control adds at most this much to R·i and the EMF: for the winding's R at 100 K more than cold, and for a
+// dead time of 2 % of the period that nobody gives back. A rotor that is pulled in can take more for half a swing.
+constexpr double UNLIKE_SWING = 6;
 constexpr double VOLTAGE_RESISTANCE_SHARE = 0.4;
 constexpr double VOLTAGE_BUS_SHARE = 0.03;
 
@@ -231,7 +232,8 @@ void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
     c.voltage_max = static_cast<int32_t>(
         std::lround(std::clamp(voltage / b.voltage_v * Q15, 1.0, MANTISSA_MAX)));
     if (tuning.startup_current_pct > 0) {
-        c.absent_periods = slow_periods(ABSENT / swing_rad_s(motor, board, tuning, m), tuning, b);
+        c.swing_periods =
+            slow_periods(UNLIKE_SWING / swing_rad_s(motor, board, tuning, m), tuning, b);
     }
 }
 

@@ -129,7 +129,7 @@ static inline supervision_cfg_t example_supervision_cfg(void)
         .phase_range_min = 1101,      /* 1.34 A */
         .phase_zero_max = 275,        /* 0.34 A */
         .phase_speed_max = 171798692, /* 0.4 turns a slow period */
-        .absent_periods = 38U,        /* 3 / (79 rad/s) */
+        .swing_periods = 76U,         /* 6 / (79 rad/s) */
         .voltage_max = 1296,          /* 0.4·R·10 A + 0.03·310 V = 17.8 V */
         .follow_error_max = 1101,     /* 1.34 A */
         .residual_max = 4128,         /* 5.04 A */
@@ -300,7 +300,7 @@ static inline void example_supervise_nothing(drive_cfg_t *cfg)
     cfg->supervision = (supervision_cfg_t){
         .phase_range_min = 65535,
         .phase_speed_max = 1,
-        .absent_periods = 1000000U,
+        .swing_periods = 1000000U,
         .voltage_max = 32767,
         .follow_error_max = 65535,
         .residual_max = 8191,

@@ -65,7 +65,7 @@ static const field_t FIELDS[] = {
     FIELD(supervision.phase_range_min, 1, 65535),
     FIELD(supervision.phase_zero_max, 0, 16384),
     FIELD(supervision.phase_speed_max, 1, 0x40000000),
-    FIELD(supervision.absent_periods, 0, 1000000),
+    FIELD(supervision.swing_periods, 0, 1000000),
     FIELD(supervision.voltage_max, 1, 32767),
     FIELD(supervision.follow_error_max, 1, 65535),
     FIELD(supervision.residual_max, 1, 8191),

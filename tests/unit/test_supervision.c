@@ -284,7 +284,7 @@ static void test_each_phase_without_its_imposed_current_is_lost_after_its_time(v
         setUp();
         in.a = (k == 0) ? 0 : 5000;
         in.b = (k == 0) ? 5000 : ((k == 1) ? 0 : -5000);
-        TEST_ASSERT_EQUAL_UINT32(cfg.absent_periods + 2U, imposed_to_fault(&in, WHILE));
+        TEST_ASSERT_EQUAL_UINT32(cfg.swing_periods + 2U, imposed_to_fault(&in, WHILE));
         assert_fault(FAULT_LOST_PHASE, 0, cfg.phase_range_min);
     }
 }
@@ -311,8 +311,8 @@ static void test_a_swing_that_passes_through_zero_is_no_lost_phase(void)
 
     none.a = 0;
     none.b = 5000;
-    for (uint32_t k = 0U; k < (100U * (cfg.absent_periods + 2U)); k++) {
-        const bool through = (k % (cfg.absent_periods + 2U)) <= cfg.absent_periods;
+    for (uint32_t k = 0U; k < (100U * (cfg.swing_periods + 2U)); k++) {
+        const bool through = (k % (cfg.swing_periods + 2U)) <= cfg.swing_periods;
 
         TEST_ASSERT_EQUAL_INT(
             FAULT_NONE, supervision_check_imposed(&state, &cfg, through ? &none : &whole, &fault));
@@ -330,7 +330,7 @@ static void test_voltage_that_the_current_cannot_need_is_found_in_each_axis_and_
         *axis = ((k % 2) == 0) ? limit : -limit;
         TEST_ASSERT_EQUAL_UINT32(WHILE, imposed_to_fault(&in, WHILE));
         *axis += ((k % 2) == 0) ? 1 : -1;
-        TEST_ASSERT_EQUAL_UINT32(6U, imposed_to_fault(&in, WHILE));
+        TEST_ASSERT_EQUAL_UINT32(cfg.swing_periods + 1U, imposed_to_fault(&in, WHILE));
         assert_fault(FAULT_CURRENT_IMPLAUSIBLE, limit + 1, limit);
     }
 }
@@ -342,7 +342,7 @@ static void test_too_much_voltage_with_a_phase_at_zero_is_a_lost_phase(void)
     in.a = 0;
     in.b = 5000;
     in.voltage.d = 20000;
-    TEST_ASSERT_EQUAL_UINT32(6U, imposed_to_fault(&in, WHILE));
+    TEST_ASSERT_EQUAL_UINT32(cfg.swing_periods + 1U, imposed_to_fault(&in, WHILE));
     assert_fault(FAULT_LOST_PHASE, 0, cfg.phase_range_min);
 }
 
