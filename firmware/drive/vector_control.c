@@ -266,7 +266,7 @@ static void modulate(drive_t *drive, bool running, compare_t *out)
 }
 
 /* While it does not run free, θ̂ goes with the frame and closes up to it. */
-static step_t pull(const drive_t *drive)
+static step_t closing_step(const drive_t *drive)
 {
     const angle_t distance =
         rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
@@ -289,7 +289,7 @@ void vector_control_close(drive_t *drive, bool track, drive_out_t *out)
     out->gate_enable = true;
     if (!running) {
         rotor_position_step(&drive->frame, drive->frame_speed);
-        step += track ? 0 : pull(drive);
+        step += track ? 0 : closing_step(drive);
     }
     rotor_position_step(&drive->position, step); /* (23) */
 }
