@@ -196,19 +196,13 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     return bad;
 }
 
-/* A current is controlled. */
-static bool is_controlled(drive_state_t state)
-{
-    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_FAULT);
-}
-
 /* The part of the slow period that falls on this tick, where a current is controlled. */
 static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left)
 {
     monitor_step(drive, in, left);
     if (drive->state == DRIVE_STATE_RUN) {
         vector_control_motion(drive, &in->command, left);
-    } else if (is_controlled(drive->state)) {
+    } else if (drive_is_controlled(drive->state)) {
         low_speed_motion(drive, &in->command, left);
     } else {
         /* nothing moves */
@@ -227,7 +221,7 @@ static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
     if (left < (uint32_t)SLOW_PARTS) {
         slow_step(drive, in, left);
     }
-    if (is_controlled(drive->state)) {
+    if (drive_is_controlled(drive->state)) {
         vector_control_close(drive, track, out);
     } else {
         open_gates(drive, out);
@@ -250,7 +244,7 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
 {
     const uint32_t left = count_slow(drive);
-    const bool controlled = is_controlled(drive->state);
+    const bool controlled = drive_is_controlled(drive->state);
 
     convert_samples(drive, in);
     if (!drive_is_driving(drive->state)) {
@@ -266,7 +260,7 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     }
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
-    if (controlled && is_controlled(drive->state)) {
+    if (controlled && drive_is_controlled(drive->state)) {
         control_tick(drive, in, left, out);
     } else {
         idle_tick(drive, in, left, out);

@@ -24,6 +24,12 @@ static inline bool drive_is_driving(drive_state_t state)
     return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
 }
 
+/* ALIGN to RUN: the current is controlled. */
+static inline bool drive_is_controlled(drive_state_t state)
+{
+    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_FAULT);
+}
+
 /* The parts of the configuration that the model corrects. */
 static inline model_nominal_t drive_nominal(const drive_t *drive)
 {

@@ -121,14 +121,12 @@ static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *
     } else if (step == 1U) {
         supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
         id = config_guard_step(&drive->guard, drive->cfg, fault);
-    } else if (!driving || (drive->state == DRIVE_STATE_CATCH_SPIN)) {
-        /* no current is controlled */
-    } else if (step == 2U) {
+    } else if ((step == 2U) && drive_is_controlled(drive->state)) {
         id = check_current(drive, fault);
-    } else if (drive->state == DRIVE_STATE_RUN) {
+    } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {
         id = check_speed(drive, fault);
     } else {
-        /* the speed is not controlled */
+        /* nothing of it is controlled in this state */
     }
     return id;
 }
@@ -144,11 +142,11 @@ static void watch_phases(drive_t *drive)
 {
     fault_t fault = {.id = FAULT_NONE};
 
-    if (drive_is_driving(drive->state) && (drive->state != DRIVE_STATE_CATCH_SPIN)) {
+    if (drive_is_controlled(drive->state)) {
         latch(drive, check_phases(drive, &fault), &fault);
-        if (drive->state != DRIVE_STATE_RUN) {
-            latch(drive, check_imposed(drive, &fault), &fault);
-        }
+    }
+    if (drive_is_controlled(drive->state) && (drive->state != DRIVE_STATE_RUN)) {
+        latch(drive, check_imposed(drive, &fault), &fault);
     }
 }
 
