@@ -132,7 +132,7 @@ class Refusals(CampaignTest):
 
     def test_files(self):
         self.refused("[vary]", "[vary", r".*line.*; expected TOML")
-        with self.assertRaisesRegex(CampaignError, "no campaign 'rubust'; allowed: robust, smoke"):
+        with self.assertRaisesRegex(CampaignError, "no campaign 'rubust'; allowed: everything, robust, smoke"):
             load("rubust")
         with self.assertRaisesRegex(CampaignError, r"no\.toml: No such file.*; expected a camp"):
             load(str(self.folder / "no.toml"))
