@@ -7,7 +7,8 @@
 
 #define Q16_TO_Q32 (65536)
 #define PULL_SHIFT (6U) /* while it follows, θ̂ closes 1/64 of its distance to the frame in a tick */
-#define MEAN_SHIFT (5U) /* of the imposed current's filter, in ticks */
+#define LACKING_SHIFT (2U)  /* of the distance to the reference, in the current expected */
+#define MEAN_SHIFT (5U)     /* of the imposed current's filter, in ticks */
 #define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
 
 void vector_control_reset(drive_t *drive)
@@ -228,17 +229,17 @@ static void control_currents(drive_t *drive, bool running)
 }
 
 /*
- * The current in the period to come, for what the legs are given back. In RUN it is under way from what is measured to
- * its reference: half way. The measurement alone lets noise through, the reference alone is wrong about a leg that the
- * current has not yet left. An imposed current is controlled softly: its mean.
+ * The current in the period to come, for what the legs are given back. In RUN it is the reference, and a quarter of what
+ * is still lacking: the reference alone is wrong about a leg that the current has not left yet, the measurement alone
+ * lets noise and ripple through. An imposed current is controlled softly: its mean.
  */
 static dq_t expected_current(const drive_signals_t *s, bool running)
 {
     dq_t expected = s->current_mean;
 
     if (running) {
-        expected.d = fx_asr(s->current.d + s->current_ref.d, 1U);
-        expected.q = fx_asr(s->current.q + s->current_ref.q, 1U);
+        expected.d = s->current_ref.d + fx_asr(s->current.d - s->current_ref.d, LACKING_SHIFT);
+        expected.q = s->current_ref.q + fx_asr(s->current.q - s->current_ref.q, LACKING_SHIFT);
     }
     return expected;
 }
