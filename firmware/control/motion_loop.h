@@ -75,7 +75,7 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);
 
 /*
- * One slow period of `ticks` control ticks, 2…100. The profile brakes along
+ * One slow period of `ticks` control ticks, 6…100. The profile brakes along
  *     v(d) = speed_max·(√(d/B + c²) − c),
  * d the distance left: its deceleration stays below speed_max²/(2B) and fades out linearly at the end.
  * Positions wrap; a distance is the shorter way, so it is exact for less than 2^31 turns. Returns the

@@ -73,8 +73,9 @@ typedef struct {
 typedef struct {
     int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
     int32_t beta_q27;  /* the same range */
-    dq_t state;   /* x̂, ŷ of the last instant, Q15 of I_x: what W2 has turned when it is trained */
-    step_t speed; /* ω̂(k+1), the integral (22): for the speed loop */
+    dq_t
+        state; /* x̂, ŷ of the last instant, Q15 of I_x, ±46341: what W2 has turned when it is trained */
+    step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
     step_t speed_out;   /* ω̂_out: inside the network and for the angle; within ±2^29 */
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q, ±16384: the converters' full scale, saturated */
@@ -93,7 +94,7 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
 
 /*
  * (14)–(18), the forward pass: the state at this instant and its errors. measured: i_d, i_q at this instant, turned with
- * θ̂, |i| ≤ 65535. voltage: what the inverter applied since the last instant, stationary frame, |v| ≤ 32767. angle: sine
+ * θ̂, |i| ≤ 65535. voltage: what the inverter applied since the last instant, stationary frame, |v| ≤ 32768. angle: sine
  * and cosine of θ̂ at this instant, which is that of the last one and speed_out. Total within these ranges: states,
  * currents and errors saturate as stated at their fields.
  */

@@ -62,12 +62,14 @@ static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t
     return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
 }
 
+/* In place of what the late tick asked for, no voltage acts. */
 static void count_late(drive_t *drive)
 {
     fault_t fault = {.id = FAULT_NONE};
     const fault_id_t id =
         supervision_count_late(&drive->supervision, &drive->cfg->supervision, &fault);
 
+    drive->signals.ratio_ab = (ab_t){0, 0};
     if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
         drive_fail(drive, fault);
     }
@@ -254,9 +256,9 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     } else {
         /* stay */
     }
+    /* Before the currents: what late ticks do to them is to be called late. */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
-        count_late(
-            drive); /* before the currents: what late ticks do to them is to be called late */
+        count_late(drive);
     }
     watch(drive, in);
     modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);

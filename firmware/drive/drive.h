@@ -95,7 +95,7 @@ typedef struct {
     int32_t bus;           /* Q15 of U_b */
     ab_t current_ab;       /* Q15 of I_b */
     dq_t current;          /* turned with θ̂ */
-    dq_t current_frame;    /* turned with the frame's angle; in RUN as above */
+    dq_t current_frame;    /* turned with the frame's angle, below RUN */
     dq_t current_mean;     /* of current_frame while a current is imposed, over some 32 ticks */
     ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
     int32_t speed;         /* ω̂, Q15 of Ω_b */

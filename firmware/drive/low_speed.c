@@ -28,28 +28,23 @@ static void start_alignment(drive_t *drive, const drive_command_t *command)
     rotor_position_reset(&drive->frame, 0U);
     drive->frame.turns_q32 -= (int64_t)sweep * (backwards ? -1 : 1);
     drive->position = drive->frame;
+    nn_observer_start(&drive->observer, &drive->model.observer, 0, (dq_t){0, 0},
+                      trig_sincos(rotor_position_angle(&drive->position)));
     drive_enter(drive, DRIVE_STATE_ALIGN);
 }
 
-/* The windings are shorted in this period and the EMF held them there in the last. */
+/* The windings stay shorted until the first voltage acts: none until then. The next tick goes on at its own instant. */
 static void start_turning(drive_t *drive)
 {
     const catch_spin_t *const spin = &drive->catch_spin;
     const sincos_t angle = trig_sincos(spin->angle);
-    sincos_t middle;
-    int32_t speed;
-    int32_t emf;
 
     rotor_position_reset(&drive->position, spin->angle);
     nn_observer_start(&drive->observer, &drive->model.observer, spin->speed,
                       transforms_park(drive->signals.current_ab, angle), angle);
-    middle = trig_sincos(spin->angle + (angle_t)fx_asr(drive->observer.speed, 1U));
-    speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift); /* within its limit */
-    emf = fx_sat16(fx_asr(speed * drive->model.run_loop.emf_q13, 13U));
+    rotor_position_step(&drive->position, drive->observer.speed_out);
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
-    drive->ratio_acting =
-        transforms_park_inverse(modulator_ratio(&drive->modulator, (dq_t){0, emf}), middle);
     drive_enter(drive, DRIVE_STATE_RUN);
 }
 

@@ -110,8 +110,8 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
 static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
-    const bool driving = drive_is_driving(drive->state);
-    const dq_t current = driving ? drive->signals.current : (dq_t){0, 0};
+    const bool controlled = drive_is_controlled(drive->state);
+    const dq_t current = controlled ? drive->signals.current : (dq_t){0, 0};
     fault_id_t id = FAULT_NONE;
 
     drive->supervision.step = (step + 1U) % SUPERVISION_STEPS;
@@ -121,7 +121,7 @@ static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *
     } else if (step == 1U) {
         supervision_forget_late(&drive->supervision, &drive->cfg->supervision);
         id = config_guard_step(&drive->guard, drive->cfg, fault);
-    } else if ((step == 2U) && drive_is_controlled(drive->state)) {
+    } else if ((step == 2U) && controlled) {
         id = check_current(drive, fault);
     } else if ((step > 2U) && (drive->state == DRIVE_STATE_RUN)) {
         id = check_speed(drive, fault);

@@ -319,11 +319,14 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 {
     const char *bad = range(before, "startup.current_hold", cfg->current_hold, 0, CURRENT_MAX);
 
+    /* RUN reads these without a start-up too. */
+    bad = range(bad, "startup.current_floor", cfg->current_floor, 0, CURRENT_MAX);
+    bad = range(bad, "startup.current_slope", cfg->current_slope, 0, CURRENT_MAX);
+    bad = range(bad, "startup.handover_speed", cfg->handover_speed, 0, STEP_MAX);
     if (cfg->current_hold != 0) {
         bad = check_catch_spin(bad, &cfg->catch_spin);
         bad = check_align(bad, &cfg->align, speed_limit);
         bad = range(bad, "startup.current_move", cfg->current_move, cfg->current_hold, CURRENT_MAX);
-        bad = range(bad, "startup.current_floor", cfg->current_floor, 0, CURRENT_MAX);
         bad = range(bad, "startup.current_slope", cfg->current_slope, 1, CURRENT_MAX);
         bad = range(bad, "startup.ramp", cfg->ramp, 1, STEP_MAX);
         bad = range(bad, "startup.handover_speed", cfg->handover_speed, 1, STEP_MAX);

@@ -8,6 +8,13 @@
 #define NO_PHASE (SUPERVISION_PHASES)
 
 /* Word by word: a library's memset takes five times as long. */
+void supervision_forget_imposed(supervision_t *state)
+{
+    state->absent = NO_PHASE;
+    state->absent_periods = 0U;
+    state->unexplained = 0U;
+}
+
 void supervision_reset(supervision_t *state)
 {
     state->step = 0U;
@@ -22,9 +29,7 @@ void supervision_reset(supervision_t *state)
     state->weak = 0U;
     state->weak_arcs = 0U;
     state->suspect = (fault_t){.id = FAULT_NONE};
-    state->absent = NO_PHASE;
-    state->absent_periods = 0U;
-    state->unexplained = 0U;
+    supervision_forget_imposed(state);
     state->off_current = (dq_t){0, 0};
     state->off_reference = 0U;
     state->runaway = 0U;

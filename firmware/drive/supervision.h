@@ -92,8 +92,11 @@ typedef struct {
     int32_t b;
     ab_t expected; /* the reference, ±32767 */
     dq_t voltage;  /* of the current control beyond what the model explains, Q15 of U_b */
-    int32_t emf;   /* of a rotor that goes with the frame, Q15 of U_b, 0…65535 */
+    int32_t emf;   /* of a rotor that goes with the frame, Q15 of U_b, 0…97500 */
 } supervision_imposed_t;
+
+/* A current is imposed from here on: what supervision_check_imposed has counted begins anew. */
+void supervision_forget_imposed(supervision_t *state);
 
 /*
  * Where a current is imposed. LOST_PHASE: a phase stays at zero that has to carry a current; a swinging rotor can hold

@@ -176,6 +176,10 @@ static void hand_back(drive_t *drive)
     rotor_position_step(&drive->frame, (step_t)load_angle);
     drive->frame_speed = drive->speed_loop.reference;
     turn_frame(drive, load_angle);
+    drive->signals.current_frame = transforms_park(
+        (ab_t){drive->signals.current.d, drive->signals.current.q}, trig_sincos(load_angle));
+    drive->signals.current_mean = drive->signals.current_frame;
+    supervision_forget_imposed(&drive->supervision);
 }
 
 /* RUN hands back when the imposed current has faded in. */

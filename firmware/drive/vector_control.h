@@ -20,7 +20,10 @@ void vector_control_estimate(drive_t *drive, bool track);
 /* Once in a slow period: residual, flux and static part of the observer. */
 void vector_control_refine(drive_t *drive);
 
-/* Last in a tick: control the current in the observer's frame in RUN, else impose it in the drive's. */
+/*
+ * Last in a tick: control the current in the observer's frame in RUN, else impose it in the drive's. Enables the gates
+ * and advances both angles; unless `track`, θ̂ closes up to the frame.
+ */
 void vector_control_close(drive_t *drive, bool track, drive_out_t *out);
 
 /* The speed reference of the next slow period: ramp, or position profile. */

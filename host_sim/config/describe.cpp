@@ -167,7 +167,8 @@ void add_network(Rows &to)
            scaled(c.decay, weight) * std::ldexp(1.0, static_cast<int>(c.current_shift)));
     to.add("observer.volt_gain", c.volt_gain, "T/L_d = {:.5g} A/V",
            scaled(c.volt_gain, weight) * base_x / to.bases.voltage_v);
-    to.add("observer.weight_shift", c.weight_shift, "the three above are times 2^{}", weight);
+    to.add("observer.weight_shift", c.weight_shift,
+           "the two above are times 2^{}; decay is of I_b, not of I_x", weight);
     to.add("observer.flux_q27", c.flux_q27, "φ/L_d = {:.5g} A", scaled(c.flux_q27, 27) * base_x);
     to.add("observer.iq_gain_q14", c.iq_gain_q14, "L_d/L_q = {:.5g}", scaled(c.iq_gain_q14, 14));
     to.add("observer.saliency_q13", c.saliency_q13, "L_q/L_d = {:.5g}", scaled(c.saliency_q13, 13));

@@ -15,7 +15,7 @@ namespace
 
 // The converter's full scale is half the current base, so that no vector of three currents overflows.
 constexpr double CURRENT_BASE_RATIO = 2.0;
-// Electrical angle in a PWM period up to which the observer's rotation and the lead of the voltage hold.
+// Electrical angle in a PWM period up to which the middle current of the observer and the lead of the voltage hold.
 constexpr double TURN_MAX_RAD = 0.7;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;

@@ -982,6 +982,25 @@ static void test_change_to_position_mode_at_speed_has_no_bump_and_comes_back_to_
     }
 }
 
+static void test_a_late_tick_leaves_the_observer_without_voltage(void)
+{
+    example_motor_t m = example_motor_at(0.0, 0.0);
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.target = 20000000;
+    run_motor(&m, 500U, 0.0);
+    TEST_ASSERT_TRUE(drive.signals.voltage_applied.alpha != 0);
+    in.flags = DRIVE_FLAG_LATE; /* of the tick before */
+    tick();
+    in.flags = 0U;
+    tick();
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.alpha);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.beta);
+    tick();
+    TEST_ASSERT_TRUE(drive.signals.voltage_applied.alpha != 0);
+}
+
 /* ---- one tick beside its parts, on a running motor ---- */
 
 static drive_t before; /* the drive as it was before the tick */
@@ -1165,6 +1184,7 @@ int main(void)
     RUN_TEST(test_a_clear_in_the_frame_of_the_fault_does_not_acknowledge_it);
     RUN_TEST(test_current_demand_changes_once_in_a_slow_period_only);
     RUN_TEST(test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus);
+    RUN_TEST(test_a_late_tick_leaves_the_observer_without_voltage);
     RUN_TEST(test_change_to_position_mode_takes_the_present_position_as_its_start);
     RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_slow_period);
     RUN_TEST(test_an_unknown_mode_counts_as_speed);

@@ -272,10 +272,39 @@ static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(voi
     }
 }
 
+/* RUN itself reads these. */
+static bool is_of_run(const field_t *field)
+{
+    static const char *const names[] = {"startup.current_hold", "startup.current_floor",
+                                        "startup.current_slope", "startup.handover_speed"};
+    bool found = false;
+
+    for (size_t i = 0; i < COUNT(names); i++) {
+        found = found || (strcmp(field->name, names[i]) == 0);
+    }
+    return found;
+}
+
 static bool is_of_startup(const field_t *field)
 {
-    return (strncmp(field->name, "startup.", 8) == 0) &&
-           (strcmp(field->name, "startup.current_hold") != 0);
+    return (strncmp(field->name, "startup.", 8) == 0) && !is_of_run(field);
+}
+
+static void test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked(void)
+{
+    uint32_t refused = 0U;
+
+    for (size_t i = 0; i < COUNT(FIELDS); i++) {
+        drive_cfg_t cfg = example_drive_cfg();
+        const int32_t below = -1;
+
+        if (is_of_run(&FIELDS[i])) {
+            memcpy((char *)&cfg + FIELDS[i].offset, &below, sizeof below);
+            TEST_ASSERT_EQUAL_STRING(FIELDS[i].name, params_check(&cfg));
+            refused++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(4U, refused);
 }
 
 /* It is not looked at then: RUN starts at once. */
@@ -293,7 +322,7 @@ static void test_without_a_hold_current_the_rest_of_the_startup_may_hold_anythin
             checked++;
         }
     }
-    TEST_ASSERT_EQUAL_UINT32((sizeof(startup_cfg_t) / sizeof(int32_t) - 1U) * COUNT(values),
+    TEST_ASSERT_EQUAL_UINT32((sizeof(startup_cfg_t) / sizeof(int32_t) - 4U) * COUNT(values),
                              checked);
 }
 
@@ -431,6 +460,7 @@ int main(void)
     RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
     RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
+    RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
     RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);
     RUN_TEST(test_thresholds_of_the_startup_out_of_order_are_named);
     RUN_TEST(test_the_vector_turns_no_faster_than_the_observer_follows);
