@@ -261,7 +261,7 @@ static void test_without_comparators_and_below_their_current_nothing_opens(void)
 
 static void test_a_comparator_current_out_of_range_is_named(void)
 {
-    const double bad_values[] = {-1.0, NAN};
+    const double bad_values[] = {-1.0, nan("")};
 
     for (int k = 0; k < 2; k++) {
         plant_cfg_t cfg = DRIVE;
