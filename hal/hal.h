@@ -19,8 +19,8 @@
 typedef struct hal hal_t;
 
 /*
- * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, flags) with the
- * conversions of t_k; the temperature may be an older one.
+ * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, angle, flags) with the
+ * conversions of t_k; the temperature may be an older one, the angle is 0 without a sensor.
  * Context: control interrupt, first. Does not wait: the conversions are complete when it is called.
  */
 void hal_sample(hal_t *hal, drive_in_t *in);

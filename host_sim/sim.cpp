@@ -48,6 +48,7 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     }
     cfg.temperature_zero_c = board.temperature_at_zero_c;
     cfg.temperature_full_scale_c = board.temperature_full_scale_c;
+    cfg.angle_counts = static_cast<unsigned>(real.angle_counts);
     cfg.seed = config.scenario.seed;
     return cfg;
 }

@@ -1,9 +1,11 @@
 #include "drive.h"
 
+#include "angle_sensor.h"
 #include "drive_state.h"
 #include "low_speed.h"
 #include "monitor.h"
 #include "vector_control.h"
+#include "voltage_drive.h"
 
 #include <stddef.h>
 
@@ -131,11 +133,28 @@ static bool wants_run(const drive_command_t *command)
     return (command->request & DRIVE_REQUEST_RUN) != 0U;
 }
 
+static bool has_sensor(const drive_t *drive)
+{
+    return drive->cfg->sampling.sensor_pole_pairs != 0U;
+}
+
+/* The rotor's angle and speed are known. */
+static void start_sensed(drive_t *drive)
+{
+    angle_sensor_start(drive);
+    if (drive->cfg->voltage_drive.enabled != 0U) {
+        voltage_drive_start(drive);
+    }
+    drive_enter(drive, DRIVE_STATE_RUN);
+}
+
 static void leave_ready(drive_t *drive)
 {
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
-    if (drive->cfg->startup.current_hold == 0) {
+    if (has_sensor(drive)) {
+        start_sensed(drive);
+    } else if (drive->cfg->startup.current_hold == 0) {
         vector_control_reset(drive);
         drive_enter(drive, DRIVE_STATE_RUN);
     } else {
@@ -249,6 +268,9 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     const bool controlled = drive_is_controlled(drive->state);
 
     convert_samples(drive, in);
+    if (has_sensor(drive)) {
+        angle_sensor_track(drive, in->angle);
+    }
     if (!drive_is_driving(drive->state)) {
         change_state(drive, in);
     } else if (!wants_run(&in->command)) {

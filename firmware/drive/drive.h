@@ -17,7 +17,8 @@
  *     any → FAULT, latched, gates off in the same tick; FAULT → OFFSET_CAL on DRIVE_REQUEST_CLEAR without
  *     DRIVE_REQUEST_RUN
  * ALIGN, HOLD, IF_RAMP and HANDOVER impose a current vector whose angle the drive sets (the frame); in RUN the
- * observer's angle is the frame. Without a hold current READY goes to RUN, the rotor taken to be at angle 0.
+ * observer's angle is the frame. Without a hold current READY goes to RUN, the rotor taken to be at angle 0, or where the
+ * angle sensor says that it is.
  */
 #ifndef DRIVE_H
 #define DRIVE_H
@@ -28,6 +29,7 @@
 #include "derating.h"
 #include "model.h"
 #include "params.h"
+#include "phase_compensator.h"
 #include "protection.h"
 #include "rotor_position.h"
 #include "supervision.h"
@@ -45,7 +47,7 @@ typedef enum {
     DRIVE_STATE_HOLD,       /* held at standstill by an imposed current */
     DRIVE_STATE_IF_RAMP,    /* dragged along by an imposed current */
     DRIVE_STATE_HANDOVER,   /* dragged, and the observer is judged */
-    DRIVE_STATE_RUN,        /* on the observer's angle */
+    DRIVE_STATE_RUN,        /* on the observer's angle, or the sensor's */
     DRIVE_STATE_FAULT
 } drive_state_t;
 
@@ -70,7 +72,8 @@ typedef struct {
 
 /*
  * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command. The
- * temperature is that of the power stage; it may be some ticks old.
+ * temperature is that of the power stage; it may be some ticks old. The angle is that of a sensor on the shaft,
+ * 2^16 = one turn, 0 where the magnet flux is along phase a, + from a towards b; 0 without a sensor.
  */
 typedef struct {
     uint16_t adc_ia;
@@ -80,6 +83,7 @@ typedef struct {
     drive_command_t command;
     uint16_t
         adc_temperature; /* last: before the command it would cost a Cortex-M0+ 57 instructions */
+    uint16_t angle;
 } drive_in_t;
 
 /* One output frame. */
@@ -92,14 +96,14 @@ typedef struct {
 typedef struct {
     int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
     int32_t phase_b;
-    int32_t bus;           /* Q15 of U_b */
-    ab_t current_ab;       /* Q15 of I_b */
-    dq_t current;          /* turned with θ̂ */
-    dq_t current_frame;    /* turned with the frame's angle, below RUN */
-    dq_t current_mean;     /* of current_frame while a current is imposed, over some 32 ticks */
-    ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
-    int32_t speed;         /* ω̂, Q15 of Ω_b */
-    dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
+    int32_t bus;          /* Q15 of U_b */
+    ab_t current_ab;      /* Q15 of I_b */
+    dq_t current;         /* turned with θ̂ */
+    dq_t current_frame;   /* turned with the frame's angle; in RUN as above */
+    dq_t current_mean;    /* of current_frame while a current is imposed, over some 32 ticks */
+    ab_t voltage_applied; /* Q15 of U_b, over the last period: the observer's input */
+    int32_t speed;        /* ω̂, Q15 of Ω_b */
+    dq_t current_ref; /* i_d*, i_q* in the frame, Q15 of I_b; voltage-driven: a mean of `current` */
     int32_t voltage_limit; /* Q15 of U_b */
     dq_t voltage;          /* demand */
     ab_t ratio_ab;
@@ -116,20 +120,21 @@ typedef struct {
     int32_t bus_before; /* bus at the last instant */
     nn_observer_t observer;
     uint32_t slow_count; /* N…1: ticks to the end of the slow period */
+    bool voltage_driven; /* RUN is without current regulators */
     current_loop_t current_loop;
     modulator_t modulator;
     ab_t ratio_acting; /* demand over bus, Q15: acted since the last instant */
     drive_signals_t signals;
     uint32_t tick; /* since drive_init, wraps */
     step_t speed_reference;
-    speed_loop_t speed_loop;
+    speed_loop_t speed_loop; /* voltage-driven, its integral is of U, Q15 of U_b */
     position_loop_t position_loop;
     uint8_t mode; /* of the running motion loops */
     uint32_t offset_samples;
-    model_t model;          /* of the motor, in force; kept from run to run */
-    bool identified;        /* R and L of the model were measured */
-    rotor_position_t frame; /* of the imposed current */
-    step_t frame_speed;
+    model_t model;             /* of the motor, in force; kept from run to run */
+    bool identified;           /* R and L of the model were measured */
+    rotor_position_t frame;    /* of the imposed current */
+    step_t frame_speed;        /* with a sensor: the rotor's */
     int32_t residual;          /* |e'_q|, filtered over slow periods, Q15 of I_b */
     uint32_t lost_periods;     /* slow periods in which it was too large for a held rotor */
     uint32_t handover_periods; /* slow periods in HANDOVER */
@@ -140,7 +145,9 @@ typedef struct {
     derating_t derating;
     supervision_t supervision;
     config_guard_t guard;
-    fault_t fault; /* why FAULT was entered last */
+    phase_compensator_t compensator;
+    int32_t voltage_magnitude; /* U, Q15 of U_b, + forwards; its limit may have sunk below it */
+    fault_t fault;             /* why FAULT was entered last */
 } drive_t;
 
 /*
@@ -154,7 +161,8 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
 /*
- * Speed estimate in steps per tick: that of the imposed vector while it drags the rotor, else the observer's (22).
+ * Speed estimate in steps per tick: that of the imposed vector while it drags the rotor, else the observer's (22); with a
+ * sensor, the sensor's.
  * Position estimate in Q32 electrical turns.
  */
 static inline step_t drive_speed(const drive_t *drive)

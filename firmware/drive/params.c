@@ -17,6 +17,7 @@
 #define SOFTNESS_MAX (12288)
 #define REACH_MAX (65000) /* times a current of 1 it stays below 2^31 */
 #define TICKS_MAX (0x100000)
+#define POLE_PAIRS_MAX (50)
 
 /* A shift or other count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
@@ -41,7 +42,9 @@ static const char *check_sampling(const char *before, const sampling_cfg_t *cfg)
 
     bad = range(bad, "sampling.current_shift", shift_value(cfg->current_shift), 0, 7);
     bad = range(bad, "sampling.bus_shift", shift_value(cfg->bus_shift), 0, 7);
-    return range(bad, "sampling.offset_log2", shift_value(cfg->offset_log2), 0, 12);
+    bad = range(bad, "sampling.offset_log2", shift_value(cfg->offset_log2), 0, 12);
+    return range(bad, "sampling.sensor_pole_pairs", shift_value(cfg->sensor_pole_pairs), 0,
+                 POLE_PAIRS_MAX);
 }
 
 static const char *check_protection(const char *before, const protection_cfg_t *cfg)
@@ -354,6 +357,38 @@ static const char *check_model(const char *before, const model_cfg_t *cfg)
     return range(bad, "model.flux_speed_min", cfg->flux_speed_min, 0, STEP_MAX);
 }
 
+static const char *check_voltage_drive(const char *before, const voltage_drive_cfg_t *cfg)
+{
+    const phase_compensator_cfg_t *const comp = &cfg->compensator;
+    const char *bad = before;
+
+    bad = range(bad, "voltage_drive.enabled", shift_value(cfg->enabled), 0, 1);
+    if (cfg->enabled != 0U) {
+        bad = check_pi(bad, "voltage_drive.pi", &cfg->pi);
+        bad = range(bad, "voltage_drive.compensator.gain", comp->gain, 0, FX_Q15_MAX);
+        bad = range(bad, "voltage_drive.compensator.gain_shift", shift_value(comp->gain_shift), 0,
+                    15);
+        bad = range(bad, "voltage_drive.compensator.lead_max", comp->lead_max, 0, TURN_QUARTER);
+        bad = range(bad, "voltage_drive.compensator.brake_max", comp->brake_max, 0, TURN_QUARTER);
+        bad = range(bad, "voltage_drive.compensator.current_min", comp->current_min, 1, FX_Q15_MAX);
+    }
+    return bad;
+}
+
+/* With a sensor nothing has to be found, and the observer's speed is the sensor's: it must not be trained. */
+static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    if (cfg->sampling.sensor_pole_pairs != 0U) {
+        bad = range(bad, "startup.current_hold", cfg->startup.current_hold, 0, 0);
+        bad = range(bad, "observer.rate", cfg->observer.rate, 0, 0);
+        bad = range(bad, "observer.proportional", cfg->observer.proportional, 0, 0);
+        bad = range(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0, 0);
+    }
+    return bad;
+}
+
 const char *params_check(const drive_cfg_t *cfg)
 {
     const char *bad = NULL;
@@ -374,5 +409,7 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_modulator(bad, &cfg->modulator);
     bad = check_startup(bad, &cfg->startup, cfg->observer.speed_limit);
     bad = check_model(bad, &cfg->model);
+    bad = check_voltage_drive(bad, &cfg->voltage_drive);
+    bad = check_sensor(bad, cfg);
     return range(bad, "slow_ticks", shift_value(cfg->slow_ticks), 6, 100);
 }

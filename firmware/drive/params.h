@@ -15,6 +15,7 @@
 #include "modulator.h"
 #include "motion_loop.h"
 #include "nn_observer.h"
+#include "phase_compensator.h"
 #include "protection.h"
 #include "startup.h"
 #include "supervision.h"
@@ -25,7 +26,16 @@ typedef struct {
     uint32_t current_shift; /* ADC counts to Q15 of I_b (twice full scale): 15 − bits, 0…7 */
     uint32_t bus_shift;     /* ADC counts to Q15 of U_b: 15 − bits, 0…7 */
     uint32_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
+    uint32_t
+        sensor_pole_pairs; /* electrical turns in one of the angle sensor, 0…50; 0: no sensor */
 } sampling_cfg_t;
+
+/* RUN without current regulators. */
+typedef struct {
+    uint32_t enabled; /* 0: never; 1: whenever a speed is commanded, see voltage_drive.h */
+    pi_cfg_t pi;      /* speed error Q15 of 2·Ω_b in, U in Q15 of U_b out; paper B (28)–(30) */
+    phase_compensator_cfg_t compensator;
+} voltage_drive_cfg_t;
 
 /* In the order of their use in a tick, the motion loops last: see drive_t. */
 typedef struct {
@@ -44,6 +54,7 @@ typedef struct {
     startup_cfg_t startup;
     model_cfg_t model;
     supervision_cfg_t supervision;
+    voltage_drive_cfg_t voltage_drive;
     uint32_t crc; /* of all before, see config_guard.h; the last field */
 } drive_cfg_t;
 

@@ -2,6 +2,7 @@
 
 #include "drive_state.h"
 #include "trig.h"
+#include "voltage_drive.h"
 
 #include <stddef.h>
 
@@ -16,6 +17,7 @@ void vector_control_reset(drive_t *drive)
     nn_observer_start(&drive->observer, &drive->model.observer, 0, (dq_t){0, 0}, trig_sincos(0U));
     rotor_position_reset(&drive->position, 0U);
     rotor_position_reset(&drive->frame, 0U);
+    drive->voltage_driven = false;
     current_loop_reset(&drive->current_loop);
     speed_loop_reset(&drive->speed_loop, 0);
     position_loop_reset(&drive->position_loop, 0, 0);
@@ -194,6 +196,29 @@ static void watch_speed(drive_t *drive)
     }
 }
 
+/* The torque current, and i_d*. */
+static void control_motion(drive_t *drive)
+{
+    drive->signals.current_ref.d = next_current_d(drive);
+    drive->signals.current_ref.q =
+        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                        drive->observer.speed, drive->torque_range);
+    watch_speed(drive);
+}
+
+/* Without a current to impose the drive stays in RUN however slow it is. */
+static void control_speed(drive_t *drive, const drive_command_t *command)
+{
+    const bool slow = (drive->cfg->startup.current_hold != 0) && is_slow(drive);
+
+    if (drive->voltage_driven) {
+        voltage_drive_motion(drive, command, slow);
+    } else {
+        control_motion(drive);
+        voltage_drive_offer(drive, command, slow);
+    }
+}
+
 void vector_control_motion(drive_t *drive, const drive_command_t *command, uint32_t left)
 {
     if (left == (uint32_t)SLOW_PART_REFINE) {
@@ -201,11 +226,7 @@ void vector_control_motion(drive_t *drive, const drive_command_t *command, uint3
     } else if (left == (uint32_t)SLOW_PART_PLAN) {
         vector_control_plan(drive, command);
     } else if (left == (uint32_t)SLOW_PART_SPEED) {
-        drive->signals.current_ref.d = next_current_d(drive);
-        drive->signals.current_ref.q =
-            speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                            drive->observer.speed, drive->torque_range);
-        watch_speed(drive);
+        control_speed(drive, command);
     } else {
         /* the monitor's */
     }
@@ -287,6 +308,8 @@ void vector_control_close(drive_t *drive, bool track, drive_out_t *out)
     if ((drive->state == DRIVE_STATE_ALIGN) &&
         align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
         step_voltage(drive);
+    } else if (drive->voltage_driven) {
+        voltage_drive_step(drive);
     } else {
         control_currents(drive, running);
     }

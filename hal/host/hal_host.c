@@ -29,6 +29,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ib = read_channel(&faults->ib, adc.ib);
     in->adc_bus = read_channel(&faults->bus, adc.bus);
     in->adc_temperature = adc.temperature;
+    in->angle = adc.angle;
     in->flags = (uint16_t)(late | broken);
 }
 

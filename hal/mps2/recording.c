@@ -110,6 +110,7 @@ void recording_put_frame(uint8_t *to, const drive_in_t *in)
     put16(&at, in->adc_ib);
     put16(&at, in->adc_bus);
     put16(&at, in->adc_temperature);
+    put16(&at, in->angle);
     put16(&at, in->flags);
     put32(&at, (uint32_t)in->command.target);
     put8(&at, in->command.mode);
@@ -125,6 +126,7 @@ drive_in_t recording_get_frame(const uint8_t *from)
     in.adc_ib = get16(&at);
     in.adc_bus = get16(&at);
     in.adc_temperature = get16(&at);
+    in.angle = get16(&at);
     in.flags = get16(&at);
     in.command.target = (int32_t)get32(&at);
     in.command.mode = get8(&at);
@@ -278,6 +280,14 @@ static void mix_loops(uint32_t *hash, const drive_t *drive)
     mix_i32(hash, drive->position_loop.profile_speed);
 }
 
+static void mix_voltage_drive(uint32_t *hash, const drive_t *drive)
+{
+    mix_u32(hash, drive->voltage_driven ? 1U : 0U);
+    mix_u32(hash, drive->compensator.angle);
+    mix_i32(hash, drive->compensator.current_angle);
+    mix_i32(hash, drive->voltage_magnitude);
+}
+
 static void mix_derating(uint32_t *hash, const derating_t *derating)
 {
     mix_i32(hash, derating->heat_q24);
@@ -362,6 +372,7 @@ uint32_t recording_state_hash(const drive_t *drive)
     mix_u32(&hash, drive->guard.crc);
     mix_model(&hash, &drive->model);
     mix_low_speed(&hash, drive);
+    mix_voltage_drive(&hash, drive);
     return hash;
 }
 

@@ -6,8 +6,8 @@
  * simulator's host and the targets compile this one file.
  *
  *     header, 16 bytes    magic 4, version 2, bytes of a record 2, configuration hash 4, ticks 4
- *     frame,  16 bytes    adc_ia 2, adc_ib 2, adc_bus 2, adc_temperature 2, flags 2, target 4, mode 1,
- *                         request 1
+ *     frame,  18 bytes    adc_ia 2, adc_ib 2, adc_bus 2, adc_temperature 2, angle 2, flags 2, target 4,
+ *                         mode 1, request 1
  *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, state hash 4
  *
  * Pure functions; none can fail but the check of a header.
@@ -21,10 +21,10 @@
 
 #define RECORDING_FRAMES (0x5246464EU)  /* magic "NFFR" */
 #define RECORDING_RESULTS (0x5352464EU) /* magic "NFRS" */
-#define RECORDING_VERSION (2U)
+#define RECORDING_VERSION (3U)
 
 #define RECORDING_HEADER_BYTES (16U)
-#define RECORDING_FRAME_BYTES (16U)
+#define RECORDING_FRAME_BYTES (18U)
 #define RECORDING_RESULT_BYTES (12U)
 
 typedef struct {

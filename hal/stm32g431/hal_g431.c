@@ -68,6 +68,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ib = sensing_current(reg_read(ADC2 + ADC_JDR1));
     in->adc_bus = (uint16_t)reg_read(ADC1 + ADC_JDR2);
     in->adc_temperature = hal->temperature;
+    in->angle = 0U; /* no sensor */
     hal->phase_c = sensing_current(reg_read(ADC2 + ADC_JDR2));
 }
 

@@ -74,6 +74,8 @@ void add_sampling(Rows &to)
            to.config.board.adc_bits, to.bases.voltage_v);
     to.add("sampling.offset_log2", c.offset_log2, "averages {:g} samples",
            std::exp2(c.offset_log2));
+    to.add("sampling.sensor_pole_pairs", c.sensor_pole_pairs,
+           "electrical turns in one of the angle sensor; 0: none");
 }
 
 void add_protection(Rows &to)
@@ -358,6 +360,30 @@ void add_model(Rows &to)
            to.rpm(c.flux_speed_min));
 }
 
+void add_voltage_drive(Rows &to)
+{
+    const voltage_drive_cfg_t &c = to.built.voltage_drive;
+    const double degree = 360 / STEPS_PER_TURN;
+    const double volt_per_rad_s = to.bases.voltage_v / (2 * to.bases.speed_el_rad_s);
+    to.add("voltage_drive.enabled", c.enabled, "1: RUN without current regulators");
+    to.add("voltage_drive.pi.kp", c.pi.kp, "{:.5g} V·s/rad",
+           scaled(c.pi.kp, static_cast<int>(c.pi.kp_shift)) * volt_per_rad_s);
+    to.add("voltage_drive.pi.ki", c.pi.ki, "{:.5g} V/rad",
+           scaled(c.pi.ki, static_cast<int>(c.pi.ki_shift) + PI_INTEGRAL_BITS) * volt_per_rad_s /
+               to.slow_period());
+    to.add("voltage_drive.pi.kp_shift", c.pi.kp_shift, "of kp");
+    to.add("voltage_drive.pi.ki_shift", c.pi.ki_shift, "of ki, less {}", PI_INTEGRAL_BITS);
+    to.add("voltage_drive.compensator.gain", c.compensator.gain, "g = {:.4g} a sample",
+           scaled(c.compensator.gain, 16 + static_cast<int>(c.compensator.gain_shift)));
+    to.add("voltage_drive.compensator.gain_shift", c.compensator.gain_shift, "of g");
+    to.add("voltage_drive.compensator.lead_max", c.compensator.lead_max, "leads by at most {:.4g}°",
+           c.compensator.lead_max * degree);
+    to.add("voltage_drive.compensator.brake_max", c.compensator.brake_max,
+           "lags by at most {:.4g}°", c.compensator.brake_max * degree);
+    to.add("voltage_drive.compensator.current_min", c.compensator.current_min,
+           "i_q counts as at least {:.4g} A", to.ampere(c.compensator.current_min));
+}
+
 } // namespace
 
 std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
@@ -380,6 +406,7 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
     add_current_loop(to, "hold_loop", built.hold_loop);
     add_startup(to);
     add_model(to);
+    add_voltage_drive(to);
     to.add("speed_shift", built.speed_shift, "steps to Q15 of Ω_b = {:.6g} rad/s electrical",
            to.bases.speed_el_rad_s);
     to.add("slow_ticks", built.slow_ticks, "slow period {:g} s", to.slow_period());

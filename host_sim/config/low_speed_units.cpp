@@ -256,8 +256,9 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
 }
 
 double startup_time(const MotorSettings &motor, const BoardSettings &board,
-                    const TuningSettings &tuning)
+                    const TuningSettings &as_written)
 {
+    const TuningSettings tuning = for_sensor(as_written);
     if (!(tuning.startup_current_pct > 0)) {
         return 0;
     }

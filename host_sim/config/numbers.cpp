@@ -77,6 +77,12 @@ constexpr double PROFILE_SPEED = 0.5; // of rated
 // The position loop below the speed loop, and the soft end of its profile in units of 1/bandwidth.
 constexpr double POSITION_SHARE = 1 / 2.8;
 constexpr double SOFTNESS = 0.3;
+// The voltage's speed PI: share of φ, as the EMF is φ for 1 rad/s, and its corner. Chosen with motor B: the currents'
+// own damping, R/L = 17…30/s, allows no faster loop.
+constexpr double VOLTAGE_PER_FLUX = 1;
+constexpr double VOLTAGE_CORNER_S = 8;
+// The lead of a braking drive stays this share above −atan(R/(ω·L_d)), where more voltage means less torque.
+constexpr double BRAKE_SHARE = 0.8;
 
 void fill(double &setting, double value)
 {
@@ -99,6 +105,23 @@ TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &moto
     fill(t.position_speed_rpm, PROFILE_SPEED * motor.rated_speed_rpm);
     fill(t.position_acceleration_rad_s2, PROFILE_TORQUE * acceleration);
     fill(t.position_softness_s, SOFTNESS / (TWO_PI * t.position_bandwidth_hz));
+    fill(t.voltage_kp_v_s_per_rad, VOLTAGE_PER_FLUX * motor.flux_linkage_wb);
+    fill(t.voltage_ki_v_per_rad, VOLTAGE_CORNER_S * t.voltage_kp_v_s_per_rad);
+    const double reactance =
+        rad_s_from_rpm(motor.rated_speed_rpm) * motor.pole_pairs * motor.inductance_d_h;
+    fill(t.brake_max_deg, BRAKE_SHARE * std::atan(motor.resistance_ohm / reactance) * 360 / TWO_PI);
+    return t;
+}
+
+TuningSettings for_sensor(const TuningSettings &tuning)
+{
+    TuningSettings t = tuning;
+    if (t.angle_source == AngleSource::sensor) {
+        t.startup_current_pct = 0;
+        t.observer_kappa = 0;
+        t.observer_kappa_p = 0;
+        t.observer_momentum = 0;
+    }
     return t;
 }
 

@@ -71,6 +71,9 @@ Model make_model(const MotorSettings &motor, const ModelScales &scale);
 // The tuning with what it leaves to the motor (0) filled in by one rule for every motor, see numbers.cpp.
 TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor);
 
+// With an angle sensor nothing is to be found at the start, and the observer's speed is not trained.
+TuningSettings for_sensor(const TuningSettings &tuning);
+
 // Peak phase current for ever: the motor file's, else that of rated torque.
 double continuous_current(const MotorSettings &motor);
 

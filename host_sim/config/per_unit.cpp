@@ -78,9 +78,13 @@ void check_voltage(const MotorSettings &motor, const BoardSettings &board)
 }
 
 // Nothing to refuse: the ranges of the keys are those of the fields.
-sampling_cfg_t make_sampling(const BoardSettings &board)
+sampling_cfg_t make_sampling(const MotorSettings &motor, const BoardSettings &board,
+                             const TuningSettings &tuning)
 {
     sampling_cfg_t c{};
+    if (tuning.angle_source == AngleSource::sensor) {
+        c.sensor_pole_pairs = static_cast<uint32_t>(motor.pole_pairs);
+    }
     c.current_shift = static_cast<uint32_t>(15 - board.adc_bits);
     c.bus_shift = c.current_shift;
     c.offset_log2 = static_cast<uint32_t>(board.offset_samples_log2);
@@ -458,6 +462,51 @@ position_loop_cfg_t make_position_loop(const MotorSettings &motor, const TuningS
     return c;
 }
 
+phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const TuningSettings &tuning,
+                                         const Bases &b)
+{
+    const Mantissa g = normalise(std::ldexp(tuning.compensator_gain, 16), 0, 15,
+                                 {"phase_compensator.gain", tuning.compensator_gain},
+                                 "half of the angle in a sample");
+    const auto angle = [](double degrees) {
+        return static_cast<int32_t>(std::lround(degrees / 360 * STEPS_PER_TURN));
+    };
+    const double current = tuning.compensator_current_pct / 100 * continuous_current(motor);
+    phase_compensator_cfg_t c{};
+    c.gain = g.value;
+    c.gain_shift = g.shift;
+    c.lead_max = angle(tuning.lead_max_deg);
+    c.brake_max = angle(tuning.brake_max_deg);
+    c.current_min = static_cast<int32_t>(
+        std::lround(std::clamp(current / b.current_a * Q15, 1.0, MANTISSA_MAX)));
+    return c;
+}
+
+voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
+                                       const Bases &b)
+{
+    const double slow_period = b.control_period_s * tuning.slow_ticks;
+    const double base = 2 * b.speed_el_rad_s / b.voltage_v; // of the speed error, in U_b
+    const char *const reason = "more is beyond the firmware's gains";
+    voltage_drive_cfg_t c{};
+    if (tuning.method != ControlMethod::voltage_phase) {
+        return c;
+    }
+    const Mantissa p =
+        normalise(tuning.voltage_kp_v_s_per_rad * base, 1, 30,
+                  {"voltage_loop.kp_v_s_per_rad", tuning.voltage_kp_v_s_per_rad}, reason);
+    const Mantissa i =
+        normalise(std::ldexp(tuning.voltage_ki_v_per_rad * base * slow_period, 11), 1, 30,
+                  {"voltage_loop.ki_v_per_rad", tuning.voltage_ki_v_per_rad}, reason);
+    c.enabled = 1;
+    c.pi.kp = p.value;
+    c.pi.kp_shift = p.shift;
+    c.pi.ki = i.value;
+    c.pi.ki_shift = i.shift;
+    c.compensator = make_compensator(motor, tuning, b);
+    return c;
+}
+
 // Current from which on a leg's sign is certain: so many counts of the converter.
 constexpr double EDGE_LSB = 5;
 
@@ -544,11 +593,11 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
                            const TuningSettings &as_written, const ModelScales &scales)
 {
-    const TuningSettings tuning = for_motor(as_written, motor);
+    const TuningSettings tuning = for_sensor(for_motor(as_written, motor));
     const Bases b = make_bases(motor, board);
     const Model m = make_model(motor, scales);
     drive_cfg_t c{};
-    c.sampling = make_sampling(board);
+    c.sampling = make_sampling(motor, board, tuning);
     c.protection = make_protection(board, b);
     const double period_s = b.control_period_s * tuning.slow_ticks * SUPERVISION_STEPS;
     c.derating = make_derating(motor, board, period_s, b);
@@ -562,6 +611,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
+    c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);

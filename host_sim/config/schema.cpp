@@ -89,6 +89,8 @@ const std::vector<Field> FIELDS = {
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
 
     {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
+    {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
+    {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},
     {"observer", "kappa_p", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law"},
     {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)"},
@@ -109,6 +111,13 @@ const std::vector<Field> FIELDS = {
     {"position_loop", "speed_rpm", "rpm", 0, 200000, OPTIONAL, tuning<&T::position_speed_rpm>, "speed limit of the profile; 0: by the motor"},
     {"position_loop", "acceleration_rad_s2", "rad/s²", 0, 1e7, OPTIONAL, tuning<&T::position_acceleration_rad_s2>, "acceleration limit of the profile, mechanical; 0: by the motor"},
     {"position_loop", "softness_s", "s", 0, 10, OPTIONAL, tuning<&T::position_softness_s>, "time constant with which the profile settles; 0: by the motor"},
+
+    {"voltage_loop", "kp_v_s_per_rad", "V·s/rad", 0, 1000, OPTIONAL, tuning<&T::voltage_kp_v_s_per_rad>, "voltage for an electrical speed error; 0: by the motor"},
+    {"voltage_loop", "ki_v_per_rad", "V/rad", 0, 1e5, OPTIONAL, tuning<&T::voltage_ki_v_per_rad>, "voltage a second for an electrical speed error; 0: by the motor"},
+    {"phase_compensator", "gain", "", 0, 0.1, OPTIONAL, tuning<&T::compensator_gain>, "g of paper B (43), a sample; 0: the lead stays as it was"},
+    {"phase_compensator", "lead_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::lead_max_deg>, "largest lead of the voltage, electrical"},
+    {"phase_compensator", "brake_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::brake_max_deg>, "largest lag of the voltage; 0: by the motor"},
+    {"phase_compensator", "current_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::compensator_current_pct>, "of motor.continuous_current_a: a vector small against it has no angle"},
 
     {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},
     {"model", "inductance", "", 0.1, 10, OPTIONAL, model<&ModelScales::inductance>, "controller's belief / motor file"},
@@ -132,6 +141,7 @@ const std::vector<Field> FIELDS = {
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
+    {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536"},
 
     {"scenario", "title", "", 1, NAME_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
     {"scenario", "paper_figure", "", 0, NAME_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
@@ -156,17 +166,38 @@ const std::vector<Section> SECTIONS = {
     {"board", {FileKind::board, FileKind::imperfection}},
     {"hal", {FileKind::board}},
     {"tuning", {FileKind::tuning}},
+    {"drive", {FileKind::tuning, FileKind::scenario}},
     {"observer", {FileKind::tuning, FileKind::scenario}},
     {"startup", {FileKind::tuning, FileKind::scenario}},
     {"adaptation", {FileKind::tuning, FileKind::scenario}},
     {"current_loop", {FileKind::tuning, FileKind::scenario}},
     {"speed_loop", {FileKind::tuning, FileKind::scenario}},
     {"position_loop", {FileKind::tuning, FileKind::scenario}},
+    {"voltage_loop", {FileKind::tuning, FileKind::scenario}},
+    {"phase_compensator", {FileKind::tuning, FileKind::scenario}},
     {"model", {FileKind::scenario, FileKind::imperfection}},
     {"plant", {FileKind::scenario, FileKind::imperfection}},
     {"scenario", {FileKind::scenario}},
     {"accept", {FileKind::scenario}},
 };
+
+// What the keys with a choice can be, in the order of the enumerators.
+using Words = std::array<const char *, 2>;
+
+constexpr Words words_of(const DriveMode *)
+{
+    return {"speed", "position"};
+}
+
+constexpr Words words_of(const ControlMethod *)
+{
+    return {"current", "voltage_phase"};
+}
+
+constexpr Words words_of(const AngleSource *)
+{
+    return {"observer", "sensor"};
+}
 
 template <typename... Visitors> struct Overloaded : Visitors... {
     using Visitors::operator()...;
@@ -238,14 +269,31 @@ void check_string(const Field &field, const Node &value)
     }
 }
 
-void check_mode(const Field &field, const Node &value)
+void check_choice(const Field &field, const Node &value, const Words &words)
 {
     if (value.kind != Node::Kind::text) {
         wrong(field, value, std::string("is ") + kind_name(value));
     }
-    if (value.text != "speed" && value.text != "position") {
-        wrong(field, value, "is no mode");
+    if (std::count(words.begin(), words.end(), value.text) == 0) {
+        wrong(field, value, fmt::format("is no {}", field.key));
     }
+}
+
+std::string choice_text(const Words &words)
+{
+    return fmt::format(R"("{}" or "{}")", words[0], words[1]);
+}
+
+// A checked value.
+template <typename Choice> void choose(Choice *place, const Node &value)
+{
+    const Words words = words_of(place);
+    *place = static_cast<Choice>(std::find(words.begin(), words.end(), value.text) - words.begin());
+}
+
+template <typename Choice> std::string default_choice(const Choice *place)
+{
+    return fmt::format(R"("{}")", words_of(place)[static_cast<std::size_t>(*place)]);
 }
 
 } // namespace
@@ -275,18 +323,19 @@ std::string Field::name() const
 std::string Field::allowed() const
 {
     const std::string range = range_text(min, max, unit);
-    return std::visit(
-        Overloaded{
-            [&](const double *) { return std::string(range); },
-            [&](const int *) { return "a whole number, " + range; },
-            [&](const unsigned *) { return "a whole number, " + range; },
-            [&](const std::string *) {
-                return fmt::format("a string of {} to {} characters", min, max);
-            },
-            [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
-            [&](const DriveMode *) { return std::string(R"("speed" or "position")"); },
-        },
-        type_of(*this));
+    return std::visit(Overloaded{
+                          [&](const double *) { return std::string(range); },
+                          [&](const int *) { return "a whole number, " + range; },
+                          [&](const unsigned *) { return "a whole number, " + range; },
+                          [&](const std::string *) {
+                              return fmt::format("a string of {} to {} characters", min, max);
+                          },
+                          [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+                          [&](const DriveMode *any) { return choice_text(words_of(any)); },
+                          [&](const ControlMethod *any) { return choice_text(words_of(any)); },
+                          [&](const AngleSource *any) { return choice_text(words_of(any)); },
+                      },
+                      type_of(*this));
 }
 
 std::string Field::default_text() const
@@ -300,10 +349,9 @@ std::string Field::default_text() const
                           [](const std::array<double, 2> *pair) {
                               return fmt::format("[{}, {}]", (*pair)[0], (*pair)[1]);
                           },
-                          [](const DriveMode *mode) {
-                              return std::string(*mode == DriveMode::speed ? R"("speed")"
-                                                                           : R"("position")");
-                          },
+                          [](const DriveMode *mode) { return default_choice(mode); },
+                          [](const ControlMethod *method) { return default_choice(method); },
+                          [](const AngleSource *source) { return default_choice(source); },
                           [](const auto *number) { return fmt::format("{}", *number); },
                       },
                       target(untouched));
@@ -370,7 +418,9 @@ void check_value(const Field &field, const Node &value)
                    [&](const unsigned *) { check_whole(field, value); },
                    [&](const std::string *) { check_string(field, value); },
                    [&](const std::array<double, 2> *) { check_pair(field, value); },
-                   [&](const DriveMode *) { check_mode(field, value); },
+                   [&](const DriveMode *any) { check_choice(field, value, words_of(any)); },
+                   [&](const ControlMethod *any) { check_choice(field, value, words_of(any)); },
+                   [&](const AngleSource *any) { check_choice(field, value, words_of(any)); },
                },
                type_of(field));
 }
@@ -385,9 +435,9 @@ void apply_value(const Field &field, const Node &value, Config &config)
                    [&](std::array<double, 2> *place) {
                        *place = {value.items[0].number(), value.items[1].number()};
                    },
-                   [&](DriveMode *place) {
-                       *place = value.text == "speed" ? DriveMode::speed : DriveMode::position;
-                   },
+                   [&](DriveMode *place) { choose(place, value); },
+                   [&](ControlMethod *place) { choose(place, value); },
+                   [&](AngleSource *place) { choose(place, value); },
                },
                field.target(config));
     config.origins[field.name()] = value.origin;

@@ -56,9 +56,24 @@ struct BoardSettings {
     double temperature_max_c = 100;        // the drive stops above it
 };
 
-// [observer], [current_loop], [speed_loop], [position_loop]
+// What controls the motor in RUN.
+enum class ControlMethod {
+    current,      // regulators of i_d and i_q
+    voltage_phase // paper B: magnitude by the speed PI, angle by the phase compensator
+};
+
+// Where the rotor's angle is from.
+enum class AngleSource {
+    observer,
+    sensor
+};
+
+// [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop], [voltage_loop],
+// [phase_compensator]
 struct TuningSettings {
     std::string name;
+    ControlMethod method = ControlMethod::current;
+    AngleSource angle_source = AngleSource::observer;
     double observer_kappa = 0;    // share of the speed error removed per sample
     double observer_kappa_p = 0;  // proportional path; 0 is the published law
     double observer_momentum = 0; // alpha of paper A (19)
@@ -83,6 +98,13 @@ struct TuningSettings {
     double position_acceleration_rad_s2 = 0; // mechanical
     double position_softness_s = 0;          // time constant with which the profile settles
     int slow_ticks = 0;                      // control ticks in a slow period
+    double voltage_kp_v_s_per_rad = 0;       // volts for an electrical speed error; 0: by the motor
+    double voltage_ki_v_per_rad = 0;         // volts a second for one; 0: by the motor
+    double compensator_gain = 0.001;         // g of paper B (43), a sample
+    double lead_max_deg = 40;                // largest lead of the voltage, electrical
+    double brake_max_deg = 0;                // largest lag; 0: by the motor
+    double compensator_current_pct =
+        25; // of the continuous current: a vector small against it has no angle
 };
 
 // Dead time and device drop are one value unless a file tells them apart: the real board has what its file
@@ -116,6 +138,7 @@ struct PlantSettings {
     double adc_noise_lsb = 0;             // rms
     std::array<double, 2> adc_offset_lsb = {0, 0};
     std::array<double, 2> adc_gain_error_pct = {0, 0};
+    int angle_counts = 0; // of the angle sensor in a turn of the shaft; 0: as fine as the frame
 };
 
 } // namespace nf

@@ -155,6 +155,7 @@ void plant_sample(plant_t *plant, plant_adc_t *adc)
     double current[PLANT_LEGS];
     plant_bridge_phases(plant_motor_current(&plant->motor), current);
     plant_sensors_convert(&plant->sensors, current[0], current[1], plant->bus_v, adc);
+    adc->angle = plant_sensors_angle(&plant->sensors, plant_motor_angle_mech(&plant->motor));
 }
 
 /* Ideal legs need no look at the currents: their potentials are the rails. */

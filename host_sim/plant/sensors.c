@@ -1,11 +1,13 @@
 #include "sensors.h"
 
 #include "check.h"
+#include "rotation.h"
 
 #include <math.h>
 
 #define ADC_BITS_MIN 6U
 #define ADC_BITS_MAX 16U
+#define ANGLE_COUNTS_MAX 65536U
 
 static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
 {
@@ -20,6 +22,7 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
         {"sensor.temperature_zero_c", isfinite(cfg->temperature_zero_c)},
         {"sensor.temperature_full_scale_c", isfinite(cfg->temperature_full_scale_c)},
+        {"sensor.angle_counts", cfg->angle_counts <= ANGLE_COUNTS_MAX},
     };
     return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
 }
@@ -42,6 +45,7 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
     const double span_c = cfg->temperature_full_scale_c - cfg->temperature_zero_c;
     sensors->temperature_gain = (fabs(span_c) > 0.0) ? 2.0 * half_scale / span_c : 0.0;
     sensors->temperature_zero_c = cfg->temperature_zero_c;
+    sensors->angle_counts = (double)(cfg->angle_counts > 0U ? cfg->angle_counts : ANGLE_COUNTS_MAX);
     sensors->noise_lsb_rms = cfg->noise_lsb_rms;
     plant_random_init(&sensors->random, cfg->seed);
     return true;
@@ -62,6 +66,14 @@ void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_
 {
     const double counts = (temperature_c - sensors->temperature_zero_c) * sensors->temperature_gain;
     sensors->temperature = quantise(counts, sensors->count_max);
+}
+
+uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_rad)
+{
+    const double turns = angle_mech_rad / PLANT_TWO_PI;
+    const double count = floor((turns - floor(turns)) * sensors->angle_counts + 0.5);
+    const double told = floor(count / sensors->angle_counts * ANGLE_COUNTS_MAX + 0.5);
+    return (uint16_t)((uint32_t)told % ANGLE_COUNTS_MAX);
 }
 
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,

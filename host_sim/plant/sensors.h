@@ -7,10 +7,11 @@
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
  * Temperature:      linear from temperature_zero_c at count 0 to temperature_full_scale_c at 2^bits, no
  *                   noise: it is slow and filtered.
+ * Angle:            the shaft's, 2^16 to a turn, in steps of 1 / angle_counts of a turn; no offset.
  * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
  * bases take it for, which turn counts into per unit by a shift.
  * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
- * Conversion is instantaneous: both currents and the bus are taken at the same instant.
+ * Conversion is instantaneous: both currents, the bus and the angle are taken at the same instant.
  */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H
@@ -34,7 +35,9 @@ typedef struct {
     double temperature_zero_c;   /* degrees C at count 0 */
     double
         temperature_full_scale_c; /* at 2^bits, above or below; equal to it: no sensor, reads 0 */
-    uint64_t seed;                /* of the noise */
+    unsigned
+        angle_counts; /* of the angle sensor in a turn, 0 ... 65536; 0: as fine as it is told */
+    uint64_t seed;    /* of the noise */
 } plant_sensor_cfg_t;
 
 /* Straight binary. Zero current reads half scale, 2^(bits-1). */
@@ -43,6 +46,7 @@ typedef struct {
     uint16_t ib;
     uint16_t bus;
     uint16_t temperature;
+    uint16_t angle; /* of the shaft, 2^16 = one turn */
 } plant_adc_t;
 
 typedef struct {
@@ -52,6 +56,7 @@ typedef struct {
     double temperature_gain; /* counts per degree */
     double temperature_zero_c;
     double count_max;
+    double angle_counts; /* in a turn */
     double noise_lsb_rms;
     plant_random_t random;
     uint16_t temperature; /* what its channel converts to */
@@ -63,6 +68,9 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
 
 /* The temperature that the conversions to come see, degrees C. */
 void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c);
+
+/* What the angle sensor tells of a shaft at an angle, rad, multi-turn. */
+uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_rad);
 
 /* One conversion of both currents [A], the bus [V] and the temperature. With noise it draws three
  * deviates. */

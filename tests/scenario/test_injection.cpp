@@ -72,7 +72,7 @@ const std::vector<Row> &healthy()
 bool same(const drive_in_t &a, const drive_in_t &b)
 {
     return a.adc_ia == b.adc_ia && a.adc_ib == b.adc_ib && a.adc_bus == b.adc_bus &&
-           a.adc_temperature == b.adc_temperature && a.flags == b.flags;
+           a.adc_temperature == b.adc_temperature && a.angle == b.angle && a.flags == b.flags;
 }
 
 struct Case {

@@ -9,10 +9,10 @@
 
 /*
  * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
- * words of the mode and of three flags, and where 64-bit fields ask for alignment a word: before the position loop, in
+ * words of the mode and of four flags, and where 64-bit fields ask for alignment a word: before the position loop, in
  * it, before the frame, at the end.
  */
-#define BYTE_PADDING (4U * 3U)
+#define BYTE_PADDING (5U * 3U)
 #define WORD (4U)
 #define PROFILE_BYTES (8U + 4U)
 #define BEFORE_POSITION_LOOP \
@@ -33,7 +33,7 @@ void tearDown(void)
 
 static void test_header_bytes(void)
 {
-    const uint8_t expected[RECORDING_HEADER_BYTES] = {'N',  'F',  'F',  'R',  2U, 0U, 16U, 0U,
+    const uint8_t expected[RECORDING_HEADER_BYTES] = {'N',  'F',  'F',  'R',  3U, 0U, 18U, 0U,
                                                       0x44, 0x33, 0x22, 0x11, 5U, 0U, 0U,  0U};
     const recording_header_t header = recording_header(RECORDING_FRAMES, 0x11223344U, 5U);
     uint8_t bytes[RECORDING_HEADER_BYTES];
@@ -65,9 +65,11 @@ static void test_header_is_refused(void)
 
 static void test_frame_bytes(void)
 {
-    const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0A09U, {-2, 0x0FU, 0x10U}, 0x0807U};
-    const uint8_t expected[RECORDING_FRAME_BYTES] = {
-        1U, 2U, 3U, 4U, 5U, 6U, 7U, 8U, 9U, 10U, 0xFEU, 0xFFU, 0xFFU, 0xFFU, 0x0FU, 0x10U};
+    const drive_in_t in = {0x0201U, 0x0403U, 0x0605U, 0x0C0BU, {-2, 0x0FU, 0x10U},
+                           0x0807U, 0x0A09U};
+    const uint8_t expected[RECORDING_FRAME_BYTES] = {1U,    2U,    3U,    4U,    5U,    6U,
+                                                     7U,    8U,    9U,    10U,   11U,   12U,
+                                                     0xFEU, 0xFFU, 0xFFU, 0xFFU, 0x0FU, 0x10U};
     uint8_t bytes[RECORDING_FRAME_BYTES];
     uint8_t again[RECORDING_FRAME_BYTES];
     drive_in_t back;

@@ -255,6 +255,24 @@ static inline model_cfg_t example_model_cfg_with_corrections(void)
     return cfg;
 }
 
+/* K_p = φ, corner 8/s; g = 0.001, −5° to 40°. */
+static inline voltage_drive_cfg_t example_voltage_drive_cfg(void)
+{
+    return (voltage_drive_cfg_t){
+        .enabled = 1U,
+        /* φ·2·Ω_b/U_b = 1.68861; times 8/s·1 ms 0.0135089 */
+        .pi = {.kp = 27666, .ki = 28331, .kp_shift = 14U, .ki_shift = 10U},
+        .compensator =
+            {
+                .gain = 16777, /* 0.001·2^16, times 2^8 */
+                .gain_shift = 8U,
+                .lead_max = 477218588,
+                .brake_max = 59652324,
+                .current_min = 1376, /* 1.68 A */
+            },
+    };
+}
+
 /* As published: no start-up, the model as it is, no dead time. */
 static inline drive_cfg_t example_drive_cfg(void)
 {

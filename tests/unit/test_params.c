@@ -43,6 +43,8 @@ static const field_t FIELDS[] = {
     FIELD(sampling.current_shift, 0, 7),
     FIELD(sampling.bus_shift, 0, 7),
     FIELD(sampling.offset_log2, 0, 12),
+    /* With a sensor no start-up. */
+    WITHIN(sampling.sensor_pole_pairs, "sampling.sensor_pole_pairs", 0, 0, "startup.current_hold"),
     /* From derating.current_max to what leaves room for offset_max: 16384 − 1 − 8 − 819. */
     WITHIN(protection.current_max, "derating.current_max", 8192, 15556, "protection.offset_max"),
     WITHIN(protection.bus_max, "protection.bus_min", 14564, 32766, "protection.bus_max"),
@@ -164,6 +166,13 @@ static const field_t FIELDS[] = {
     FIELD(model.flux_rate, 0, 32767),
     FIELD(model.flux_speed_min, 0, 0x20000000),
     FIELD(slow_ticks, 6, 100),
+    FIELD(voltage_drive.enabled, 0, 1),
+    PI(voltage_drive.pi),
+    FIELD(voltage_drive.compensator.gain, 0, 32767),
+    FIELD(voltage_drive.compensator.gain_shift, 0, 15),
+    FIELD(voltage_drive.compensator.lead_max, 0, 0x40000000),
+    FIELD(voltage_drive.compensator.brake_max, 0, 0x40000000),
+    FIELD(voltage_drive.compensator.current_min, 1, 32767),
 };
 
 void setUp(void)
@@ -178,6 +187,7 @@ static const char *check_with(const field_t *field, int32_t value)
 {
     drive_cfg_t cfg = example_drive_cfg_with_startup();
 
+    cfg.voltage_drive = example_voltage_drive_cfg();
     memcpy((char *)&cfg + field->offset, &value, sizeof value);
     return params_check(&cfg);
 }
@@ -237,6 +247,37 @@ static void test_every_field_is_named_at_the_ends_of_its_type(void)
             assert_refused(&FIELDS[i], -1, FIELDS[i].name);
         }
     }
+}
+
+static drive_cfg_t with_sensor(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.sampling.sensor_pole_pairs = 2U;
+    cfg.observer.rate = 0;
+    cfg.observer.proportional = 0;
+    return cfg;
+}
+
+/* The sensor's speed is the observer's: nothing else may change it. */
+static void test_with_a_sensor_a_trained_observer_is_named(void)
+{
+    drive_cfg_t cfg = with_sensor();
+
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.observer.rate = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.rate", params_check(&cfg));
+    cfg = with_sensor();
+    cfg.observer.proportional = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.proportional", params_check(&cfg));
+    cfg = with_sensor();
+    cfg.observer.momentum_q15 = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.momentum_q15", params_check(&cfg));
+    cfg = with_sensor();
+    cfg.sampling.sensor_pole_pairs = 50U;
+    TEST_ASSERT_NULL(params_check(&cfg));
+    cfg.sampling.sensor_pole_pairs = 51U;
+    TEST_ASSERT_EQUAL_STRING("sampling.sensor_pole_pairs", params_check(&cfg));
 }
 
 /* speed·gain/2^13 of each gain of both loops' decoupling, the others zero. */
@@ -459,6 +500,7 @@ int main(void)
     RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
     RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
+    RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
     RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
     RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
     RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);

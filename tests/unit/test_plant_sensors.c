@@ -241,6 +241,33 @@ static void test_without_a_temperature_sensor_its_channel_reads_0(void)
     check_temperature(25.0, 0);
 }
 
+static void test_the_angle_is_told_in_65536_of_a_turn_and_wraps(void)
+{
+    const double turn = 6.283185307179586;
+
+    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 0.0));
+    TEST_ASSERT_EQUAL_UINT16(0x4000, plant_sensors_angle(&sensors, 0.25 * turn));
+    TEST_ASSERT_EQUAL_UINT16(0xC000, plant_sensors_angle(&sensors, -0.25 * turn));
+    TEST_ASSERT_EQUAL_UINT16(1, plant_sensors_angle(&sensors, 5.0 * turn + 1.4 / 65536 * turn));
+    TEST_ASSERT_EQUAL_UINT16(2, plant_sensors_angle(&sensors, 5.0 * turn + 1.6 / 65536 * turn));
+    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 65535.6 / 65536 * turn));
+}
+
+static void test_the_angle_has_the_steps_of_its_sensor(void)
+{
+    const double turn = 6.283185307179586;
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.angle_counts = 4096;
+    start(&cfg);
+    TEST_ASSERT_EQUAL_UINT16(16, plant_sensors_angle(&sensors, 0.51 / 4096 * turn));
+    TEST_ASSERT_EQUAL_UINT16(16, plant_sensors_angle(&sensors, 1.49 / 4096 * turn));
+    TEST_ASSERT_EQUAL_UINT16(0, plant_sensors_angle(&sensors, 4095.6 / 4096 * turn));
+    cfg.angle_counts = 3; /* a third of a turn, rounded */
+    start(&cfg);
+    TEST_ASSERT_EQUAL_UINT16(21845, plant_sensors_angle(&sensors, 0.3 * turn));
+}
+
 static void test_init_names_the_field_that_is_out_of_range(void)
 {
     plant_sensor_cfg_t cfg = CLEAN;
@@ -261,6 +288,9 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg = CLEAN;
     cfg.temperature_full_scale_c = -HUGE_VAL;
     check_rejected(&cfg, "sensor.temperature_full_scale_c");
+    cfg = CLEAN;
+    cfg.angle_counts = 65537;
+    check_rejected(&cfg, "sensor.angle_counts");
 }
 
 int main(void)
@@ -279,6 +309,8 @@ int main(void)
     RUN_TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond);
     RUN_TEST(test_temperature_may_count_down);
     RUN_TEST(test_without_a_temperature_sensor_its_channel_reads_0);
+    RUN_TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps);
+    RUN_TEST(test_the_angle_has_the_steps_of_its_sensor);
     RUN_TEST(test_init_names_the_field_that_is_out_of_range);
     return UNITY_END();
 }

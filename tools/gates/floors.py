@@ -29,6 +29,7 @@ BUILT_OF = {
     "modulator": ["transforms"],
     "motion_loop": ["pi"],
     "nn_observer": ["transforms"],
+    "phase_compensator": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)

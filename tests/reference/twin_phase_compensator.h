@@ -1,0 +1,47 @@
+// Phase compensator, paper B (40), (41), (43), in radians and amperes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf::twin
+{
+
+class PhaseCompensator
+{
+public:
+    struct Params {
+        double gain; // g
+        double lead_max_rad;
+        double brake_max_rad;
+        double current_min; // unit of the currents
+    };
+
+    explicit PhaseCompensator(const Params &params) : params_(params)
+    {
+    }
+
+    void start(double angle_rad)
+    {
+        angle_ = angle_rad;
+        current_angle_ = 0;
+    }
+
+    // One sample: the lead. `turn_rad` is T·ω, `direction` +1 or −1 with U.
+    double step(double i_d, double i_q, double rotor_rad, double turn_rad, double direction)
+    {
+        const double wrapped = std::remainder(angle_ - rotor_rad, 2 * std::acos(-1.0));
+        const double lead = direction * std::clamp(direction * wrapped, -params_.brake_max_rad,
+                                                   params_.lead_max_rad);
+        angle_ = rotor_rad + lead + turn_rad + direction * params_.gain * current_angle_;
+        current_angle_ = std::atan2(i_d, std::max(std::abs(i_q), params_.current_min));
+        return lead;
+    }
+
+private:
+    Params params_;
+    double angle_ = 0;
+    double current_angle_ = 0;
+};
+
+} // namespace nf::twin

@@ -1,0 +1,242 @@
+// The phase-compensated voltage drive on the simulated plant: its lead, its currents, and what they are without it.
+#include "scenario.h"
+
+#include "figure.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <unity.h>
+
+namespace
+{
+
+constexpr double PI = 3.14159265358979323846;
+constexpr double DEG = 180.0 / PI;
+constexpr double LOAD_NM = 3;
+// The last second, 1.9 s after the load step: 8 time constants of the slowest mode, 4/s.
+constexpr double SETTLED_FROM_S = 2.0;
+
+// Means over the settled part, and the rms of the current vector.
+class Settled : public nf::TickSink
+{
+public:
+    void add(const nf::Tick &tick) override
+    {
+        const drive_signals_t &s = tick.sim->drive().signals;
+        states_[tick.sim->drive().state]++;
+        voltage_driven_ |= tick.sim->drive().voltage_driven;
+        if (tick.time_s < SETTLED_FROM_S) {
+            return;
+        }
+        const double side = s.voltage.q < 0 ? -1 : 1; // of U
+        const double estimated = std::atan2(-s.voltage.d * side, s.voltage.q * side) * DEG;
+        lead_deg_ += estimated - nf::angle_error_deg(tick);
+        i_d_ += tick.truth.i_d_a;
+        i_q_ += tick.truth.i_q_a;
+        square_ += tick.truth.i_d_a * tick.truth.i_d_a + tick.truth.i_q_a * tick.truth.i_q_a;
+        speed_ += tick.truth.omega_mech_rad_s;
+        ticks_++;
+        all_voltage_ &= tick.sim->drive().voltage_driven;
+    }
+
+    double lead_deg() const
+    {
+        return lead_deg_ / ticks_;
+    }
+    double i_d() const
+    {
+        return i_d_ / ticks_;
+    }
+    double i_q() const
+    {
+        return i_q_ / ticks_;
+    }
+    double amplitude() const
+    {
+        return std::sqrt(square_ / ticks_);
+    }
+    double speed_el(const nf::Config &config) const
+    {
+        return speed_ / ticks_ * config.motor.pole_pairs;
+    }
+    bool without_regulators() const
+    {
+        return all_voltage_ && ticks_ > 0;
+    }
+    bool ever_without_regulators() const
+    {
+        return voltage_driven_;
+    }
+    int64_t ticks_in(drive_state_t state) const
+    {
+        return states_[state];
+    }
+
+private:
+    double lead_deg_ = 0;
+    double i_d_ = 0;
+    double i_q_ = 0;
+    double square_ = 0;
+    double speed_ = 0;
+    double ticks_ = 0;
+    bool all_voltage_ = true;
+    bool voltage_driven_ = false;
+    int64_t states_[DRIVE_STATE_FAULT + 1] = {};
+};
+
+struct Outcome {
+    nf::Config config;
+    nf::RunResult result;
+    Settled settled;
+};
+
+Outcome run(const std::string &scenario, const std::vector<std::string> &with,
+            const std::vector<std::string> &set = {})
+{
+    Outcome one{nf::load_scenario(scenario, with, set), {}, {}};
+    nf::RunOptions options;
+    options.sink = &one.settled;
+    one.result = nf::run_scenario(one.config, options);
+    return one;
+}
+
+// Of the motor as it is, at the speed and with the current that it has.
+double ideal_lead_deg(const Outcome &one)
+{
+    const nf::MotorSettings &motor = one.config.motor;
+    const double speed = one.settled.speed_el(one.config);
+    const double i_q = one.settled.i_q();
+    return std::atan(speed * motor.inductance_q_h * i_q /
+                     (motor.resistance_ohm * i_q + speed * motor.flux_linkage_wb)) *
+           DEG;
+}
+
+// 0.3° are asked for. The drive's own share of it: no i_d to within an LSB of the converter, 10 mA, turns the lead by
+// ω·L_d·10 mA/U = 0.02°.
+void the_lead_is_that_of_no_i_d()
+{
+    constexpr double LEAD_DEG = 0.3;
+    for (const char *scenario : {"s4", "s5"}) {
+        for (const char *set : {"ideal", "adc"}) {
+            for (const char *direction : {"1", "-1"}) {
+                const bool back = direction[0] == '-';
+                const std::string rpm = back ? "-1200" : "1200";
+                const Outcome one = run(scenario, {set},
+                                        {"scenario.command=[{time_s=-2.9, speed_rpm=" + rpm + "}]",
+                                         std::string("scenario.load_scale=") + direction});
+                TEST_ASSERT_TRUE(one.settled.without_regulators());
+                TEST_ASSERT_TRUE(one.result.metrics.locked);
+                TEST_ASSERT_TRUE(std::abs(ideal_lead_deg(one)) > 9);
+                TEST_ASSERT_DOUBLE_WITHIN(LEAD_DEG, ideal_lead_deg(one), one.settled.lead_deg());
+            }
+        }
+    }
+}
+
+// What the paper is about. The least current for a torque is that without i_d, T/(1.5·P·φ); a lead that the limit keeps
+// short of it costs what DESIGN.md lists.
+void without_enough_lead_the_same_torque_takes_more_current()
+{
+    const double least = LOAD_NM / (1.5 * 2 * 0.375);
+    const Outcome compensated = run("s4", {});
+    const Outcome short_04 = run("s4", {}, {"phase_compensator.lead_max_deg=9"});
+    const Outcome short_14 = run("s4", {}, {"phase_compensator.lead_max_deg=8"});
+
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * least, least, compensated.settled.amplitude());
+    figure_check("current with a lead of 9°, A", short_04.settled.amplitude(), 3.1, 0.95);
+    figure_check("current with a lead of 8°, A", short_14.settled.amplitude(), 6.6, 0.95);
+    TEST_ASSERT_TRUE(short_14.result.faults.empty());
+}
+
+// Without gain the lead stays 0: the load takes ω·L_q·i_q/R = 39 A of i_d.
+void without_compensation_the_drive_runs_away_and_trips()
+{
+    const Outcome one = run("s4", {}, {"phase_compensator.gain=0"});
+    TEST_ASSERT_EQUAL_size_t(1, one.result.faults.size());
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, one.result.faults.front().id);
+    TEST_ASSERT_FALSE(one.result.gates_enabled_final);
+}
+
+void a_drive_without_sensor_starts_as_ever_and_changes_over()
+{
+    const Outcome one = run("s5", {});
+    for (const drive_state_t state : {DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+                                      DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN}) {
+        TEST_ASSERT_TRUE(one.settled.ticks_in(state) > 0);
+    }
+    TEST_ASSERT_TRUE(one.settled.without_regulators());
+}
+
+void a_drive_with_sensor_needs_no_start()
+{
+    const Outcome one = run("s4", {}, {"scenario.initial_angle_el_deg=170"});
+    for (const drive_state_t state : {DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+                                      DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER}) {
+        TEST_ASSERT_EQUAL_INT64(0, one.settled.ticks_in(state));
+    }
+    TEST_ASSERT_TRUE(one.result.metrics.locked);
+}
+
+// The voltage begins as the EMF: what flows then is what one period without voltage leaves, e·T/L = 0.7 A.
+void a_turning_rotor_is_taken_over_as_it_turns()
+{
+    for (const char *rpm : {"-900", "900"}) {
+        const Outcome one =
+            run("s4", {"adc"},
+                {std::string("scenario.initial_speed_rpm=") + rpm, "scenario.prelude_s=0",
+                 "scenario.load=[]",
+                 std::string("scenario.command=[{time_s=-1, speed_rpm=") + rpm + "}]"});
+        TEST_ASSERT_TRUE(one.result.faults.empty());
+        TEST_ASSERT_TRUE(one.result.metrics.speed_error_max_rpm.value() < 20);
+    }
+}
+
+// Down through the hand-back to standstill, and up again the other way.
+void a_reversal_passes_through_current_control_and_back()
+{
+    const Outcome one = run("s5", {"adc"},
+                            {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=0, "
+                             "speed_rpm=-600}]",
+                             "scenario.load=[]"});
+    TEST_ASSERT_TRUE(one.result.metrics.locked);
+    TEST_ASSERT_TRUE(one.settled.ticks_in(DRIVE_STATE_FAULT) == 0);
+    TEST_ASSERT_TRUE(one.settled.without_regulators());
+}
+
+// A position cannot be held by a voltage: it is the current control's, on the sensor's angle.
+void a_position_is_held_by_current_control()
+{
+    const Outcome one =
+        run("s3", {"adc"},
+            {"motor=motor_b", "tuning=voltage_phase", "drive.angle_source=sensor",
+             "scenario.duration_s=4", "scenario.command=[{time_s=0.1, position_rad=9.42}]"});
+    TEST_ASSERT_TRUE(one.result.faults.empty());
+    TEST_ASSERT_TRUE(one.settled.ever_without_regulators());
+    TEST_ASSERT_TRUE(one.result.metrics.position_error_final_rad.value() < 0.01);
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_lead_is_that_of_no_i_d);
+    RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
+    RUN_TEST(without_compensation_the_drive_runs_away_and_trips);
+    RUN_TEST(a_drive_without_sensor_starts_as_ever_and_changes_over);
+    RUN_TEST(a_drive_with_sensor_needs_no_start);
+    RUN_TEST(a_turning_rotor_is_taken_over_as_it_turns);
+    RUN_TEST(a_reversal_passes_through_current_control_and_back);
+    RUN_TEST(a_position_is_held_by_current_control);
+    return UNITY_END();
+}

@@ -1,0 +1,330 @@
+/* The voltage drive within the drive: starts, changes over and back without a jump, protection, any frame. */
+#include "drive.h"
+#include "example_cfg.h"
+#include "example_motor.h"
+#include "fault_frames.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MID_COUNTS (2048U) /* zero current */
+#define BUS_COUNTS (2822U) /* 310 V */
+#define CALIBRATION_TICKS (256U)
+#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
+#define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
+#define PATIENCE_TICKS (40000U)
+#define POLE_PAIRS (2.0)
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+static example_motor_t motor;
+static double measured_angle; /* θ of the last tick */
+
+static void measure(void)
+{
+    const double turns = motor.angle / (2.0 * EXAMPLE_PI) / POLE_PAIRS;
+
+    measured_angle = motor.angle;
+    example_motor_measure(&motor, &in);
+    in.angle = (uint16_t)((uint32_t)lround((turns - floor(turns)) * 65536.0) & 0xFFFFU);
+}
+
+static void tick(void)
+{
+    measure();
+    drive_step(&drive, &in, &out);
+    example_motor_tick(&motor, &out, 0.0);
+}
+
+static void ticks(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick();
+    }
+}
+
+static void begin(double angle, double rpm)
+{
+    cfg.voltage_drive = example_voltage_drive_cfg();
+    example_supervise_nothing(&cfg);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
+    motor = example_motor_at(angle, rpm * RAD_S_PER_RPM);
+    ticks(CALIBRATION_TICKS + 1U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+}
+
+static void begin_with_sensor(double angle, double rpm)
+{
+    cfg = example_drive_cfg();
+    cfg.sampling.sensor_pole_pairs = 2U;
+    cfg.observer.rate = 0;
+    cfg.observer.proportional = 0;
+    cfg.speed_loop.ramp = 14317; /* 1000 rpm/s: nothing limits the current */
+    begin(angle, rpm);
+}
+
+static void begin_without_sensor(void)
+{
+    cfg = example_drive_cfg_with_startup();
+    cfg.modulator = example_modulator_cfg(); /* the inverter of example_motor.h has no dead time */
+    cfg.speed_loop.ramp = 14317;
+    begin(0.0, 0.0);
+}
+
+void setUp(void)
+{
+    begin_with_sensor(0.0, 0.0);
+}
+
+void tearDown(void)
+{
+}
+
+static void run_at(double rpm)
+{
+    in.command.request = DRIVE_REQUEST_RUN;
+    in.command.mode = (uint8_t)DRIVE_MODE_SPEED;
+    in.command.target = (int32_t)lround(rpm * STEPS_PER_RPM);
+}
+
+static double true_rpm(void)
+{
+    return motor.speed / RAD_S_PER_RPM;
+}
+
+/* θ̂ − θ in degrees, gates open: θ̂ is that of the last tick. */
+static double angle_error(void)
+{
+    const double estimate = (double)rotor_position_angle(&drive.position) / 4294967296.0 * 360.0;
+
+    return remainder(estimate - (measured_angle * 180.0 / EXAMPLE_PI), 360.0);
+}
+
+/* ---- with a sensor ---- */
+
+static void test_a_sensor_is_followed_in_every_state_from_any_angle(void)
+{
+    for (int32_t degrees = -180; degrees < 180; degrees += 20) {
+        begin_with_sensor(degrees * EXAMPLE_PI / 180.0, 600.0);
+        ticks(200U); /* of half a turn (1 + 14)·e^-14 is left */
+        /* The friction of 1 mN·m·s brakes with 42 rad/s², which the loop lags by 0.03°; a step of the sensor is 0.011°. */
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, angle_error());
+        TEST_ASSERT_DOUBLE_WITHIN(3.0, true_rpm(), drive_speed(&drive) / STEPS_PER_RPM);
+    }
+}
+
+static void test_run_begins_at_once_and_without_regulators(void)
+{
+    run_at(600.0);
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(out.gate_enable);
+    tick();
+    TEST_ASSERT_TRUE(out.gate_enable);
+}
+
+static void test_both_directions_reach_their_speed_without_i_d(void)
+{
+    static const double rpm[] = {600.0, -600.0};
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        begin_with_sensor(1.0, 0.0);
+        run_at(rpm[k]);
+        ticks(25000U); /* 0.6 s of ramp, then 8 time constants of the slowest mode */
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+        TEST_ASSERT_TRUE(drive.voltage_driven);
+        TEST_ASSERT_DOUBLE_WITHIN(3.0, rpm[k], true_rpm());
+        TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, motor.d); /* two counts of the converter */
+    }
+}
+
+/* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then U is the EMF. */
+static void test_a_turning_rotor_is_taken_as_it_is(void)
+{
+    begin_with_sensor(2.0, 600.0);
+    run_at(600.0);
+    for (uint32_t k = 0U; k < 3000U; k++) {
+        tick();
+        TEST_ASSERT_TRUE(hypot(motor.d, motor.q) < 1.0);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(12.0, 600.0, true_rpm());
+}
+
+static void test_a_second_run_starts_afresh_where_the_rotor_is(void)
+{
+    run_at(600.0);
+    ticks(8000U);
+    in.command.request = 0U;
+    ticks(200U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, angle_error());
+    run_at(600.0);
+    for (uint32_t k = 0U; k < 2000U; k++) {
+        tick();
+        TEST_ASSERT_TRUE(hypot(motor.d, motor.q) < 1.0);
+    }
+}
+
+/* ---- changing over ---- */
+
+/* The largest change of the demand from one tick to the next, before and after the tick that changes over. */
+static int32_t jump(dq_t before)
+{
+    const dq_t now = drive.signals.voltage;
+
+    return fx_max(abs(now.d - before.d), abs(now.q - before.q));
+}
+
+/* To the tick that changes over to `driven`, or back; returns how far its voltage jumps, and the next one's. */
+static int32_t jump_at_change(bool driven)
+{
+    int32_t largest = 0;
+    dq_t before = drive.signals.voltage;
+
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.voltage_driven != driven); k++) {
+        before = drive.signals.voltage;
+        tick();
+    }
+    TEST_ASSERT_TRUE(drive.voltage_driven == driven);
+    for (uint32_t k = 0U; k < 3U; k++) {
+        largest = fx_max(largest, jump(before));
+        before = drive.signals.voltage;
+        tick();
+    }
+    return largest;
+}
+
+/* A current loop of 3.24 volts per ampere, per unit, makes 26 LSB of a count of the converter; both axes' noise, twice. */
+#define JUMP_LSB (110)
+
+static void test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on(void)
+{
+    begin_without_sensor();
+    run_at(600.0);
+    while (drive.state != DRIVE_STATE_RUN) {
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+        tick();
+    }
+    TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d >> 8);
+    ticks(25000U);
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+}
+
+static void test_a_slow_reference_gives_back_to_current_control_which_holds(void)
+{
+    begin_without_sensor();
+    run_at(600.0);
+    ticks(PATIENCE_TICKS);
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+    run_at(0.0);
+    TEST_ASSERT_TRUE(jump_at_change(false) < JUMP_LSB);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    ticks(PATIENCE_TICKS);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+}
+
+static void test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage(void)
+{
+    run_at(600.0);
+    ticks(10000U);
+    in.command.mode = (uint8_t)DRIVE_MODE_POSITION;
+    in.command.target = (int32_t)(drive.position.turns_q32 / 65536) + (40 * 65536);
+    TEST_ASSERT_TRUE(jump_at_change(false) < JUMP_LSB);
+    ticks(PATIENCE_TICKS);
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_INT32_WITHIN(655, in.command.target, (int32_t)(drive.position.turns_q32 / 65536));
+    run_at(600.0);
+    TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
+}
+
+static void test_a_drive_that_is_not_asked_to_never_changes_over(void)
+{
+    begin_with_sensor(0.0, 0.0);
+    cfg.voltage_drive.enabled = 0U;
+    cfg.crc = config_guard_crc(&cfg);
+    run_at(600.0);
+    for (uint32_t k = 0U; k < 10000U; k++) {
+        tick();
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
+}
+
+/* ---- protection ---- */
+
+static void test_protection_stays_in_force(void)
+{
+    static void (*const make[])(drive_in_t *frame) = {make_break, make_overcurrent,
+                                                      make_overvoltage, make_undervoltage};
+    static const fault_id_t id[] = {FAULT_BREAK, FAULT_OVERCURRENT, FAULT_OVERVOLTAGE,
+                                    FAULT_UNDERVOLTAGE};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        begin_with_sensor(0.0, 0.0);
+        run_at(600.0);
+        ticks(5000U);
+        TEST_ASSERT_TRUE(drive.voltage_driven);
+        measure();
+        make[k](&in);
+        drive_step(&drive, &in, &out);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(id[k], drive.fault.id);
+        TEST_ASSERT_FALSE(out.gate_enable);
+    }
+}
+
+static void test_the_voltage_stays_within_the_circle_whatever_the_frame(void)
+{
+    seeded_t seeded = {3U};
+
+    for (uint32_t run = 0U; run < 200U; run++) {
+        begin_with_sensor(0.0, 0.0);
+        run_at(600.0);
+        tick();
+        for (uint32_t k = 0U; k < 200U; k++) {
+            const dq_t *const v = &drive.signals.voltage;
+
+            in.adc_ia = (uint16_t)seeded_in(&seeded, 300, 3800);
+            in.adc_ib = (uint16_t)seeded_in(&seeded, 300, 3800);
+            in.adc_bus = (uint16_t)seeded_in(&seeded, 1900, 3600);
+            in.angle = (uint16_t)seeded_u32(&seeded);
+            in.command.target = seeded_i32(&seeded);
+            in.command.request = DRIVE_REQUEST_RUN;
+            drive_step(&drive, &in, &out);
+            if (drive.voltage_driven && (drive.state == DRIVE_STATE_RUN)) {
+                const int32_t limit =
+                    drive.signals.voltage_limit + 1; /* rounded down, so by one longer */
+
+                TEST_ASSERT_TRUE(((v->d * v->d) + (v->q * v->q)) <= (limit * limit * 2));
+                TEST_ASSERT_TRUE((abs(v->d) <= limit) && (abs(v->q) <= limit));
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_sensor_is_followed_in_every_state_from_any_angle);
+    RUN_TEST(test_run_begins_at_once_and_without_regulators);
+    RUN_TEST(test_both_directions_reach_their_speed_without_i_d);
+    RUN_TEST(test_a_turning_rotor_is_taken_as_it_is);
+    RUN_TEST(test_a_second_run_starts_afresh_where_the_rotor_is);
+    RUN_TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on);
+    RUN_TEST(test_a_slow_reference_gives_back_to_current_control_which_holds);
+    RUN_TEST(test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage);
+    RUN_TEST(test_a_drive_that_is_not_asked_to_never_changes_over);
+    RUN_TEST(test_protection_stays_in_force);
+    RUN_TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame);
+    return UNITY_END();
+}
