@@ -37,6 +37,12 @@ public:
         return value_ < before || value_ > before;
     }
 
+    // Another value, until the next step.
+    void set(double value)
+    {
+        value_ = value;
+    }
+
     double value() const
     {
         return value_;

@@ -1,8 +1,6 @@
 #include "scenario.h"
 
-#include "injection.h"
-#include "operator.h"
-#include "profile.h"
+#include "scripted_run.h"
 
 #include <cmath>
 
@@ -16,14 +14,6 @@ namespace
 constexpr double RPM_PER_RAD_S = 30.0 / 3.14159265358979323846;
 constexpr double Q15 = 32768.0;
 constexpr int64_t PROGRESS_TICKS = 1 << 14;
-
-std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
-{
-    for (TimedValue &step : steps) {
-        step.value *= factor;
-    }
-    return steps;
-}
 
 std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
 {
@@ -50,85 +40,53 @@ public:
     RunResult all();
 
 private:
-    int64_t ticks_in(double seconds) const
-    {
-        return std::llround(seconds / sim_.bases().control_period_s);
-    }
-    void drive_profiles();
-    void send_command();
     void one();
+    void judge_steps(const Tick &tick);
     void evaluate(const Tick &tick);
     void watch_state();
     bool reference_moving();
 
     const Config &config_;
-    const ScenarioSettings &scenario_;
     const RunOptions &options_;
-    Simulation sim_;
-    int64_t zero_; // tick of t = 0
+    ScriptedRun run_;
     int64_t evaluate_from_;
-    int64_t end_;
-    Profile command_;
-    Profile load_;
-    Injection injection_;
-    Operator operator_;
     Metrics metrics_;
     double rpm_per_step_;
     double ampere_per_bit_;
-    int64_t tick_ = 0;
     int64_t reference_ = 0;
     drive_state_t state_ = DRIVE_STATE_INIT;
     RunResult result_;
 };
 
 Run::Run(const Config &config, const RunOptions &options)
-    : config_(config), scenario_(config.scenario), options_(options), sim_(config),
-      zero_(ticks_in(scenario_.prelude_s)),
-      evaluate_from_(zero_ + ticks_in(scenario_.evaluate_from_s)),
-      end_(zero_ + ticks_in(scenario_.duration_s)),
-      command_(scenario_.command, sim_.bases().control_period_s, zero_),
-      load_(scaled(scenario_.load, scenario_.load_scale), sim_.bases().control_period_s, zero_),
-      injection_(config, sim_.bases().control_period_s, zero_),
-      operator_(scenario_.requests, sim_.bases().control_period_s, zero_),
-      metrics_(scenario_.mode, sim_.bases().control_period_s, config.motor.rated_speed_rpm),
-      rpm_per_step_(sim_.bases().rpm_from_step(1)), ampere_per_bit_(sim_.bases().current_a / Q15)
+    : config_(config), options_(options), run_(config),
+      evaluate_from_(run_.tick_at(config.scenario.evaluate_from_s)),
+      metrics_(config.scenario.mode, run_.sim().bases().control_period_s,
+               config.motor.rated_speed_rpm),
+      rpm_per_step_(run_.sim().bases().rpm_from_step(1)),
+      ampere_per_bit_(run_.sim().bases().current_a / Q15)
 {
-    send_command();
 }
 
-void Run::send_command()
+// What the script changed in this tick.
+void Run::judge_steps(const Tick &tick)
 {
-    if (scenario_.mode == DriveMode::position) {
-        sim_.command_position_rad(command_.value());
-    } else {
-        sim_.command_speed_rpm(command_.value());
+    const bool evaluated = run_.tick() >= evaluate_from_;
+    if (run_.new_command() && evaluated) {
+        metrics_.command_step(tick.command);
+    } else if (run_.new_command()) {
+        metrics_.start(tick.command);
     }
-}
-
-void Run::drive_profiles()
-{
-    const bool evaluated = tick_ >= evaluate_from_;
-    if (command_.advance(tick_)) {
-        send_command();
-        if (evaluated) {
-            metrics_.command_step(command_.value());
-        } else {
-            metrics_.start(command_.value());
-        }
-    }
-    if (load_.advance(tick_)) {
-        sim_.set_load_nm(load_.value());
-        if (evaluated) {
-            metrics_.load_step();
-        }
+    if (run_.new_load() && evaluated) {
+        metrics_.load_step();
     }
 }
 
 // The speed ramp, or the position profile.
 bool Run::reference_moving()
 {
-    const drive_t &drive = sim_.drive();
-    const int64_t reference = scenario_.mode == DriveMode::position
+    const drive_t &drive = run_.sim().drive();
+    const int64_t reference = config_.scenario.mode == DriveMode::position
                                   ? drive.position_loop.profile_q32
                                   : int64_t{drive.speed_reference};
     const bool moving = reference != reference_;
@@ -138,7 +96,7 @@ bool Run::reference_moving()
 
 void Run::evaluate(const Tick &tick)
 {
-    const drive_t &drive = sim_.drive();
+    const drive_t &drive = run_.sim().drive();
     const plant_view_t &truth = tick.truth;
     Instant now{};
     now.speed_rpm = truth.omega_mech_rad_s * RPM_PER_RAD_S;
@@ -151,66 +109,55 @@ void Run::evaluate(const Tick &tick)
     now.reference_moving = reference_moving();
     metrics_.add(now);
     if (now.running) {
-        result_.saturations.add(drive, sim_.out());
+        result_.saturations.add(drive, run_.sim().out());
     }
 }
 
 void Run::watch_state()
 {
-    const drive_state_t state = sim_.drive().state;
+    const drive_state_t state = run_.sim().drive().state;
     if (state == state_) {
         return;
     }
     if (state == DRIVE_STATE_FAULT) {
-        result_.faults.push_back(sim_.drive().fault);
+        result_.faults.push_back(run_.sim().drive().fault);
     }
     state_ = state;
 }
 
 void Run::one()
 {
-    drive_profiles();
-    injection_.act(tick_, sim_);
-    operator_.act(tick_, sim_);
-    Tick tick{};
-    tick.sim = &sim_;
-    tick.speed_estimate = drive_speed(&sim_.drive());
-    tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
-    plant_view(&sim_.plant(), &tick.truth);
-    tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
-    tick.mode = scenario_.mode;
-    tick.command = command_.value();
-    tick.load_nm = load_.value();
-    sim_.control();
+    const Tick tick = run_.control();
+    judge_steps(tick);
     watch_state();
-    if (tick_ >= evaluate_from_) {
+    if (run_.tick() >= evaluate_from_) {
         evaluate(tick);
     }
     if (options_.sink != nullptr) {
         options_.sink->add(tick);
     }
     if (options_.power_stage) {
-        sim_.apply(options_.power_stage(tick));
+        run_.sim().apply(options_.power_stage(tick));
     }
-    sim_.advance();
+    run_.advance();
 }
 
 RunResult Run::all()
 {
-    for (tick_ = 0; tick_ < end_; tick_++) {
-        one();
-        if (options_.progress && tick_ % PROGRESS_TICKS == 0) {
-            options_.progress(static_cast<double>(tick_) / static_cast<double>(end_));
+    while (run_.tick() < run_.end()) {
+        if (options_.progress && run_.tick() % PROGRESS_TICKS == 0) {
+            options_.progress(static_cast<double>(run_.tick()) / static_cast<double>(run_.end()));
         }
+        one();
     }
     if (options_.progress) {
         options_.progress(1.0);
     }
-    result_.parameters = parameters_of(config_, sim_.drive());
+    result_.parameters = parameters_of(config_, run_.sim().drive());
     result_.metrics = metrics_.finish();
-    result_.ticks = end_;
-    result_.state_final = sim_.drive().state;
-    result_.gates_enabled_final = sim_.plant().gates_on;
+    result_.ticks = run_.end();
+    result_.state_final = run_.sim().drive().state;
+    result_.gates_enabled_final = run_.sim().plant().gates_on;
     return result_;
 }
 

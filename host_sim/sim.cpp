@@ -94,6 +94,14 @@ Simulation::Simulation(const Config &config)
     }
 }
 
+void Simulation::restore(const State &state)
+{
+    cfg_ = state.cfg;
+    plant_ = state.plant;
+    hal_ = state.hal;
+    app_ = state.app;
+}
+
 void Simulation::command_speed_rpm(double rpm)
 {
     app_.command.mode = DRIVE_MODE_SPEED;

@@ -24,6 +24,7 @@ struct Seam {
     plant_t &plant;
     hal_host_faults_t &hal;
     drive_cfg_t &cfg; // the one that the drive works with
+    drive_t &drive;
 };
 
 class Simulation
@@ -34,6 +35,19 @@ public:
     // The drive keeps a pointer to its configuration.
     Simulation(const Simulation &) = delete;
     Simulation &operator=(const Simulation &) = delete;
+
+    // All that changes while it runs, as plain values. A copy is good for the simulation it is from.
+    struct State {
+        drive_cfg_t cfg;
+        plant_t plant;
+        hal_t hal;
+        app_t app;
+    };
+    State save() const
+    {
+        return {cfg_, plant_, hal_, app_};
+    }
+    void restore(const State &state);
 
     // The control interrupt of the present instant.
     void control()
@@ -65,7 +79,7 @@ public:
 
     Seam seam()
     {
-        return {plant_, hal_.faults, cfg_};
+        return {plant_, hal_.faults, cfg_, app_.drive};
     }
 
     const drive_t &drive() const

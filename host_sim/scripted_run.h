@@ -1,0 +1,104 @@
+// A simulation and the script of its scenario: steps of command and load, requests and faults, each from
+// the tick nearest to its time.
+//
+// Tick 0 is the first of the prelude. A tick is control(), then advance(). What a run has become lies in
+// its snapshot alone: the same snapshot goes on in the same way.
+#pragma once
+
+#include "injection.h"
+#include "operator.h"
+#include "profile.h"
+#include "tick.h"
+
+namespace nf
+{
+
+class ScriptedRun
+{
+public:
+    // Throws ConfigError. The configuration must outlive the run.
+    explicit ScriptedRun(const Config &config);
+
+    struct Snapshot {
+        int64_t tick;
+        Simulation::State sim;
+        Profile command;
+        Profile load;
+        Injection injection;
+        Operator user;
+    };
+    // Between advance() and control(), of this run and no other.
+    Snapshot save() const
+    {
+        return {tick_, sim_.save(), command_, load_, injection_, operator_};
+    }
+    void restore(const Snapshot &snapshot);
+
+    // The script acts, then the control interrupt.
+    Tick control();
+    // One PWM period goes by.
+    void advance()
+    {
+        sim_.advance();
+        tick_++;
+    }
+
+    // In place of the script's value, until its next step.
+    void set_command(double value);
+    void set_load_nm(double torque_nm);
+
+    // The last control() brought a new value.
+    bool new_command() const
+    {
+        return new_command_;
+    }
+    bool new_load() const
+    {
+        return new_load_;
+    }
+
+    Simulation &sim()
+    {
+        return sim_;
+    }
+    const Simulation &sim() const
+    {
+        return sim_;
+    }
+    int64_t tick() const
+    {
+        return tick_;
+    }
+    // Tick of t = 0, and the one after the last.
+    int64_t zero() const
+    {
+        return zero_;
+    }
+    int64_t end() const
+    {
+        return end_;
+    }
+    // Nearest to a time since t = 0.
+    int64_t tick_at(double time_s) const
+    {
+        return zero_ + ticks_in(time_s);
+    }
+
+private:
+    int64_t ticks_in(double seconds) const;
+    void send_command();
+
+    const ScenarioSettings &scenario_;
+    Simulation sim_;
+    int64_t zero_;
+    int64_t end_;
+    Profile command_;
+    Profile load_;
+    Injection injection_;
+    Operator operator_;
+    int64_t tick_ = 0;
+    bool new_command_ = false;
+    bool new_load_ = false;
+};
+
+} // namespace nf
