@@ -1,16 +1,11 @@
 #include "trace.h"
 
-#include "names.h"
+#include "signals.h"
 
-extern "C" {
-#include "fault_text.h"
-}
-
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <iterator>
-
-#include <fmt/compile.h>
 
 namespace nf
 {
@@ -18,65 +13,86 @@ namespace
 {
 
 constexpr std::size_t FLUSH_BYTES = 1U << 18U;
-constexpr double Q15 = 32768.0;
-constexpr double Q32 = 4294967296.0;
-constexpr double PI = 3.14159265358979323846;
-constexpr double RPM_PER_RAD_S = 30.0 / PI;
-constexpr double DEG_PER_RAD = 180.0 / PI;
-constexpr double DEG_PER_STEP = 360.0 / Q32;
 
-constexpr const char *HEADER =
-    "time_s,state,speed_command_rpm,speed_rpm,speed_estimated_rpm,speed_reference_rpm,"
-    "position_command_rad,position_rad,position_estimated_rad,"
-    "angle_el_deg,angle_estimated_el_deg,angle_error_el_deg,"
-    "i_q_a,i_q_estimated_a,i_q_reference_a,i_d_a,i_d_estimated_a,i_a_a,i_b_a,i_c_a,"
-    "v_d_v,v_q_v,duty_a,duty_b,duty_c,bus_v,load_torque_nm,torque_nm,fault\n";
+// A signal and how it is written; a state or a fault is a word.
+struct Column {
+    const char *name;
+    const char *form = "{:.6g}";
+};
 
-using Out = std::back_insert_iterator<fmt::memory_buffer>;
+constexpr std::array<Column, 29> COLUMNS = {{
+    {"time_s", "{:.7f}"},
+    {"state"},
+    {"speed_command_rpm"},
+    {"speed_rpm"},
+    {"speed_estimated_rpm"},
+    {"speed_reference_rpm"},
+    {"position_command_rad", "{:.7g}"},
+    {"position_rad", "{:.7g}"},
+    {"position_estimated_rad", "{:.7g}"},
+    {"angle_el_deg"},
+    {"angle_estimated_el_deg"},
+    {"angle_error_el_deg"},
+    {"i_q_a"},
+    {"i_q_estimated_a"},
+    {"i_q_reference_a"},
+    {"i_d_a"},
+    {"i_d_estimated_a"},
+    {"i_a_a"},
+    {"i_b_a"},
+    {"i_c_a"},
+    {"v_d_v"},
+    {"v_q_v"},
+    {"duty_a"},
+    {"duty_b"},
+    {"duty_c"},
+    {"bus_v"},
+    {"load_torque_nm"},
+    {"torque_nm"},
+    {"fault"},
+}};
 
-void write_speed(Out out, const Tick &t)
+struct Source {
+    const Signal *signal;
+    const char *form;
+};
+
+const std::vector<Source> &sources()
 {
-    const drive_t &drive = t.sim->drive();
-    const Bases &bases = t.sim->bases();
-    const bool speed_mode = t.mode == DriveMode::speed;
-    const double asked = bases.rpm_from_step(drive.speed_reference);
-    fmt::format_to(out, FMT_COMPILE("{:.7f},{},{:.6g},{:.6g},{:.6g},{:.6g},"), t.time_s,
-                   state_name(drive.state), speed_mode ? t.command : asked,
-                   t.truth.omega_mech_rad_s * RPM_PER_RAD_S, bases.rpm_from_step(t.speed_estimate),
-                   bases.rpm_from_step(drive.speed_loop.reference));
+    static const std::vector<Source> all = [] {
+        std::vector<Source> found;
+        for (const Column &column : COLUMNS) {
+            found.push_back({find_signal(column.name), column.form});
+        }
+        return found;
+    }();
+    return all;
 }
 
-void write_angle(Out out, const Tick &t)
+std::string header()
 {
-    const double turns = static_cast<double>(t.position_estimate_q32) / Q32;
-    const auto angle = static_cast<uint32_t>(static_cast<uint64_t>(t.position_estimate_q32));
-    fmt::format_to(out, FMT_COMPILE("{:.7g},{:.7g},{:.7g},{:.6g},{:.6g},{:.6g},"),
-                   t.mode == DriveMode::position ? t.command : 0.0, t.truth.theta_mech_rad,
-                   turns * 2.0 * PI / t.sim->bases().pole_pairs, t.truth.theta_el_rad * DEG_PER_RAD,
-                   static_cast<int32_t>(angle) * DEG_PER_STEP, angle_error_deg(t));
+    std::string line;
+    for (const Column &column : COLUMNS) {
+        line += line.empty() ? "" : ",";
+        line += column.name;
+    }
+    return line + '\n';
 }
 
-void write_current(Out out, const Tick &t)
+void write_row(fmt::memory_buffer &buffer, const Tick &tick)
 {
-    const drive_t &drive = t.sim->drive();
-    const double unit = t.sim->bases().current_a / Q15;
-    fmt::format_to(out, FMT_COMPILE("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},"),
-                   t.truth.i_q_a, drive.observer.current.q * unit,
-                   drive.signals.current_ref.q * unit, t.truth.i_d_a,
-                   drive.observer.current.d * unit, t.truth.i_abc_a[0], t.truth.i_abc_a[1],
-                   t.truth.i_abc_a[2]);
-}
-
-void write_power(Out out, const Tick &t)
-{
-    const drive_t &drive = t.sim->drive();
-    const double unit = t.sim->bases().voltage_v / Q15;
-    const double full = t.sim->cfg().modulator.timer_counts;
-    const compare_t &compare = t.sim->out().compare;
-    fmt::format_to(out, FMT_COMPILE("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{}\n"),
-                   drive.signals.voltage.d * unit, drive.signals.voltage.q * unit,
-                   compare.phase[0] / full, compare.phase[1] / full, compare.phase[2] / full,
-                   t.truth.bus_v, t.load_nm, t.truth.torque_nm, fault_text(drive.fault.id)->name);
+    const auto out = std::back_inserter(buffer);
+    for (const Source &source : sources()) {
+        const Signal &signal = *source.signal;
+        const bool is_word =
+            signal.quantity == Quantity::state || signal.quantity == Quantity::fault;
+        if (is_word) {
+            fmt::format_to(out, "{}", word_text(signal, *raw_value(signal, tick)));
+        } else {
+            fmt::format_to(out, fmt::runtime(source.form), si_value(signal, tick));
+        }
+        buffer.push_back(&source == &sources().back() ? '\n' : ',');
+    }
 }
 
 } // namespace
@@ -87,7 +103,8 @@ Trace::Trace(const std::string &path, bool with_prelude)
     if (!file_) {
         fail("cannot create the trace");
     }
-    buffer_.append(HEADER, HEADER + std::strlen(HEADER));
+    const std::string names = header();
+    buffer_.append(names.data(), names.data() + names.size());
 }
 
 void Trace::add(const Tick &tick)
@@ -95,11 +112,7 @@ void Trace::add(const Tick &tick)
     if (tick.time_s < 0 && !with_prelude_) {
         return;
     }
-    const Out out(buffer_);
-    write_speed(out, tick);
-    write_angle(out, tick);
-    write_current(out, tick);
-    write_power(out, tick);
+    write_row(buffer_, tick);
     if (buffer_.size() > FLUSH_BYTES) {
         flush();
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace nf
 {
@@ -64,26 +65,34 @@ std::string after_dot(const std::string &name)
 
 } // namespace
 
+std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
+                                 std::size_t count)
+{
+    std::vector<std::pair<std::size_t, const std::string *>> found;
+    for (const std::string &name : known) {
+        const std::size_t key = wrong.size() > NAME_MAX_LENGTH
+                                    ? NO_MATCH
+                                    : key_distance(after_dot(wrong), after_dot(name));
+        if (key != NO_MATCH) {
+            const std::size_t section = distance(before_dot(wrong), before_dot(name));
+            found.emplace_back(key + std::min(section, SECTION_MAX), &name);
+        }
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto &a, const auto &b) { return a.first < b.first; });
+    found.resize(std::min(found.size(), count));
+    std::vector<std::string> names;
+    names.reserve(found.size());
+    for (const auto &[far, name] : found) {
+        names.push_back(*name);
+    }
+    return names;
+}
+
 std::string nearest(const std::string &wrong, const std::vector<std::string> &known)
 {
-    std::string best;
-    std::size_t best_distance = NO_MATCH;
-    if (wrong.size() > NAME_MAX_LENGTH) {
-        return best;
-    }
-    for (const std::string &name : known) {
-        const std::size_t key = key_distance(after_dot(wrong), after_dot(name));
-        if (key == NO_MATCH) {
-            continue;
-        }
-        const std::size_t section = distance(before_dot(wrong), before_dot(name));
-        const std::size_t d = key + std::min(section, SECTION_MAX);
-        if (d < best_distance) {
-            best_distance = d;
-            best = name;
-        }
-    }
-    return best;
+    const std::vector<std::string> best = nearest(wrong, known, 1);
+    return best.empty() ? "" : best.front();
 }
 
 } // namespace nf

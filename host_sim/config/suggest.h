@@ -1,6 +1,7 @@
 // The nearest known name to a misspelt one.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,5 +11,9 @@ namespace nf
 // The name of `known` that `wrong` most likely meant, or "". Of names with a dot, what
 // follows the dot counts most, so that a key in the wrong table is found.
 std::string nearest(const std::string &wrong, const std::vector<std::string> &known);
+
+// All that it may have meant, the likeliest first, at most `count`.
+std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
+                                 std::size_t count);
 
 } // namespace nf

@@ -1,0 +1,539 @@
+#include "signals.h"
+
+#include "names.h"
+#include "suggest.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+constexpr double Q12 = 4096.0;
+constexpr double Q13 = 8192.0;
+constexpr double Q14 = 16384.0;
+constexpr double Q15 = 32768.0;
+constexpr double Q18 = 262144.0;
+constexpr double Q26 = 67108864.0;
+constexpr double Q27 = 134217728.0;
+constexpr double Q30 = 1073741824.0;
+constexpr double Q32 = 4294967296.0;
+constexpr double PI = 3.14159265358979323846;
+constexpr double RPM_PER_RAD_S = 30.0 / PI;
+constexpr double DEG_PER_RAD = 180.0 / PI;
+constexpr double DEG_PER_STEP = 360.0 / Q32;
+
+double speed_command(const Tick &t)
+{
+    return t.mode == DriveMode::speed
+               ? t.command
+               : t.sim->bases().rpm_from_step(t.sim->drive().speed_reference);
+}
+
+double position_estimated(const Tick &t)
+{
+    const double turns = static_cast<double>(t.position_estimate_q32) / Q32;
+    return turns * 2.0 * PI / t.sim->bases().pole_pairs;
+}
+
+double angle_estimated(const Tick &t)
+{
+    const auto angle = static_cast<uint32_t>(static_cast<uint64_t>(t.position_estimate_q32));
+    return static_cast<int32_t>(angle) * DEG_PER_STEP;
+}
+
+double duty(const Tick &t, std::size_t leg)
+{
+    const double full = t.sim->cfg().modulator.timer_counts;
+    return t.sim->out().compare.phase[leg] / full;
+}
+
+Signal derived(const char *name, Quantity quantity, double (*value)(const Tick &))
+{
+    return {name, quantity, value, {}};
+}
+
+template <typename T>
+Signal word(const char *name, Quantity quantity, Word::Home home, std::size_t offset)
+{
+    using Plain = typename std::conditional_t<std::is_enum_v<T>, std::underlying_type<T>,
+                                              std::common_type<T>>::type;
+    return {name, quantity, nullptr, {home, offset, sizeof(T), std::is_signed_v<Plain>}};
+}
+
+// A member's name, place and type are one thing: only the preprocessor can tell all three from one mention.
+#define FIELD(name, home, type, member, quantity) \
+    word<std::remove_reference_t<decltype(std::declval<type &>().member)>>( \
+        name, Quantity::quantity, Word::Home::home, offsetof(type, member))
+#define IN(member, quantity) FIELD("in." #member, in, drive_in_t, member, quantity)
+#define OUT(member, quantity) FIELD("out." #member, out, drive_out_t, member, quantity)
+#define DRIVE(member, quantity) FIELD("drive." #member, drive, drive_t, member, quantity)
+#define ALIAS(name, member, quantity) FIELD(name, drive, drive_t, member, quantity)
+#define CFG(member, quantity) FIELD("cfg." #member, cfg, drive_cfg_t, member, quantity)
+
+std::vector<Signal> run_signals()
+{
+    using Q = Quantity;
+    return {
+        derived("time_s", Q::time_s, [](const Tick &t) { return t.time_s; }),
+        ALIAS("state", state, state),
+        ALIAS("fault", fault.id, fault),
+        derived("speed_command_rpm", Q::speed_rpm, speed_command),
+        derived("speed_rpm", Q::speed_rpm,
+                [](const Tick &t) { return t.truth.omega_mech_rad_s * RPM_PER_RAD_S; }),
+        derived("speed_estimated_rpm", Q::speed_rpm,
+                [](const Tick &t) { return t.sim->bases().rpm_from_step(t.speed_estimate); }),
+        ALIAS("speed_reference_rpm", speed_loop.reference, speed_step),
+        derived("position_command_rad", Q::angle_rad,
+                [](const Tick &t) { return t.mode == DriveMode::position ? t.command : 0.0; }),
+        derived("position_rad", Q::angle_rad, [](const Tick &t) { return t.truth.theta_mech_rad; }),
+        derived("position_estimated_rad", Q::angle_rad, position_estimated),
+        derived("angle_el_deg", Q::angle_deg,
+                [](const Tick &t) { return t.truth.theta_el_rad * DEG_PER_RAD; }),
+        derived("angle_estimated_el_deg", Q::angle_deg, angle_estimated),
+        derived("angle_error_el_deg", Q::angle_deg, angle_error_deg),
+        derived("i_q_a", Q::current_a, [](const Tick &t) { return t.truth.i_q_a; }),
+        ALIAS("i_q_estimated_a", observer.current.q, current_q15),
+        ALIAS("i_q_reference_a", signals.current_ref.q, current_q15),
+        derived("i_d_a", Q::current_a, [](const Tick &t) { return t.truth.i_d_a; }),
+        ALIAS("i_d_estimated_a", observer.current.d, current_q15),
+        derived("i_a_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[0]; }),
+        derived("i_b_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[1]; }),
+        derived("i_c_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[2]; }),
+        ALIAS("v_d_v", signals.voltage.d, voltage_q15),
+        ALIAS("v_q_v", signals.voltage.q, voltage_q15),
+        derived("duty_a", Q::share, [](const Tick &t) { return duty(t, 0); }),
+        derived("duty_b", Q::share, [](const Tick &t) { return duty(t, 1); }),
+        derived("duty_c", Q::share, [](const Tick &t) { return duty(t, 2); }),
+        derived("bus_v", Q::voltage_v, [](const Tick &t) { return t.truth.bus_v; }),
+        derived("load_torque_nm", Q::torque_nm, [](const Tick &t) { return t.load_nm; }),
+        derived("torque_nm", Q::torque_nm, [](const Tick &t) { return t.truth.torque_nm; }),
+    };
+}
+
+// The frames, and what the drive makes of the one in the order in which it does.
+std::vector<Signal> tick_signals()
+{
+    return {
+        IN(adc_ia, adc_current),
+        IN(adc_ib, adc_current),
+        IN(adc_bus, adc_bus),
+        IN(adc_temperature, adc_plain),
+        IN(flags, number),
+        IN(command.target, number),
+        IN(command.mode, number),
+        IN(command.request, number),
+        DRIVE(signals.phase_a, current_q15),
+        DRIVE(signals.phase_b, current_q15),
+        DRIVE(signals.bus, voltage_q15),
+        DRIVE(signals.current_ab.alpha, current_q15),
+        DRIVE(signals.current_ab.beta, current_q15),
+        DRIVE(signals.current.d, current_q15),
+        DRIVE(signals.current.q, current_q15),
+        DRIVE(signals.current_frame.d, current_q15),
+        DRIVE(signals.current_frame.q, current_q15),
+        DRIVE(signals.current_mean.d, current_q15),
+        DRIVE(signals.current_mean.q, current_q15),
+        DRIVE(signals.voltage_applied.alpha, voltage_q15),
+        DRIVE(signals.voltage_applied.beta, voltage_q15),
+        DRIVE(observer.alpha_q27, network_q27),
+        DRIVE(observer.beta_q27, network_q27),
+        DRIVE(observer.state.d, network_q15),
+        DRIVE(observer.state.q, network_q15),
+        DRIVE(observer.current.d, current_q15),
+        DRIVE(observer.current.q, current_q15),
+        DRIVE(observer.error.d, current_q15),
+        DRIVE(observer.error.q, current_q15),
+        DRIVE(observer.rho_q13, ratio_q13),
+        DRIVE(observer.turned.d, current_q15),
+        DRIVE(observer.turned.q, current_q15),
+        DRIVE(observer.descent, descent),
+        DRIVE(observer.weight_step, speed_step),
+        DRIVE(observer.speed, speed_step),
+        DRIVE(observer.speed_out, speed_step),
+        DRIVE(signals.speed, speed_q15),
+        DRIVE(signals.current_ref.d, current_q15),
+        DRIVE(signals.current_ref.q, current_q15),
+        DRIVE(signals.voltage_limit, voltage_q15),
+        DRIVE(signals.voltage.d, voltage_q15),
+        DRIVE(signals.voltage.q, voltage_q15),
+        DRIVE(signals.ratio_ab.alpha, ratio_q15),
+        DRIVE(signals.ratio_ab.beta, ratio_q15),
+        OUT(compare.phase[0], compare),
+        OUT(compare.phase[1], compare),
+        OUT(compare.phase[2], compare),
+        OUT(gate_enable, flag),
+    };
+}
+
+// What the drive keeps from tick to tick beside it.
+std::vector<Signal> state_signals()
+{
+    return {
+        DRIVE(position.turns_q32, turns_q32),
+        DRIVE(frame.turns_q32, turns_q32),
+        DRIVE(frame_speed, speed_step),
+        DRIVE(state, state),
+        DRIVE(tick, number),
+        DRIVE(slow_count, number),
+        DRIVE(offset_a, current_q15),
+        DRIVE(offset_b, current_q15),
+        DRIVE(bus_before, voltage_q15),
+        DRIVE(ratio_acting.alpha, ratio_q15),
+        DRIVE(ratio_acting.beta, ratio_q15),
+        DRIVE(modulator.inverse_bus_q12, inverse_q12),
+        DRIVE(current_loop.pi_d.integral_q26, voltage_q26),
+        DRIVE(current_loop.pi_q.integral_q26, voltage_q26),
+        DRIVE(speed_reference, speed_step),
+        DRIVE(speed_loop.reference, speed_step),
+        DRIVE(speed_loop.pi.integral_q26, current_q26),
+        DRIVE(position_loop.profile_q32, turns_q32),
+        DRIVE(position_loop.profile_speed, speed_step),
+        DRIVE(torque_range.lower, current_q15),
+        DRIVE(torque_range.upper, current_q15),
+        DRIVE(residual, current_q15),
+        DRIVE(lost_periods, number),
+        DRIVE(handover_periods, number),
+        DRIVE(attempts, number),
+        DRIVE(identified, flag),
+        DRIVE(derating.heat_q24, number),
+        DRIVE(derating.motoring, current_q15),
+        DRIVE(derating.braking, current_q15),
+        DRIVE(limits.current_max, current_q15),
+        DRIVE(limits.bus_max, voltage_q15),
+        DRIVE(limits.bus_min, voltage_q15),
+        DRIVE(fault.id, fault),
+        DRIVE(fault.value, number),
+        DRIVE(fault.limit, number),
+        DRIVE(fault.tick, number),
+    };
+}
+
+std::vector<Signal> model_signals()
+{
+    return {
+        DRIVE(model.resistance_q14, ratio_q14),
+        DRIVE(model.inductance_q14, ratio_q14),
+        DRIVE(model.inductance_inverse_q14, ratio_q14),
+        DRIVE(model.flux_q30, ratio_q30),
+        DRIVE(model.observer.decay, number),
+        DRIVE(model.observer.volt_gain, number),
+        DRIVE(model.observer.flux_q27, network_q27),
+        DRIVE(model.observer.rate, number),
+        DRIVE(model.observer.proportional, number),
+        DRIVE(model.observer.corner, speed_step),
+        DRIVE(model.run_loop.resistance_q13, number),
+        DRIVE(model.run_loop.emf_q13, number),
+        DRIVE(model.run_loop.pi_d.kp, number),
+        DRIVE(model.run_loop.pi_d.ki, number),
+        DRIVE(model.run_loop.pi_q.kp, number),
+        DRIVE(model.run_loop.pi_q.ki, number),
+        DRIVE(model.hold_loop.resistance_q13, number),
+        DRIVE(model.hold_loop.emf_q13, number),
+    };
+}
+
+std::vector<Signal> configuration_signals()
+{
+    return {
+        CFG(speed_shift, number),
+        CFG(sampling.current_shift, number),
+        CFG(sampling.bus_shift, number),
+        CFG(sampling.offset_log2, number),
+        CFG(modulator.timer_counts, number),
+        CFG(modulator.ratio_max_q15, ratio_q15),
+        CFG(modulator.dead_time_q15, ratio_q15),
+        CFG(modulator.drop_q15, voltage_q15),
+        CFG(modulator.ripple_q15, current_q15),
+        CFG(slow_ticks, number),
+        CFG(derating.current_max, current_q15),
+        CFG(derating.current_continuous, current_q15),
+        CFG(speed_loop.pi.kp, number),
+        CFG(speed_loop.pi.ki, number),
+        CFG(speed_loop.ramp, speed_step),
+        CFG(speed_loop.speed_max, speed_step),
+        CFG(speed_loop.inertia, number),
+        CFG(position_loop.ramp, speed_step),
+        CFG(position_loop.speed_max, speed_step),
+        CFG(position_loop.gain, number),
+        CFG(startup.current_hold, current_q15),
+        CFG(startup.hold_speed, speed_step),
+        CFG(startup.handover_speed, speed_step),
+        CFG(crc, number),
+    };
+}
+
+#undef FIELD
+#undef IN
+#undef OUT
+#undef DRIVE
+#undef ALIAS
+#undef CFG
+
+// SI = (raw − zero) · one.
+struct Scale {
+    const char *unit;
+    const char *format; // with {} for the base
+    double base;
+    double one;
+    double zero = 0;
+};
+
+Scale simple_scale(Quantity quantity)
+{
+    switch (quantity) {
+    case Quantity::time_s:
+        return {"s", "", 1, 1};
+    case Quantity::angle_rad:
+        return {"rad", "", 1, 1};
+    case Quantity::angle_deg:
+        return {"deg", "", 1, 1};
+    case Quantity::torque_nm:
+        return {"N m", "", 1, 1};
+    case Quantity::flag:
+        return {"", "flag", 1, 1};
+    case Quantity::state:
+        return {"", "state", 1, 1};
+    case Quantity::fault:
+        return {"", "fault", 1, 1};
+    case Quantity::adc_plain:
+        return {"", "ADC count", 1, 1};
+    case Quantity::turns_q32:
+        return {"turns el", "Q32", 1, 1 / Q32};
+    case Quantity::ratio_q13:
+        return {"", "Q13", 1, 1 / Q13};
+    case Quantity::ratio_q14:
+        return {"", "Q14", 1, 1 / Q14};
+    case Quantity::ratio_q15:
+        return {"", "Q15", 1, 1 / Q15};
+    case Quantity::ratio_q30:
+        return {"", "Q30", 1, 1 / Q30};
+    case Quantity::share:
+        return {"", "", 1, 1};
+    default:
+        return {"", "integer", 1, 1};
+    }
+}
+
+Scale current_scale(Quantity quantity, const Simulation &sim)
+{
+    const double base = sim.bases().current_a;
+    const double network = std::ldexp(base, static_cast<int>(sim.cfg().observer.current_shift));
+    switch (quantity) {
+    case Quantity::current_q15:
+        return {"A", "Q15 of I_b = {:.6g} A", base, base / Q15};
+    case Quantity::current_q26:
+        return {"A", "Q26 of I_b = {:.6g} A", base, base / Q26};
+    case Quantity::network_q15:
+        return {"A", "Q15 of I_x = {:.6g} A", network, network / Q15};
+    case Quantity::network_q27:
+        return {"A", "Q27 of I_x = {:.6g} A", network, network / Q27};
+    case Quantity::descent:
+        return {"A2", "Q18 of I_b I_x = {:.6g} A2", base * network, base * network / Q18};
+    case Quantity::adc_current: {
+        const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.current_shift));
+        return {"A", "ADC count, one = {:.6g} A", base / counts, base / counts, counts / 2};
+    }
+    default:
+        return {"A", "", 1, 1};
+    }
+}
+
+Scale voltage_scale(Quantity quantity, const Simulation &sim)
+{
+    const double base = sim.bases().voltage_v;
+    const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.bus_shift));
+    switch (quantity) {
+    case Quantity::voltage_q15:
+        return {"V", "Q15 of U_b = {:.6g} V", base, base / Q15};
+    case Quantity::voltage_q26:
+        return {"V", "Q26 of U_b = {:.6g} V", base, base / Q26};
+    case Quantity::inverse_q12:
+        return {"1/V", "Q12 of 1/U_b = {:.6g} 1/V", 1 / base, 1 / base / Q12};
+    case Quantity::adc_bus:
+        return {"V", "ADC count, one = {:.6g} V", base / counts, base / counts};
+    default:
+        return {"V", "", 1, 1};
+    }
+}
+
+Scale scale_of(Quantity quantity, const Simulation &sim)
+{
+    switch (quantity) {
+    case Quantity::current_a:
+    case Quantity::current_q15:
+    case Quantity::current_q26:
+    case Quantity::network_q15:
+    case Quantity::network_q27:
+    case Quantity::descent:
+    case Quantity::adc_current:
+        return current_scale(quantity, sim);
+    case Quantity::voltage_v:
+    case Quantity::voltage_q15:
+    case Quantity::voltage_q26:
+    case Quantity::inverse_q12:
+    case Quantity::adc_bus:
+        return voltage_scale(quantity, sim);
+    case Quantity::speed_rpm:
+        return {"rpm", "", 1, 1};
+    case Quantity::speed_step: {
+        const double one = sim.bases().rpm_from_step(1);
+        return {"rpm", "2^-32 turn el a tick = {:.6g} rpm", one, one};
+    }
+    case Quantity::speed_q15: {
+        const double base = sim.bases().rpm_from_step(std::ldexp(Q15, sim.bases().speed_shift));
+        return {"rpm", "Q15 of W_b = {:.6g} rpm", base, base / Q15};
+    }
+    case Quantity::compare: {
+        const double full = sim.cfg().modulator.timer_counts;
+        return {"", "count of {:.6g}", full, 1 / full};
+    }
+    default:
+        return simple_scale(quantity);
+    }
+}
+
+template <typename Byte, typename Owner> Byte *at(Owner &owner, const Word &word)
+{
+    return reinterpret_cast<Byte *>(&owner) + word.offset;
+}
+
+const unsigned char *place(const Word &word, const Simulation &sim)
+{
+    switch (word.home) {
+    case Word::Home::in:
+        return at<const unsigned char>(sim.in(), word);
+    case Word::Home::out:
+        return at<const unsigned char>(sim.out(), word);
+    case Word::Home::cfg:
+        return at<const unsigned char>(sim.cfg(), word);
+    case Word::Home::drive:
+        break;
+    }
+    return at<const unsigned char>(sim.drive(), word);
+}
+
+// Little-endian two's complement, as every machine that this runs on.
+int64_t read_word(const Word &word, const unsigned char *from)
+{
+    uint64_t bits = 0;
+    std::memcpy(&bits, from, word.bytes);
+    const unsigned unused = 64U - 8U * static_cast<unsigned>(word.bytes);
+    const auto high = static_cast<int64_t>(bits << unused);
+    return word.has_sign ? high >> unused : static_cast<int64_t>(bits);
+}
+
+} // namespace
+
+const std::vector<Signal> &all_signals()
+{
+    static const std::vector<Signal> table = [] {
+        std::vector<Signal> all = run_signals();
+        for (const std::vector<Signal> &part :
+             {tick_signals(), state_signals(), model_signals(), configuration_signals()}) {
+            all.insert(all.end(), part.begin(), part.end());
+        }
+        return all;
+    }();
+    return table;
+}
+
+const Signal *find_signal(const std::string &name)
+{
+    static const std::unordered_map<std::string, const Signal *> index = [] {
+        std::unordered_map<std::string, const Signal *> by_name;
+        for (const Signal &signal : all_signals()) {
+            by_name.emplace(signal.name, &signal);
+        }
+        return by_name;
+    }();
+    const auto found = index.find(name);
+    return found == index.end() ? nullptr : found->second;
+}
+
+std::vector<std::string> near_signals(const std::string &name, std::size_t count)
+{
+    std::vector<std::string> known;
+    for (const Signal &signal : all_signals()) {
+        known.emplace_back(signal.name);
+    }
+    return nearest(name, known, count);
+}
+
+std::optional<int64_t> raw_value(const Signal &signal, const Tick &tick)
+{
+    if (signal.value != nullptr) {
+        return std::nullopt;
+    }
+    return read_word(signal.word, place(signal.word, *tick.sim));
+}
+
+double si_value(const Signal &signal, const Tick &tick)
+{
+    if (signal.value != nullptr) {
+        return signal.value(tick);
+    }
+    const Scale scale = scale_of(signal.quantity, *tick.sim);
+    const int64_t raw = read_word(signal.word, place(signal.word, *tick.sim));
+    return (static_cast<double>(raw) - scale.zero) * scale.one;
+}
+
+const char *unit_text(const Signal &signal, const Simulation &sim)
+{
+    return scale_of(signal.quantity, sim).unit;
+}
+
+std::string format_text(const Signal &signal, const Simulation &sim)
+{
+    if (signal.value != nullptr) {
+        return "";
+    }
+    const Scale scale = scale_of(signal.quantity, sim);
+    return fmt::format(fmt::runtime(scale.format), scale.base);
+}
+
+std::string word_text(const Signal &signal, int64_t raw)
+{
+    if (signal.quantity == Quantity::state) {
+        return state_name(static_cast<drive_state_t>(raw));
+    }
+    if (signal.quantity == Quantity::fault) {
+        return fault_text(static_cast<fault_id_t>(raw))->name;
+    }
+    return "";
+}
+
+RawRange raw_range(const Word &word)
+{
+    const auto bits = static_cast<unsigned>(8 * word.bytes);
+    if (!word.has_sign) {
+        return {0, static_cast<int64_t>((uint64_t{1} << bits) - 1U)};
+    }
+    const auto highest = static_cast<int64_t>((uint64_t{1} << (bits - 1U)) - 1U);
+    return {-highest - 1, highest};
+}
+
+double raw_from_si(const Signal &signal, double si, const Simulation &sim)
+{
+    const Scale scale = scale_of(signal.quantity, sim);
+    return std::round(si / scale.one + scale.zero);
+}
+
+void write_word(const Word &word, int64_t raw, const Seam &seam)
+{
+    unsigned char *const to = word.home == Word::Home::cfg ? at<unsigned char>(seam.cfg, word)
+                                                           : at<unsigned char>(seam.drive, word);
+    std::memcpy(to, &raw, word.bytes);
+}
+
+} // namespace nf

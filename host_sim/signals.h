@@ -1,0 +1,106 @@
+// Every signal of a run by its name: what the motor does, what the drive believes, each word of the drive's state and
+// configuration. One table for traces, for the debugger and for whoever asks by name.
+//
+// Names without a dot are quantities of the run, their unit at the end, and read as they are. Names with a dot are
+// words of the firmware, named as there: in., out., drive., cfg. Such a word has a raw value, the format that
+// says what one of it means, and the SI value that this makes.
+#pragma once
+
+#include "tick.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf
+{
+
+// What a signal measures: its unit, and how its raw value counts.
+enum class Quantity {
+    time_s,
+    speed_rpm,
+    angle_rad,
+    angle_deg,
+    current_a,
+    voltage_v,
+    torque_nm,
+    share,
+    // Words of the firmware.
+    number,
+    flag,
+    state,
+    fault,
+    adc_current,
+    adc_bus,
+    adc_plain,
+    current_q15,
+    voltage_q15,
+    speed_step,
+    speed_q15,
+    turns_q32,
+    network_q15,
+    network_q27,
+    descent,
+    voltage_q26,
+    current_q26,
+    inverse_q12,
+    ratio_q13,
+    ratio_q14,
+    ratio_q15,
+    ratio_q30,
+    compare
+};
+
+// An integer of the firmware: where it is, and how large it may be.
+struct Word {
+    enum class Home {
+        in,
+        out,
+        drive,
+        cfg
+    };
+    Home home;
+    std::size_t offset;
+    std::size_t bytes;
+    bool has_sign;
+};
+
+struct Signal {
+    const char *name;
+    Quantity quantity;
+    double (*value)(const Tick &); // NULL for a word
+    Word word;
+};
+
+const std::vector<Signal> &all_signals();
+
+// NULL when there is none of this name.
+const Signal *find_signal(const std::string &name);
+
+// For a misspelt name: those it may have meant, the nearest first, at most `count`.
+std::vector<std::string> near_signals(const std::string &name, std::size_t count);
+
+double si_value(const Signal &signal, const Tick &tick);
+std::optional<int64_t> raw_value(const Signal &signal, const Tick &tick);
+
+// "A", or "" for a number.
+const char *unit_text(const Signal &signal, const Simulation &sim);
+// "Q15 of I_b = 40 A", or "" where there is no raw value.
+std::string format_text(const Signal &signal, const Simulation &sim);
+// A value of a signal that is a word (RUN, OVERCURRENT), else empty.
+std::string word_text(const Signal &signal, int64_t raw);
+
+struct RawRange {
+    int64_t lowest;
+    int64_t highest;
+};
+// What a word can hold.
+RawRange raw_range(const Word &word);
+// The raw value that comes nearest to an SI value; it may be out of range.
+double raw_from_si(const Signal &signal, double si, const Simulation &sim);
+// Writes a word of the drive's state or configuration; `raw` within its range.
+void write_word(const Word &word, int64_t raw, const Seam &seam);
+
+} // namespace nf
