@@ -3,6 +3,7 @@
 // The difference of the two is itself a linear system around the operating point, driven by the roundings
 // of each tick. Its bound is the sum over k of |F^k·G| times the largest rounding of each source: what
 // every rounding, at its worst and with the worst sign, can add up to before it has decayed.
+#include "observer_roundings.h"
 #include "settings_under_test.h"
 #include "twin_nn_observer.h"
 
@@ -21,7 +22,11 @@ using nf::reference::Setup;
 using nf::reference::SINE_LSB;
 using nf::reference::STEPS_PER_TURN;
 using nf::reference::TWO_PI;
+using nf::twin::effect_on_descent;
+using nf::twin::half_turn_error;
+using nf::twin::network_roundings;
 using nf::twin::NnObserver;
+using nf::twin::training_roundings;
 using nf::twin::Vector;
 
 // Each rounding at its worst with the worst sign in every tick is far from what happens.
@@ -51,42 +56,6 @@ static auto worst_sum(const State &f, const Input &g,
         response = (f * response).eval();
     }
     return sum;
-}
-
-// Sine and cosine enter both products of a rotated axis, each within 2 of 2^15: 1 of its amplitude, 1 of its rounding.
-static double turn_error(const Vector &v)
-{
-    return 2 * SINE_LSB * v.cwiseAbs().sum();
-}
-
-// Roundings of the firmware's î_d and î_q in A: the state turned into the frame, rounded down to a LSB; i_q scaled by
-// L_d/L_q before that, another.
-static Vector output_roundings(const Setup &s, const Vector &state)
-{
-    const double turned = turn_error(state) + 3 * s.state_base() / Q27;
-    return Vector(s.current(1) + turned, 2 * s.current(1) + turned);
-}
-
-// Roundings of one tick of the network, A of x and y. The change of a state is rounded down, 1 unit of Q27 in each
-// stationary axis. The resistance's drop has the roundings of î, of its turn by h = Δ/2 (h in Q15 from speeds in 2^14
-// steps, the products rounded down) and of its turn into the stationary frame.
-static Vector network_roundings(const Setup &s, const NnObserver &twin, double speed,
-                                const Vector &state)
-{
-    const double h = std::abs(speed) * s.bases.control_period_s / 2;
-    const Vector current(state.x() - twin.flux_current(), state.y());
-    const double drop = output_roundings(s, state).sum() + current.norm() * 2 / Q15 +
-                        (2 + h) * s.current(1) + turn_error(current);
-    return Vector::Constant(twin.decay()(0, 0) * drop + 1.4143 * s.state_base() / Q27);
-}
-
-// The drop's turn by half a step, 1 − jh, is h²/2 longer than the exact one and h³/3 off: A in each tick.
-static double half_turn_error(const Setup &s, const NnObserver &twin, double speed,
-                              const Vector &state)
-{
-    const double h = std::abs(speed) * s.bases.control_period_s / 2;
-    const Vector current(state.x() - twin.flux_current(), state.y());
-    return twin.decay()(0, 0) * current.norm() * (h * h / 2 + h * h * h / 3);
 }
 
 // The firmware's observer with the angle that its speed makes, (23).
@@ -260,15 +229,6 @@ static Vector effect_of_speed(const NnObserver &twin, const NnObserver::Params &
     return p.period_s * Vector(middle.y(), -middle.x());
 }
 
-// b = e'_q·x − e'_d·y as a function of e around a steady state, where e is small.
-static Eigen::RowVector2d effect_on_descent(const NnObserver::Params &p, double rho,
-                                            const Vector &state)
-{
-    Eigen::Matrix2d turn;
-    turn << 1.0, rho * p.saliency, -rho, p.saliency;
-    return Eigen::RowVector2d(-state.y(), state.x()) * turn;
-}
-
 // Difference of observer and twin: states δx, δy, δω, δω_out, δ(ΔW2); inputs the roundings of x, y, i_d,
 // i_q, b, ΔW2, ω_out. Both see the same measurement, so θ̂ does not close this loop.
 struct Difference {
@@ -306,26 +266,6 @@ static Difference difference_system(const NnObserver &twin, const NnObserver::Pa
     d.g.row(3) = d.g.row(2) - p.kappa_p / p.period_s / flux2 * g_b;
     d.g(3, 6) += 1;
     return d;
-}
-
-// Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. Of b: the error of i_q scaled 1 LSB, turned and
-// added 1 in each axis; b >> 12; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
-// step, its momentum to two; ω_out to a step.
-static Eigen::Matrix<double, 5, 1> training_roundings(const Setup &s, const NnObserver::Params &p,
-                                                      double rho, const Vector &state,
-                                                      double largest_error)
-{
-    const double lsb = s.current(1);
-    const double base_x = s.state_base();
-    const Vector size = state.cwiseAbs();
-    const double scaled = size.x() + std::abs(rho) * size.y();
-    const double step = s.speed_of_step(1);
-    Eigen::Matrix<double, 5, 1> r;
-    r << output_roundings(s, state),
-        lsb * (scaled + size.x() + size.y()) + 4096.0 * lsb * base_x / Q15 +
-            2.0 * largest_error * (base_x / Q15 + turn_error(state)),
-        (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
-    return r;
 }
 
 struct Comparison {

@@ -150,12 +150,14 @@ public:
         return speed_out_;
     }
 
-    void set(const Vector &state, double speed_rad_s, double speed_out_rad_s)
+    // weight_change: ΔW2 of the last tick, for the momentum.
+    void set(const Vector &state, double speed_rad_s, double speed_out_rad_s,
+             double weight_change = 0)
     {
         state_ = state;
         speed_ = speed_rad_s;
         speed_out_ = speed_out_rad_s;
-        weight_change_ = 0;
+        weight_change_ = weight_change;
     }
 
 private:

@@ -27,6 +27,13 @@ public:
     {
     }
 
+    // Both integrals, V.
+    void reset(const Vector &integral_v)
+    {
+        pi_d_.reset(integral_v.x());
+        pi_q_.reset(integral_v.y());
+    }
+
     // One tick: the voltage to apply, V; limit_v is the radius of the circle.
     Vector step(const Vector &reference_a, const Vector &measured_a, double speed_rad_s,
                 double limit_v)

@@ -24,6 +24,13 @@ public:
     {
     }
 
+    // Where a slow period begins: the last reference, and the integral, A.
+    void reset(double reference_rad_s, double integral_a)
+    {
+        reference_ = reference_rad_s;
+        pi_.reset(integral_a);
+    }
+
     double ramp(double target_rad_s) const
     {
         const double wanted = std::clamp(target_rad_s, -p_.speed_max_rad_s, p_.speed_max_rad_s);
