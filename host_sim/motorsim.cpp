@@ -1,16 +1,22 @@
-// The simulator's command line: run scenarios, list what there is, measure speed.
+// The simulator's command line: run scenarios, step through them, list what there is, measure speed.
 // Exit status: 0 all limits hold, 1 one does not, 2 wrong usage, wrong file or a file not written.
 #include "bench.h"
+#include "commands.h"
+#include "console.h"
 #include "data_list.h"
 #include "report.h"
 #include "scenario.h"
 #include "trace.h"
+#include "vcd.h"
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +40,8 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim run s2 --set tuning=robust        with another tuning file
   motorsim run s1 --set motor.inertia_kg_m2=0.006 --trace s1.csv --json s1.json
   motorsim run ./mine.toml --json - | jq .angle_error_max_deg
+  motorsim run s2 --vcd s2.vcd --vcd-from 0.5 --vcd-to 0.51   every gate edge of 10 ms
+  motorsim debug s1_robust                   step through a run, forwards and backwards
   motorsim bench                             simulation speed on this machine
 
 Exit status: 0 all limits of the scenario hold, 1 one does not, 2 wrong usage or input.)";
@@ -45,6 +53,16 @@ struct RunArguments {
     std::string trace;
     bool trace_prelude = false;
     std::string json;
+    std::string vcd;
+    std::optional<double> vcd_from_s;
+    std::optional<double> vcd_to_s;
+};
+
+struct DebugArguments {
+    std::string scenario;
+    std::vector<std::string> with;
+    std::vector<std::string> set;
+    std::string script;
 };
 
 struct BenchArguments {
@@ -53,7 +71,7 @@ struct BenchArguments {
     bool json = false;
 };
 
-struct OutputError : std::runtime_error {
+struct FileError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
@@ -77,16 +95,23 @@ bool same_file(const std::filesystem::path &a, const std::filesystem::path &b)
            fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
 }
 
+void apart(const char *option_a, const std::string &a, const char *option_b, const std::string &b)
+{
+    if (!a.empty() && !b.empty() && same_file(a, b)) {
+        throw FileError(
+            fmt::format("{}: {} and {} cannot go to the same file", a, option_a, option_b));
+    }
+}
+
 // Nothing is written over what was read, nor twice to the same file.
 void check_outputs(const RunArguments &arguments, const nf::Config &config)
 {
     nf::check_output(config, "--trace", arguments.trace);
     nf::check_output(config, "--json", arguments.json);
-    if (!arguments.trace.empty() && !arguments.json.empty() &&
-        same_file(arguments.trace, arguments.json)) {
-        throw OutputError(
-            fmt::format("{}: --trace and --json cannot go to the same file", arguments.trace));
-    }
+    nf::check_output(config, "--vcd", arguments.vcd);
+    apart("--trace", arguments.trace, "--json", arguments.json);
+    apart("--trace", arguments.trace, "--vcd", arguments.vcd);
+    apart("--json", arguments.json, "--vcd", arguments.vcd);
 }
 
 void write_text(const std::string &path, const std::string &text)
@@ -97,8 +122,8 @@ void write_text(const std::string &path, const std::string &text)
         good = (path == "-" ? std::fflush(file) : std::fclose(file)) == 0 && good;
     }
     if (!good) {
-        throw OutputError(fmt::format(
-            "{}: cannot write: {}", path == "-" ? "standard output" : path, std::strerror(errno)));
+        throw FileError(fmt::format("{}: cannot write: {}", path == "-" ? "standard output" : path,
+                                    std::strerror(errno)));
     }
 }
 
@@ -117,21 +142,75 @@ std::function<void(double)> progress_line()
     };
 }
 
+// What is written of each tick.
+class Outputs : public nf::TickSink
+{
+public:
+    Outputs(const RunArguments &arguments, const nf::Config &config)
+    {
+        if (!arguments.trace.empty()) {
+            trace_ = std::make_unique<nf::Trace>(arguments.trace, arguments.trace_prelude);
+        }
+        if (!arguments.vcd.empty()) {
+            const nf::TimeWindow window = {arguments.vcd_from_s.value_or(0.0),
+                                           arguments.vcd_to_s.value_or(config.scenario.duration_s)};
+            vcd_ = std::make_unique<nf::Vcd>(arguments.vcd, window);
+        }
+    }
+
+    bool any() const
+    {
+        return trace_ != nullptr || vcd_ != nullptr;
+    }
+
+    void add(const nf::Tick &tick) override
+    {
+        if (trace_) {
+            trace_->add(tick);
+        }
+        if (vcd_) {
+            vcd_->add(tick);
+        }
+    }
+
+    void close()
+    {
+        if (trace_) {
+            trace_->close();
+        }
+        if (vcd_) {
+            vcd_->close();
+        }
+    }
+
+private:
+    std::unique_ptr<nf::Trace> trace_;
+    std::unique_ptr<nf::Vcd> vcd_;
+};
+
+void check_window(const RunArguments &arguments)
+{
+    const bool window = arguments.vcd_from_s || arguments.vcd_to_s;
+    if (window && arguments.vcd.empty()) {
+        throw FileError("--vcd-from and --vcd-to need --vcd FILE");
+    }
+    if (arguments.vcd_from_s && arguments.vcd_to_s && *arguments.vcd_from_s > *arguments.vcd_to_s) {
+        throw FileError(fmt::format("--vcd-from {:g} is after --vcd-to {:g}", *arguments.vcd_from_s,
+                                    *arguments.vcd_to_s));
+    }
+}
+
 int run(const RunArguments &arguments)
 {
     const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
     check_outputs(arguments, config);
-    std::unique_ptr<nf::Trace> trace;
+    check_window(arguments);
+    Outputs outputs(arguments, config);
     nf::RunOptions options;
     options.progress = progress_line();
-    if (!arguments.trace.empty()) {
-        trace = std::make_unique<nf::Trace>(arguments.trace, arguments.trace_prelude);
-        options.sink = trace.get();
-    }
+    options.sink = outputs.any() ? &outputs : nullptr;
     const nf::RunResult result = nf::run_scenario(config, options);
-    if (trace) {
-        trace->close();
-    }
+    outputs.close();
     if (arguments.json.empty()) {
         write_text("-", nf::table_text(config, result));
     } else {
@@ -142,6 +221,30 @@ int run(const RunArguments &arguments)
         fmt::print(stderr, "{}: {}\n", config.scenario.id, violation.text());
     }
     return broken.empty() ? LIMITS_HOLD : LIMIT_BROKEN;
+}
+
+int converse(const nf::Config &config, nf::debug::LineReader &reader)
+{
+    nf::debug::Session session(config);
+    return nf::debug::converse(session, reader, stdout) ? LIMITS_HOLD : BAD_INPUT;
+}
+
+// Commands of a file, of a pipe, or of a person.
+int debug(const DebugArguments &arguments)
+{
+    const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
+    if (!arguments.script.empty()) {
+        const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(
+            std::fopen(arguments.script.c_str(), "rb"), std::fclose);
+        if (!file) {
+            throw FileError(
+                fmt::format("{}: cannot read: {}", arguments.script, std::strerror(errno)));
+        }
+        return converse(config, *nf::debug::stream_reader(file.get(), stdout));
+    }
+    const bool person = isatty(STDIN_FILENO) != 0;
+    return converse(config, person ? *nf::debug::terminal_reader(nf::debug::completions)
+                                   : *nf::debug::stream_reader(stdin, stdout));
 }
 
 int list()
@@ -179,7 +282,8 @@ int bench(const BenchArguments &arguments)
     return LIMITS_HOLD;
 }
 
-void describe_run(CLI::App &command, RunArguments &arguments)
+// What is simulated.
+template <typename Arguments> void describe_choice(CLI::App &command, Arguments &arguments)
 {
     command
         .add_option("scenario", arguments.scenario, "name (see `motorsim list`) or path of a .toml")
@@ -190,11 +294,34 @@ void describe_run(CLI::App &command, RunArguments &arguments)
     command.add_option("--set", arguments.set, "override a setting; may be repeated")
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
+}
+
+void describe_run(CLI::App &command, RunArguments &arguments)
+{
+    describe_choice(command, arguments);
     command.add_option("--trace", arguments.trace, "write all signals of every tick as CSV")
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
     command.add_flag("--trace-prelude", arguments.trace_prelude, "trace the time before t = 0 too");
     command.add_option("--json", arguments.json, "write the metrics as JSON; - is standard output")
+        ->check(not_a_file, "")
+        ->type_name("FILE");
+    command.add_option("--vcd", arguments.vcd, "write states, signals and gate edges as VCD")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
+    command.add_option("--vcd-from", arguments.vcd_from_s, "first tick of it, s; else t = 0")
+        ->type_name("TIME");
+    command.add_option("--vcd-to", arguments.vcd_to_s, "last tick of it, s; else the end")
+        ->type_name("TIME");
+}
+
+void describe_debug(CLI::App &command, DebugArguments &arguments)
+{
+    describe_choice(command, arguments);
+    command
+        .add_option(
+            "--script", arguments.script,
+            "commands from a file in place of the terminal or pipe; status 2 when one fails")
         ->check(not_a_file, "")
         ->type_name("FILE");
 }
@@ -212,11 +339,15 @@ int parse_and_do(int argc, char **argv)
 {
     CLI::App app{"Simulates a motor, its inverter and the drive's firmware, tick by tick."};
     RunArguments run_arguments;
+    DebugArguments debug_arguments;
     BenchArguments bench_arguments;
     CLI::App *const run_command = app.add_subcommand("run", "run a scenario and judge it");
+    CLI::App *const debug_command =
+        app.add_subcommand("debug", "step through a scenario, forwards and backwards");
     CLI::App *const list_command = app.add_subcommand("list", "list scenarios and imperfections");
     CLI::App *const bench_command = app.add_subcommand("bench", "measure the simulation speed");
     describe_run(*run_command, run_arguments);
+    describe_debug(*debug_command, debug_arguments);
     describe_bench(*bench_command, bench_arguments);
     app.footer(EXAMPLES);
     try {
@@ -229,6 +360,9 @@ int parse_and_do(int argc, char **argv)
     }
     if (*run_command) {
         return run(run_arguments);
+    }
+    if (*debug_command) {
+        return debug(debug_arguments);
     }
     if (*bench_command) {
         return bench(bench_arguments);

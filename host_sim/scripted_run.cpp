@@ -80,6 +80,7 @@ Tick ScriptedRun::control()
     tick.sim = &sim_;
     tick.speed_estimate = drive_speed(&sim_.drive());
     tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
+    tick.observer_speed = sim_.drive().observer.speed;
     plant_view(&sim_.plant(), &tick.truth);
     tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
     tick.mode = scenario_.mode;

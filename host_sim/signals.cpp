@@ -52,19 +52,26 @@ double angle_estimated(const Tick &t)
     return static_cast<int32_t>(angle) * DEG_PER_STEP;
 }
 
+// ΔW2/T, (22): by how much this tick has lowered the observer's speed.
+double weight_change(const Tick &t)
+{
+    return t.sim->bases().rpm_from_step(static_cast<double>(t.observer_speed) -
+                                        t.sim->drive().observer.speed);
+}
+
 double duty(const Tick &t, std::size_t leg)
 {
     const double full = t.sim->cfg().modulator.timer_counts;
     return t.sim->out().compare.phase[leg] / full;
 }
 
-Signal derived(const char *name, Quantity quantity, double (*value)(const Tick &))
+SignalInfo derived(const char *name, Quantity quantity, double (*value)(const Tick &))
 {
     return {name, quantity, value, {}};
 }
 
 template <typename T>
-Signal word(const char *name, Quantity quantity, Word::Home home, std::size_t offset)
+SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_t offset)
 {
     using Plain = typename std::conditional_t<std::is_enum_v<T>, std::underlying_type<T>,
                                               std::common_type<T>>::type;
@@ -81,7 +88,7 @@ Signal word(const char *name, Quantity quantity, Word::Home home, std::size_t of
 #define ALIAS(name, member, quantity) FIELD(name, drive, drive_t, member, quantity)
 #define CFG(member, quantity) FIELD("cfg." #member, cfg, drive_cfg_t, member, quantity)
 
-std::vector<Signal> run_signals()
+std::vector<SignalInfo> run_signals()
 {
     using Q = Quantity;
     return {
@@ -122,7 +129,7 @@ std::vector<Signal> run_signals()
 }
 
 // The frames, and what the drive makes of the one in the order in which it does.
-std::vector<Signal> tick_signals()
+std::vector<SignalInfo> tick_signals()
 {
     return {
         IN(adc_ia, adc_current),
@@ -159,6 +166,7 @@ std::vector<Signal> tick_signals()
         DRIVE(observer.turned.q, current_q15),
         DRIVE(observer.descent, descent),
         DRIVE(observer.weight_step, speed_step),
+        derived("weight_change_rpm", Quantity::speed_rpm, weight_change),
         DRIVE(observer.speed, speed_step),
         DRIVE(observer.speed_out, speed_step),
         DRIVE(signals.speed, speed_q15),
@@ -177,7 +185,7 @@ std::vector<Signal> tick_signals()
 }
 
 // What the drive keeps from tick to tick beside it.
-std::vector<Signal> state_signals()
+std::vector<SignalInfo> state_signals()
 {
     return {
         DRIVE(position.turns_q32, turns_q32),
@@ -219,7 +227,7 @@ std::vector<Signal> state_signals()
     };
 }
 
-std::vector<Signal> model_signals()
+std::vector<SignalInfo> model_signals()
 {
     return {
         DRIVE(model.resistance_q14, ratio_q14),
@@ -243,7 +251,7 @@ std::vector<Signal> model_signals()
     };
 }
 
-std::vector<Signal> configuration_signals()
+std::vector<SignalInfo> configuration_signals()
 {
     return {
         CFG(speed_shift, number),
@@ -435,11 +443,11 @@ int64_t read_word(const Word &word, const unsigned char *from)
 
 } // namespace
 
-const std::vector<Signal> &all_signals()
+const std::vector<SignalInfo> &all_signals()
 {
-    static const std::vector<Signal> table = [] {
-        std::vector<Signal> all = run_signals();
-        for (const std::vector<Signal> &part :
+    static const std::vector<SignalInfo> table = [] {
+        std::vector<SignalInfo> all = run_signals();
+        for (const std::vector<SignalInfo> &part :
              {tick_signals(), state_signals(), model_signals(), configuration_signals()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
@@ -448,11 +456,11 @@ const std::vector<Signal> &all_signals()
     return table;
 }
 
-const Signal *find_signal(const std::string &name)
+const SignalInfo *find_signal(const std::string &name)
 {
-    static const std::unordered_map<std::string, const Signal *> index = [] {
-        std::unordered_map<std::string, const Signal *> by_name;
-        for (const Signal &signal : all_signals()) {
+    static const std::unordered_map<std::string, const SignalInfo *> index = [] {
+        std::unordered_map<std::string, const SignalInfo *> by_name;
+        for (const SignalInfo &signal : all_signals()) {
             by_name.emplace(signal.name, &signal);
         }
         return by_name;
@@ -464,13 +472,13 @@ const Signal *find_signal(const std::string &name)
 std::vector<std::string> near_signals(const std::string &name, std::size_t count)
 {
     std::vector<std::string> known;
-    for (const Signal &signal : all_signals()) {
+    for (const SignalInfo &signal : all_signals()) {
         known.emplace_back(signal.name);
     }
     return nearest(name, known, count);
 }
 
-std::optional<int64_t> raw_value(const Signal &signal, const Tick &tick)
+std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick)
 {
     if (signal.value != nullptr) {
         return std::nullopt;
@@ -478,7 +486,7 @@ std::optional<int64_t> raw_value(const Signal &signal, const Tick &tick)
     return read_word(signal.word, place(signal.word, *tick.sim));
 }
 
-double si_value(const Signal &signal, const Tick &tick)
+double si_value(const SignalInfo &signal, const Tick &tick)
 {
     if (signal.value != nullptr) {
         return signal.value(tick);
@@ -488,12 +496,12 @@ double si_value(const Signal &signal, const Tick &tick)
     return (static_cast<double>(raw) - scale.zero) * scale.one;
 }
 
-const char *unit_text(const Signal &signal, const Simulation &sim)
+const char *unit_text(const SignalInfo &signal, const Simulation &sim)
 {
     return scale_of(signal.quantity, sim).unit;
 }
 
-std::string format_text(const Signal &signal, const Simulation &sim)
+std::string format_text(const SignalInfo &signal, const Simulation &sim)
 {
     if (signal.value != nullptr) {
         return "";
@@ -502,7 +510,7 @@ std::string format_text(const Signal &signal, const Simulation &sim)
     return fmt::format(fmt::runtime(scale.format), scale.base);
 }
 
-std::string word_text(const Signal &signal, int64_t raw)
+std::string word_text(const SignalInfo &signal, int64_t raw)
 {
     if (signal.quantity == Quantity::state) {
         return state_name(static_cast<drive_state_t>(raw));
@@ -523,7 +531,7 @@ RawRange raw_range(const Word &word)
     return {-highest - 1, highest};
 }
 
-double raw_from_si(const Signal &signal, double si, const Simulation &sim)
+double raw_from_si(const SignalInfo &signal, double si, const Simulation &sim)
 {
     const Scale scale = scale_of(signal.quantity, sim);
     return std::round(si / scale.one + scale.zero);

@@ -67,30 +67,30 @@ struct Word {
     bool has_sign;
 };
 
-struct Signal {
+struct SignalInfo {
     const char *name;
     Quantity quantity;
     double (*value)(const Tick &); // NULL for a word
     Word word;
 };
 
-const std::vector<Signal> &all_signals();
+const std::vector<SignalInfo> &all_signals();
 
 // NULL when there is none of this name.
-const Signal *find_signal(const std::string &name);
+const SignalInfo *find_signal(const std::string &name);
 
 // For a misspelt name: those it may have meant, the nearest first, at most `count`.
 std::vector<std::string> near_signals(const std::string &name, std::size_t count);
 
-double si_value(const Signal &signal, const Tick &tick);
-std::optional<int64_t> raw_value(const Signal &signal, const Tick &tick);
+double si_value(const SignalInfo &signal, const Tick &tick);
+std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick);
 
 // "A", or "" for a number.
-const char *unit_text(const Signal &signal, const Simulation &sim);
+const char *unit_text(const SignalInfo &signal, const Simulation &sim);
 // "Q15 of I_b = 40 A", or "" where there is no raw value.
-std::string format_text(const Signal &signal, const Simulation &sim);
+std::string format_text(const SignalInfo &signal, const Simulation &sim);
 // A value of a signal that is a word (RUN, OVERCURRENT), else empty.
-std::string word_text(const Signal &signal, int64_t raw);
+std::string word_text(const SignalInfo &signal, int64_t raw);
 
 struct RawRange {
     int64_t lowest;
@@ -99,7 +99,7 @@ struct RawRange {
 // What a word can hold.
 RawRange raw_range(const Word &word);
 // The raw value that comes nearest to an SI value; it may be out of range.
-double raw_from_si(const Signal &signal, double si, const Simulation &sim);
+double raw_from_si(const SignalInfo &signal, double si, const Simulation &sim);
 // Writes a word of the drive's state or configuration; `raw` within its range.
 void write_word(const Word &word, int64_t raw, const Seam &seam);
 

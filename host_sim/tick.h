@@ -11,6 +11,7 @@ struct Tick {
     plant_view_t truth;            // at t_k
     step_t speed_estimate;         // ω̂(k), from before control()
     int64_t position_estimate_q32; // θ̂(k), likewise
+    step_t observer_speed;         // the weight's speed, likewise
     double time_s;                 // t_k, counted from the end of the prelude
     DriveMode mode;
     double command; // rpm, or mechanical rad in position mode

@@ -53,7 +53,7 @@ constexpr std::array<Column, 29> COLUMNS = {{
 }};
 
 struct Source {
-    const Signal *signal;
+    const SignalInfo *signal;
     const char *form;
 };
 
@@ -83,7 +83,7 @@ void write_row(fmt::memory_buffer &buffer, const Tick &tick)
 {
     const auto out = std::back_inserter(buffer);
     for (const Source &source : sources()) {
-        const Signal &signal = *source.signal;
+        const SignalInfo &signal = *source.signal;
         const bool is_word =
             signal.quantity == Quantity::state || signal.quantity == Quantity::fault;
         if (is_word) {

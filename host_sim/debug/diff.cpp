@@ -1,0 +1,559 @@
+#include "diff.h"
+
+#include "observer_roundings.h"
+#include "signals.h"
+#include "twin_modulator.h"
+#include "twin_rotor_position.h"
+
+extern "C" {
+#include "align.h"
+#include "low_speed.h"
+}
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace nf::debug
+{
+namespace
+{
+
+using twin::CurrentLoop;
+using twin::NnObserver;
+using twin::PerUnit;
+using twin::Q13;
+using twin::Q14;
+using twin::Q15;
+using twin::Q27;
+using twin::STEPS_PER_TURN;
+using twin::TWO_PI;
+using twin::Vector;
+
+// Roundings of one tick in LSB, as the modules' headers state them.
+constexpr double CLARKE_LSB = 1.0;
+constexpr double PARK_LSB = 2.0;
+// The mean of two bus voltages, rounded down, times a ratio below 1; the product rounded down.
+constexpr double APPLIED_LSB = 1.5;
+// PI: two parts. Decoupling: reactance and its product. EMF, resistance: one each. The integral: 1/2048.
+constexpr double CURRENT_LOOP_LSB = 6.0 + 1.0 / 2048.0;
+constexpr double ROOT_LSB = 1.0; // of the circle
+constexpr double LIMIT_LSB = 1.0;
+constexpr double SPEED_LOOP_LSB = 3.0; // proportional part, integral and feed-forward
+// Two components, each rounded down, turned.
+constexpr double RATIO_LSB = 1.4143;
+// β·√3/2 1.1, α/2 0.5, half the sum 1.05.
+constexpr double DUTY_LSB = 2.65;
+constexpr double PHASE_LSB = 1.6;    // of a ratio or a current
+constexpr double MIDDLE_LSB = 1.0;   // of the expected current: half of a sum
+constexpr double ERROR_MAX = 8191.0; // the observer's errors saturate at a quarter
+
+constexpr double Q26 = 67108864.0;
+constexpr double Q12 = 4096.0;
+constexpr int32_t LARGEST_MANTISSA = 32767;
+
+double radians(int64_t turns_q32)
+{
+    return static_cast<uint32_t>(static_cast<uint64_t>(turns_q32)) / STEPS_PER_TURN * TWO_PI;
+}
+
+bool is_controlled(drive_state_t state)
+{
+    return state > DRIVE_STATE_CATCH_SPIN && state < DRIVE_STATE_FAULT;
+}
+
+// One tick and the rows that have come of it.
+class TickDiff
+{
+public:
+    TickDiff(const drive_t &before, const Tick &tick, const drive_cfg_t &built)
+        : before_(before), after_(tick.sim->drive()), in_(tick.sim->in()), out_(tick.sim->out()),
+          built_(built), si_{tick.sim->bases(), tick.sim->cfg()},
+          running_(after_.state == DRIVE_STATE_RUN),
+          track_(before.state == DRIVE_STATE_RUN || low_speed_tracks(&before))
+    {
+        si_.cfg.observer = after_.model.observer;
+        si_.cfg.current_loop = running_ ? after_.model.run_loop : after_.model.hold_loop;
+    }
+
+    Diff all();
+
+private:
+    void configuration();
+    void model();
+    void model_word(const char *name, int32_t drive, double reference, double tolerance);
+    void sampling();
+    void transforms();
+    void applied_voltage();
+    void observer();
+    void network(const NnObserver &twin, const Vector &tolerance);
+    void training(const NnObserver &twin, double descent_tolerance);
+    void follow();
+    void speed_loop();
+    void current_loop();
+    void modulation();
+    void duties(double angle);
+    Vector expected_current() const;
+    void position();
+
+    NnObserver twin_before(const Vector &state) const;
+    Vector network_state(const nn_observer_t &obs, double angle) const;
+    double angle_now() const
+    {
+        return radians(before_.position.turns_q32);
+    }
+
+    void add(const char *quantity, const char *unit, double drive, double reference,
+             double tolerance)
+    {
+        diff_.rows.push_back({module_, quantity, unit, drive, reference, tolerance});
+    }
+    void add(const char *axis_1, const char *axis_2, const char *unit, const Vector &drive,
+             const Vector &reference, const Vector &tolerance)
+    {
+        add(axis_1, unit, drive.x(), reference.x(), tolerance.x());
+        add(axis_2, unit, drive.y(), reference.y(), tolerance.y());
+    }
+    Vector current(const ab_t &i) const
+    {
+        return {si_.current(i.alpha), si_.current(i.beta)};
+    }
+    Vector current(const dq_t &i) const
+    {
+        return si_.current(i);
+    }
+    Vector park_tolerance(const Vector &v, double lsb) const
+    {
+        return Vector::Constant(PARK_LSB * lsb + twin::turn_error(v));
+    }
+
+    const drive_t &before_;
+    const drive_t &after_;
+    const drive_in_t &in_;
+    const drive_out_t &out_;
+    const drive_cfg_t &built_;
+    PerUnit si_;
+    bool running_;
+    bool track_;
+    const char *module_ = "";
+    Diff diff_;
+};
+
+// The word of the table that a byte belongs to, or the byte.
+std::string place_text(std::size_t byte)
+{
+    for (const SignalInfo &signal : all_signals()) {
+        const Word &word = signal.word;
+        if (signal.value == nullptr && word.home == Word::Home::cfg && byte >= word.offset &&
+            byte < word.offset + word.bytes) {
+            return signal.name;
+        }
+    }
+    return fmt::format("cfg, word at byte {}", byte / 4 * 4);
+}
+
+void TickDiff::configuration()
+{
+    module_ = "configuration";
+    const auto *const own = reinterpret_cast<const unsigned char *>(before_.cfg);
+    const auto *const good = reinterpret_cast<const unsigned char *>(&built_);
+    const auto [at, other] = std::mismatch(own, own + sizeof built_, good);
+    if (at == own + sizeof built_) {
+        add("words as built", "", 1, 1, 0);
+        return;
+    }
+    const auto byte = static_cast<std::size_t>(at - own);
+    int32_t drive = 0;
+    int32_t reference = 0;
+    std::memcpy(&drive, own + byte / 4 * 4, sizeof drive);
+    std::memcpy(&reference, good + byte / 4 * 4, sizeof reference);
+    add(place_text(byte).c_str(), "", drive, reference, 0);
+}
+
+void TickDiff::model_word(const char *name, int32_t drive, double reference, double tolerance)
+{
+    add(name, "", drive, reference, tolerance);
+}
+
+// Configured values times what the drive has found out of R, L and φ; each ratio that is applied rounds down, and the
+// ratio after it, below 2, doubles that: 1 for one, 3 for two.
+void TickDiff::model()
+{
+    module_ = "model";
+    const model_t &m = after_.model;
+    const nn_observer_cfg_t &from = built_.observer;
+    const double r = m.resistance_q14 / Q14;
+    const double l = m.inductance_q14 / Q14;
+    const double inverse = m.inductance_inverse_q14 / Q14;
+    const double flux = std::floor(m.flux_q30 / 65536.0) / Q14;
+    const auto mantissa = [](double value) { return std::min<double>(value, LARGEST_MANTISSA); };
+    model_word("observer.decay", m.observer.decay, mantissa(from.decay * r * inverse), 3);
+    model_word("observer.volt_gain", m.observer.volt_gain, mantissa(from.volt_gain * inverse), 1);
+    model_word("observer.flux_q27", m.observer.flux_q27,
+               std::min(from.flux_q27 * flux * inverse, Q27 - 1), 3);
+    model_word("observer.rate", m.observer.rate, mantissa(from.rate * l * l), 3);
+    model_word("observer.proportional", m.observer.proportional,
+               mantissa(from.proportional * l * l), 3);
+    model_word("observer.corner", m.observer.corner, std::min(from.corner * r * inverse, Q27), 3);
+    model_word("run_loop.resistance_q13", m.run_loop.resistance_q13,
+               mantissa(built_.current_loop.resistance_q13 * r), 1);
+    model_word("run_loop.emf_q13", m.run_loop.emf_q13, mantissa(built_.current_loop.emf_q13 * flux),
+               1);
+    const std::array<std::pair<const pi_cfg_t *, const pi_cfg_t *>, 4> gains = {{
+        {&m.run_loop.pi_d, &built_.current_loop.pi_d},
+        {&m.run_loop.pi_q, &built_.current_loop.pi_q},
+        {&m.hold_loop.pi_d, &built_.hold_loop.pi_d},
+        {&m.hold_loop.pi_q, &built_.hold_loop.pi_q},
+    }};
+    const std::array<const char *, 4> names = {"run_loop.pi_d", "run_loop.pi_q", "hold_loop.pi_d",
+                                               "hold_loop.pi_q"};
+    for (std::size_t k = 0; k < gains.size(); k++) {
+        model_word(fmt::format("{}.kp", names[k]).c_str(), gains[k].first->kp, gains[k].second->kp,
+                   0);
+        model_word(fmt::format("{}.ki", names[k]).c_str(), gains[k].first->ki, gains[k].second->ki,
+                   0);
+    }
+}
+
+// Integers that nothing rounds.
+void TickDiff::sampling()
+{
+    module_ = "sampling";
+    const auto phase = [&](uint16_t count, int32_t offset) {
+        const double q15 = std::ldexp(count, static_cast<int>(si_.cfg.sampling.current_shift));
+        return si_.current(std::clamp(q15 - offset, -16384.0, 16383.0));
+    };
+    const double bus = std::ldexp(in_.adc_bus, static_cast<int>(si_.cfg.sampling.bus_shift));
+    const double none = si_.current(1) / 2; // below one LSB
+    add("i_a", "A", si_.current(after_.signals.phase_a), phase(in_.adc_ia, before_.offset_a), none);
+    add("i_b", "A", si_.current(after_.signals.phase_b), phase(in_.adc_ib, before_.offset_b), none);
+    add("bus", "V", si_.voltage(after_.signals.bus), si_.voltage(std::min(bus, Q15 - 1)),
+        si_.voltage(1) / 2);
+}
+
+void TickDiff::transforms()
+{
+    const drive_signals_t &s = after_.signals;
+    const double lsb = si_.current(1);
+    const Vector stationary = current(s.current_ab);
+    module_ = "Clarke";
+    add("i_alpha", "i_beta", "A", stationary,
+        twin::clarke(si_.current(s.phase_a), si_.current(s.phase_b)),
+        Vector::Constant(CLARKE_LSB * lsb));
+    module_ = "Park";
+    add("i_d", "i_q", "A", current(s.current), twin::park(stationary, angle_now()),
+        park_tolerance(stationary, lsb));
+    if (before_.state != DRIVE_STATE_RUN) {
+        add("i_d, frame", "i_q, frame", "A", current(s.current_frame),
+            twin::park(stationary, radians(before_.frame.turns_q32)),
+            park_tolerance(stationary, lsb));
+    }
+}
+
+void TickDiff::applied_voltage()
+{
+    module_ = "applied voltage";
+    const double bus = si_.voltage(before_.bus_before + after_.signals.bus) / 2;
+    const Vector ratio(before_.ratio_acting.alpha / Q15, before_.ratio_acting.beta / Q15);
+    add("v_alpha", "v_beta", "V", si_.voltage(after_.signals.voltage_applied), ratio * bus,
+        Vector::Constant(APPLIED_LSB * si_.voltage(1)));
+}
+
+// x̂, ŷ in A, in the frame at an angle.
+Vector TickDiff::network_state(const nn_observer_t &obs, double angle) const
+{
+    const double one = si_.state_base() / Q27;
+    return twin::park(Vector(obs.alpha_q27, obs.beta_q27) * one, angle);
+}
+
+NnObserver TickDiff::twin_before(const Vector &state) const
+{
+    const nn_observer_t &obs = before_.observer;
+    NnObserver twin(twin::observer_params(si_));
+    twin.set(state, si_.speed_of_step(obs.speed), si_.speed_of_step(obs.speed_out),
+             si_.speed_of_step(obs.weight_step) * si_.bases.control_period_s);
+    twin.set_rho(obs.rho_q13 / Q13);
+    return twin;
+}
+
+void TickDiff::observer()
+{
+    const nn_observer_t &obs = before_.observer;
+    const double advance = obs.speed_out / STEPS_PER_TURN * TWO_PI;
+    const Vector state = network_state(obs, angle_now() - advance);
+    NnObserver twin = twin_before(state);
+    const double speed = twin.speed_out();
+    // The drop is that of the current and the descent that of the state as they were stored: rounded, and a little
+    // turned where θ̂ was pulled.
+    const Vector stored = Vector(obs.state.d, obs.state.q) / Q15 * si_.state_base();
+    const double restored = (twin.current() - current(obs.current)).cwiseAbs().sum();
+    const Vector network = twin::network_roundings(si_, twin, speed, state).array() +
+                           twin::half_turn_error(si_, twin, speed, state) +
+                           twin.decay().diagonal().maxCoeff() * restored;
+
+    twin.step(current(after_.signals.current),
+              twin::park(si_.voltage(after_.signals.voltage_applied), angle_now() - advance / 2));
+    this->network(twin, network);
+    const Vector error = network + twin::output_roundings(si_, twin.state());
+    const NnObserver::Params params = twin::observer_params(si_);
+    const double rho = obs.rho_q13 / Q13;
+    const double largest = twin.turned().cwiseAbs().maxCoeff();
+    const double descent = twin::effect_on_descent(params, rho, state).cwiseAbs().dot(error) +
+                           twin::training_roundings(si_, params, rho, state, largest)(2) +
+                           2 * largest * (state - stored).cwiseAbs().sum();
+    if (!track_) {
+        follow();
+    } else if (twin.error().cwiseAbs().maxCoeff() < si_.current(ERROR_MAX)) {
+        training(twin, descent);
+    } else {
+        diff_.left_out = "observer training: its error is at its limit";
+    }
+}
+
+void TickDiff::network(const NnObserver &twin, const Vector &tolerance)
+{
+    module_ = "observer network";
+    const nn_observer_t &obs = after_.observer;
+    const Vector output = tolerance + twin::output_roundings(si_, twin.state());
+    const double largest = si_.current(ERROR_MAX + 1);
+    const Vector limited = twin.error().cwiseMax(-largest).cwiseMin(largest);
+    add("x", "y", "A", network_state(obs, angle_now()), twin.state(), tolerance);
+    add("i_d", "i_q", "A", current(obs.current), twin.current(), output);
+    add("e_d", "e_q", "A", current(obs.error), limited, output);
+}
+
+// (19)–(22), from an error of b to one of the speeds; the twin's own limit is none, the drive's is the speed limit.
+void TickDiff::training(const NnObserver &twin, double descent_tolerance)
+{
+    module_ = "observer training";
+    const NnObserver::Params p = twin::observer_params(si_);
+    const nn_observer_t &obs = after_.observer;
+    const double rpm = si_.bases.rpm_from_step(1);
+    const double rpm_per_rad_s = rpm / si_.speed_of_step(1);
+    const double limit = si_.speed_of_step(si_.cfg.observer.speed_limit);
+    const double roundings = (p.alpha > 0 ? 3.0 : 1.0) * si_.speed_of_step(1);
+    const double speed = roundings + p.eta / p.period_s * descent_tolerance;
+    const double flux_2 = twin.flux_current() * twin.flux_current();
+    const double out =
+        speed + si_.speed_of_step(1) + p.kappa_p / p.period_s / flux_2 * descent_tolerance;
+    const double integral = std::clamp(twin.speed(), -limit, limit);
+    add("speed", "rpm", obs.speed * rpm, integral * rpm_per_rad_s, speed * rpm_per_rad_s);
+    add("speed_out", "rpm", obs.speed_out * rpm,
+        (integral + twin.speed_out() - twin.speed()) * rpm_per_rad_s, out * rpm_per_rad_s);
+}
+
+// W2 is given: the speed of the imposed current, exactly.
+void TickDiff::follow()
+{
+    module_ = "observer following";
+    const double rpm = si_.bases.rpm_from_step(1);
+    add("speed", "rpm", after_.observer.speed * rpm, before_.frame_speed * rpm, rpm / 2);
+    add("speed_out", "rpm", after_.observer.speed_out * rpm, before_.frame_speed * rpm, rpm / 2);
+}
+
+// In the ticks in which it runs. A derated range that is not symmetric is none of the twin's.
+void TickDiff::speed_loop()
+{
+    const bool runs = before_.slow_count == 1U && before_.state == DRIVE_STATE_RUN && running_;
+    if (!runs || after_.torque_range.lower != -after_.torque_range.upper) {
+        return;
+    }
+    module_ = "speed loop";
+    const pi_cfg_t &pi = si_.cfg.speed_loop.pi;
+    twin::SpeedLoop::Params p = twin::speed_loop_params(si_);
+    p.current_max_a = si_.current(after_.torque_range.upper);
+    twin::SpeedLoop twin(p);
+    twin.reset(si_.speed_of_step(before_.speed_loop.reference),
+               before_.speed_loop.pi.integral_q26 / Q26 * si_.bases.current_a);
+    const double demand = twin.step(si_.speed_of_step(after_.speed_reference),
+                                    si_.speed_of_step(after_.observer.speed));
+    const double kp = std::ldexp(pi.kp, -static_cast<int>(pi.kp_shift));
+    const double ki = std::ldexp(pi.ki, -static_cast<int>(pi.ki_shift) - 11) + 1.0 / 2048.0;
+    add("i_q reference", "A", si_.current(after_.signals.current_ref.q), demand,
+        (SPEED_LOOP_LSB + kp + ki) * si_.current(1));
+}
+
+void TickDiff::current_loop()
+{
+    const drive_signals_t &s = after_.signals;
+    const double lsb = si_.voltage(1);
+    module_ = "current loop";
+    add("limit", "V", si_.voltage(s.voltage_limit),
+        si_.voltage(s.bus * (si_.cfg.modulator.ratio_max_q15 / Q15)), LIMIT_LSB * lsb);
+    if (after_.state == DRIVE_STATE_ALIGN &&
+        align_steps_voltage(&after_.align, &si_.cfg.startup.align)) {
+        diff_.left_out = "current loop: it rests while the alignment measures";
+        return;
+    }
+    CurrentLoop twin(twin::current_loop_params(si_));
+    const double one = si_.bases.voltage_v / Q26;
+    twin.reset({before_.current_loop.pi_d.integral_q26 * one,
+                before_.current_loop.pi_q.integral_q26 * one});
+    const double speed =
+        running_
+            ? si_.speed_of_q15(s.speed)
+            : si_.speed_of_q15(std::floor(std::ldexp(after_.frame_speed, -si_.bases.speed_shift)));
+    const Vector v =
+        twin.step(current(s.current_ref), current(running_ ? s.current : s.current_frame), speed,
+                  si_.voltage(s.voltage_limit));
+    // At the circle v_q = √(limit² − v_d²): an error of v_d counts |v_d/v_q| times.
+    const double steepness = std::abs(v.y()) > lsb ? std::abs(v.x() / v.y()) : 1.0;
+    const double cut = twin.cut() ? CURRENT_LOOP_LSB * (1.0 + steepness) + ROOT_LSB : 0.0;
+    add("v_d", "v_q", "V", si_.voltage(s.voltage), v,
+        Vector(CURRENT_LOOP_LSB, CURRENT_LOOP_LSB + cut) * lsb);
+}
+
+void TickDiff::modulation()
+{
+    module_ = "modulator";
+    const double inverse = before_.modulator.inverse_bus_q12 / Q12;
+    const double bus = after_.signals.bus / Q15;
+    const double next =
+        std::clamp(inverse * (2.0 - inverse * bus), 1.0, si_.cfg.modulator.inverse_max_q12 / Q12);
+    // The error of the reciprocal rounded down, times the reciprocal; the step to nearest.
+    add("1/bus", "1/V", after_.modulator.inverse_bus_q12 / Q12 / si_.bases.voltage_v,
+        next / si_.bases.voltage_v, (inverse + 0.5) / Q12 / si_.bases.voltage_v);
+    const int64_t frame = running_ ? before_.position.turns_q32 : before_.frame.turns_q32;
+    const step_t step = running_ ? after_.observer.speed_out : after_.frame_speed;
+    const double angle = radians(frame) + 1.5 * step / STEPS_PER_TURN * TWO_PI;
+    const Vector ratio =
+        twin::park_inverse(Vector(after_.signals.voltage.d, after_.signals.voltage.q) / Q15 *
+                               (after_.modulator.inverse_bus_q12 / Q12),
+                           angle);
+    const Vector own(after_.signals.ratio_ab.alpha / Q15, after_.signals.ratio_ab.beta / Q15);
+    add("ratio_alpha", "ratio_beta", "", own, ratio,
+        Vector::Constant((PARK_LSB + RATIO_LSB) / Q15 + twin::turn_error(ratio)));
+    duties(angle);
+}
+
+// The current for which dead time is given back: half way to the reference, or the imposed one's mean.
+Vector TickDiff::expected_current() const
+{
+    const drive_signals_t &s = after_.signals;
+    return running_ ? Vector((current(s.current) + current(s.current_ref)) / 2)
+                    : current(s.current_mean);
+}
+
+void TickDiff::duties(double angle)
+{
+    const modulator_cfg_t &cfg = si_.cfg.modulator;
+    const Vector ratio(after_.signals.ratio_ab.alpha / Q15, after_.signals.ratio_ab.beta / Q15);
+    const double bus_v = si_.bases.voltage_v / (after_.modulator.inverse_bus_q12 / Q12);
+    Eigen::Vector3d exact = twin::Modulator::duties(ratio, 1.0);
+    double lsb = DUTY_LSB + 0.5 * Q15 / cfg.timer_counts;
+    if (modulator_compensates(&cfg)) {
+        const twin::Modulator::Losses losses = {cfg.dead_time_q15 / Q15, si_.voltage(cfg.drop_q15),
+                                                si_.current(cfg.ripple_q15),
+                                                cfg.edge_slope / si_.current(Q15)};
+        const Vector i = twin::park_inverse(expected_current(), angle);
+        exact += twin::Modulator::give_back(losses, ratio * bus_v, bus_v, i);
+        exact = exact.cwiseMax(0.0).cwiseMin(1.0);
+        const double longest = ratio.norm();
+        const double loss = (losses.dead_time_share + losses.drop_v / bus_v) * Q15;
+        const double crossing = 2 * PHASE_LSB + 9 * (2 * longest * PHASE_LSB + 1);
+        const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
+        const double current_lsb =
+            PHASE_LSB + PARK_LSB + MIDDLE_LSB + twin::turn_error(i) / si_.current(1);
+        // Never more than the whole give-back, in either direction; drop and product rounded down.
+        const double share = std::min(cfg.edge_slope * (ripple + current_lsb) / Q15, 2.0);
+        lsb += share * loss + 2 + PHASE_LSB;
+    }
+    const std::array<const char *, 3> names = {"duty_a", "duty_b", "duty_c"};
+    for (int leg = 0; leg < 3; leg++) {
+        const auto k = static_cast<std::size_t>(leg);
+        add(names[k], "", static_cast<double>(out_.compare.phase[k]) / cfg.timer_counts, exact(leg),
+            lsb / Q15);
+    }
+}
+
+// (23), exact; while θ̂ does not run free it closes up to the frame by 1/64, rounded down.
+void TickDiff::position()
+{
+    module_ = "rotor position";
+    constexpr double DEG_PER_STEP = 360.0 / STEPS_PER_TURN;
+    constexpr double PULL = 1.0 / 64.0;
+    const auto moved = static_cast<double>(after_.position.turns_q32 - before_.position.turns_q32);
+    double step = after_.observer.speed_out;
+    if (!running_ && !track_) {
+        const auto apart = static_cast<uint32_t>(
+            static_cast<uint64_t>(after_.frame.turns_q32 - before_.position.turns_q32));
+        step += static_cast<int32_t>(apart) * PULL;
+    }
+    add("advance", "deg el", moved * DEG_PER_STEP, step * DEG_PER_STEP, DEG_PER_STEP);
+}
+
+Diff TickDiff::all()
+{
+    configuration();
+    model();
+    if (before_.state <= DRIVE_STATE_OFFSET_CAL || after_.state == DRIVE_STATE_OFFSET_CAL) {
+        diff_.left_out = "all that works with currents: their offset is not known yet";
+        return diff_;
+    }
+    sampling();
+    if (!is_controlled(before_.state) || !is_controlled(after_.state)) {
+        diff_.left_out = "the control of a current: there is none in this tick";
+        return diff_;
+    }
+    transforms();
+    applied_voltage();
+    observer();
+    if (before_.state != after_.state) {
+        diff_.left_out = "the loops: they begin anew, the state changes in this tick";
+        return diff_;
+    }
+    speed_loop();
+    current_loop();
+    modulation();
+    position();
+    return diff_;
+}
+
+} // namespace
+
+bool Comparison::departs() const
+{
+    return !(std::abs(drive - reference) <= tolerance);
+}
+
+Diff diff_tick(const drive_t &before, const Tick &tick, const drive_cfg_t &built)
+{
+    return TickDiff(before, tick, built).all();
+}
+
+const Comparison *first_departure(const Diff &diff)
+{
+    const auto found = std::find_if(diff.rows.begin(), diff.rows.end(),
+                                    [](const Comparison &row) { return row.departs(); });
+    return found == diff.rows.end() ? nullptr : &*found;
+}
+
+std::string diff_text(const Diff &diff)
+{
+    std::string text = fmt::format("  {:<19}{:<24}{:>13}{:>13}{:>12}{:>12}\n", "module", "quantity",
+                                   "drive", "reference", "apart", "tolerance");
+    for (const Comparison &row : diff.rows) {
+        text += fmt::format("{} {:<19}{:<24}{:>13.6g}{:>13.6g}{:>12.3g}{:>12.3g} {}\n",
+                            row.departs() ? '*' : ' ', row.module, row.quantity, row.drive,
+                            row.reference, std::abs(row.drive - row.reference), row.tolerance,
+                            row.unit);
+    }
+    if (!diff.left_out.empty()) {
+        text += fmt::format("not compared: {}\n", diff.left_out);
+    }
+    const Comparison *const first = first_departure(diff);
+    if (first == nullptr) {
+        return text +
+               fmt::format("no departure: {} values within their roundings\n", diff.rows.size());
+    }
+    return text + fmt::format("first departure: {}, {}: drive {:.6g}, reference {:.6g} {}, "
+                              "tolerance {:.3g}\n",
+                              first->module, first->quantity, first->drive, first->reference,
+                              first->unit, first->tolerance);
+}
+
+} // namespace nf::debug

@@ -1,0 +1,76 @@
+#include "session.h"
+
+#include "names.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::debug
+{
+namespace
+{
+
+bool is_true(double value)
+{
+    return value < 0.0 || value > 0.0;
+}
+
+} // namespace
+
+// What holds already where a run begins does not stop it.
+void Session::arm()
+{
+    for (Break &one : breaks) {
+        one.last = one.value(timeline.tick());
+    }
+}
+
+const Break *Session::struck()
+{
+    const Break *found = nullptr;
+    for (Break &one : breaks) {
+        const double value = one.value(timeline.tick());
+        const bool changed = is_true(value - one.last);
+        if (changed && (one.on_change || (is_true(value) && !is_true(one.last)))) {
+            found = found == nullptr ? &one : found;
+        }
+        one.last = value;
+    }
+    return found;
+}
+
+std::string Session::run_until(const Value &condition, const std::string &text)
+{
+    arm();
+    while (timeline.step()) {
+        if (const Break *const one = struck()) {
+            return fmt::format("break on {}", one->text);
+        }
+        if (condition && is_true(condition(timeline.tick()))) {
+            return text;
+        }
+    }
+    return "end of the scenario";
+}
+
+std::string Session::position_text() const
+{
+    const Tick &tick = timeline.tick();
+    const drive_t &drive = tick.sim->drive();
+    std::string text =
+        fmt::format("tick {}  t = {:.4f} s  {}  {:.1f} rpm, estimated {:.1f} rpm", timeline.now(),
+                    tick.time_s, state_name(drive.state), si_value(*find_signal("speed_rpm"), tick),
+                    si_value(*find_signal("speed_estimated_rpm"), tick));
+    if (drive.state == DRIVE_STATE_FAULT) {
+        text += fmt::format("  {}", fault_text(drive.fault.id)->name);
+    }
+    for (const Named &named : watched) {
+        text += "\n  " + signal_line(named, tick);
+    }
+    return text + '\n';
+}
+
+} // namespace nf::debug

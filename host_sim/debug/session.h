@@ -1,0 +1,49 @@
+// One debugging session: a run, what it stops at, what is watched.
+#pragma once
+
+#include "expression.h"
+#include "timeline.h"
+#include "vocabulary.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf::debug
+{
+
+// Something that stops a run when it becomes true; for a change of state, when it changes.
+struct Break {
+    std::string text;
+    Value value;
+    bool on_change;
+    double last; // in the tick before
+};
+
+class Session
+{
+public:
+    // Throws ConfigError. The configuration must outlive it.
+    explicit Session(const Config &config)
+        : timeline(config), built(timeline.run().sim().cfg()), scenario(config.scenario.id)
+    {
+    }
+
+    // Forwards until one of the breaks, the condition, or the last tick. The reason as a line.
+    std::string run_until(const Value &condition, const std::string &text);
+
+    // "tick 4711  t = 0.4711 s  RUN  999.8 rpm", then what is watched.
+    std::string position_text() const;
+
+    Timeline timeline;
+    drive_cfg_t built; // as the run began
+    std::string scenario;
+    std::vector<Break> breaks;
+    std::vector<Named> watched;
+
+private:
+    void arm();
+    const Break *struck();
+};
+
+} // namespace nf::debug

@@ -1,0 +1,181 @@
+#include "set.h"
+
+#include "vocabulary.h"
+
+extern "C" {
+#include "config_guard.h"
+#include "params.h"
+}
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace nf::debug
+{
+namespace
+{
+
+struct Change {
+    Timeline::Act act;
+    Timeline::Act end; // of the tick after the last; empty: it stays
+};
+
+// Commands of the user are the script's, not the drive's.
+struct Command {
+    const char *name;
+    void (ScriptedRun::*set)(double);
+};
+
+constexpr std::array<Command, 3> COMMANDS = {{
+    {"speed_command_rpm", &ScriptedRun::set_command},
+    {"position_command_rad", &ScriptedRun::set_command},
+    {"load_torque_nm", &ScriptedRun::set_load_nm},
+}};
+
+struct Channel {
+    const char *name;
+    hal_host_channel_t hal_host_faults_t::*channel;
+};
+
+constexpr std::array<Channel, 3> CHANNELS = {{
+    {"in.adc_ia", &hal_host_faults_t::ia},
+    {"in.adc_ib", &hal_host_faults_t::ib},
+    {"in.adc_bus", &hal_host_faults_t::bus},
+}};
+
+Change force_channel(const Channel &channel, int64_t raw)
+{
+    const auto write = [member = channel.channel](ScriptedRun &run, hal_host_channel_t value) {
+        run.sim().seam().hal.*member = value;
+    };
+    return {[=](ScriptedRun &run) { write(run, {true, static_cast<uint16_t>(raw)}); },
+            [=](ScriptedRun &run) { write(run, {false, 0}); }};
+}
+
+// The drive keeps watch over its configuration: what a person sets is sealed as if it had been built so.
+void write_configuration(const SignalInfo &signal, int64_t raw, const Seam &seam)
+{
+    write_word(signal.word, raw, seam);
+    if (signal.word.offset != offsetof(drive_cfg_t, crc)) {
+        seam.cfg.crc = config_guard_crc(&seam.cfg);
+        config_guard_reset(&seam.drive.guard);
+    }
+}
+
+void check_configuration(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
+{
+    drive_cfg_t changed = run.sim().cfg();
+    drive_t drive = run.sim().drive();
+    plant_t plant{};
+    hal_host_faults_t hal{};
+    write_word(signal.word, raw, {plant, hal, changed, drive});
+    if (const char *const bad = params_check(&changed)) {
+        throw std::runtime_error(
+            fmt::format("{}.raw = {} is refused by the drive: {}", signal.name, raw, bad));
+    }
+}
+
+[[noreturn]] void refuse_result(const SignalInfo &signal)
+{
+    throw std::runtime_error(
+        fmt::format("{} is a result; `help set` says what can be set", signal.name));
+}
+
+Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
+{
+    for (const Channel &channel : CHANNELS) {
+        if (find_signal(channel.name) == &signal) {
+            return force_channel(channel, raw);
+        }
+    }
+    if (signal.word.home == Word::Home::cfg) {
+        check_configuration(signal, raw, run);
+        return {
+            [&signal, raw](ScriptedRun &r) { write_configuration(signal, raw, r.sim().seam()); },
+            {}};
+    }
+    if (signal.word.home != Word::Home::drive) {
+        refuse_result(signal);
+    }
+    return {[&signal, raw](ScriptedRun &r) { write_word(signal.word, raw, r.sim().seam()); }, {}};
+}
+
+int64_t checked_raw(const Named &named, double value, const Simulation &sim)
+{
+    const SignalInfo &signal = *named.signal;
+    const double raw = named.raw ? value : raw_from_si(signal, value, sim);
+    const RawRange range = raw_range(signal.word);
+    const bool fits = raw >= static_cast<double>(range.lowest) &&
+                      raw <= static_cast<double>(range.highest) && std::abs(raw) < 0x1p62;
+    if (!fits || std::floor(raw) < raw) {
+        throw std::runtime_error(
+            fmt::format("{}.raw is a whole number from {} to {}, found {:.10g}", signal.name,
+                        range.lowest, range.highest, raw));
+    }
+    return static_cast<int64_t>(raw);
+}
+
+// States whose enumerators are the drive's own are no numbers to play with.
+Change change_of(const Named &named, double value, const ScriptedRun &run)
+{
+    const SignalInfo &signal = *named.signal;
+    if (signal.value == nullptr) {
+        const int64_t raw = checked_raw(named, value, run.sim());
+        if (signal.quantity == Quantity::state || signal.quantity == Quantity::fault) {
+            refuse_result(signal);
+        }
+        return change_word(signal, raw, run);
+    }
+    for (const Command &command : COMMANDS) {
+        if (find_signal(command.name) == &signal) {
+            return {[set = command.set, value](ScriptedRun &r) { (r.*set)(value); }, {}};
+        }
+    }
+    refuse_result(signal);
+}
+
+std::string trimmed(const std::string &text)
+{
+    const std::size_t first = text.find_first_not_of(" \t");
+    return first == std::string::npos
+               ? ""
+               : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+// A command of the other mode would change nothing.
+void check_mode(const SignalInfo &signal, const Tick &tick)
+{
+    const std::string name = signal.name;
+    const bool other = (name == "speed_command_rpm" && tick.mode == DriveMode::position) ||
+                       (name == "position_command_rad" && tick.mode == DriveMode::speed);
+    if (other) {
+        throw std::runtime_error(
+            fmt::format("{} commands nothing in a run in {} mode", name,
+                        tick.mode == DriveMode::position ? "position" : "speed"));
+    }
+}
+
+} // namespace
+
+std::string set_signal(Timeline &timeline, const std::string &assignment, Span span)
+{
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos) {
+        throw std::runtime_error(fmt::format("NAME = VALUE; found '{}'", assignment));
+    }
+    const Named named = named_signal(trimmed(assignment.substr(0, equals)));
+    const Value value = parse_expression(assignment.substr(equals + 1), named_value);
+    check_mode(*named.signal, timeline.tick());
+    const Change change = change_of(named, value(timeline.tick()), timeline.run());
+    const char *const name = named.signal->name;
+    const bool once = span == Span::once;
+    const std::string text = fmt::format("{} {}", once ? "set" : "force", trimmed(assignment));
+    timeline.edit(name, text, once ? timeline.now() : Timeline::FOR_EVER, change.act, change.end);
+    return fmt::format("{} {} tick {}{}\n", text, once ? "at" : "from", timeline.now(),
+                       once ? "" : " on");
+}
+
+} // namespace nf::debug
