@@ -84,7 +84,7 @@ Vcd::Vcd(const std::string &path, const TimeWindow &window)
     }
     std::size_t number = 0;
     for (const char *const name : SIGNALS) {
-        variables_.push_back({find_signal(name), identifier(number++), std::nullopt});
+        variables_.push_back({find_signal(name), identifier(number++), ""});
     }
     for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
         for (const bool high : {true, false}) {
@@ -139,14 +139,12 @@ void Vcd::write_signals(const Tick &tick)
     move_to(tick.time_s);
     for (Variable &variable : variables_) {
         const double value = si_value(*variable.signal, tick);
-        if (variable.last && !(value < *variable.last || value > *variable.last)) {
-            continue;
-        }
-        variable.last = value;
-        if (is_enumeration(*variable.signal)) {
-            fmt::format_to(out, "{} {}\n", binary(static_cast<unsigned>(value)), variable.id);
-        } else {
-            fmt::format_to(out, "r{:.9g} {}\n", value, variable.id);
+        const std::string text = is_enumeration(*variable.signal)
+                                     ? binary(static_cast<unsigned>(value))
+                                     : fmt::format("r{:.9g}", value);
+        if (text != variable.last) {
+            fmt::format_to(out, "{} {}\n", text, variable.id);
+            variable.last = text;
         }
     }
 }

@@ -51,7 +51,7 @@ private:
     struct Variable {
         const SignalInfo *signal;
         std::string id;
-        std::optional<double> last;
+        std::string last; // as written
     };
     struct Switch {
         std::string name;

@@ -40,7 +40,8 @@ constexpr double PARK_LSB = 2.0;
 // The mean of two bus voltages, rounded down, times a ratio below 1; the product rounded down.
 constexpr double APPLIED_LSB = 1.5;
 // PI: two parts. Decoupling: reactance and its product. EMF, resistance: one each. The integral: 1/2048.
-constexpr double CURRENT_LOOP_LSB = 6.0 + 1.0 / 2048.0;
+constexpr double INTEGRAL_LSB = 1.0 / 2048.0;
+constexpr double CURRENT_LOOP_LSB = 6.0 + INTEGRAL_LSB;
 constexpr double ROOT_LSB = 1.0; // of the circle
 constexpr double LIMIT_LSB = 1.0;
 constexpr double SPEED_LOOP_LSB = 3.0; // proportional part, integral and feed-forward
@@ -48,10 +49,11 @@ constexpr double SPEED_LOOP_LSB = 3.0; // proportional part, integral and feed-f
 constexpr double RATIO_LSB = 1.4143;
 // β·√3/2 1.1, α/2 0.5, half the sum 1.05.
 constexpr double DUTY_LSB = 2.65;
-constexpr double PHASE_LSB = 1.6;    // of a ratio or a current
-constexpr double MIDDLE_LSB = 1.0;   // of the expected current: half of a sum
-constexpr double ERROR_MAX = 8191.0; // the observer's errors saturate at a quarter
+constexpr double PHASE_LSB = 1.6;   // of a ratio or a current
+constexpr double MIDDLE_LSB = 1.0;  // of the expected current: half of a sum
+constexpr int32_t ERROR_MAX = 8191; // the observer's errors saturate at a quarter
 
+constexpr double Q18 = 262144.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q12 = 4096.0;
 constexpr int32_t LARGEST_MANTISSA = 32767;
@@ -76,7 +78,8 @@ public:
           running_(after_.state == DRIVE_STATE_RUN),
           track_(before.state == DRIVE_STATE_RUN || low_speed_tracks(&before))
     {
-        si_.cfg.observer = after_.model.observer;
+        // The model is corrected after the observer's part of a tick, and before the loops'.
+        si_.cfg.observer = before_.model.observer;
         si_.cfg.current_loop = running_ ? after_.model.run_loop : after_.model.hold_loop;
     }
 
@@ -91,7 +94,8 @@ private:
     void applied_voltage();
     void observer();
     void network(const NnObserver &twin, const Vector &tolerance);
-    void training(const NnObserver &twin, double descent_tolerance);
+    void turned_error();
+    void training();
     void follow();
     void speed_loop();
     void current_loop();
@@ -125,6 +129,11 @@ private:
     Vector current(const dq_t &i) const
     {
         return si_.current(i);
+    }
+    // As a current saturates in the drive.
+    Vector limited(const Vector &i, int32_t highest_q15) const
+    {
+        return i.cwiseMax(si_.current(-highest_q15 - 1)).cwiseMin(si_.current(highest_q15));
     }
     Vector park_tolerance(const Vector &v, double lsb) const
     {
@@ -287,9 +296,7 @@ void TickDiff::observer()
     const Vector state = network_state(obs, angle_now() - advance);
     NnObserver twin = twin_before(state);
     const double speed = twin.speed_out();
-    // The drop is that of the current and the descent that of the state as they were stored: rounded, and a little
-    // turned where θ̂ was pulled.
-    const Vector stored = Vector(obs.state.d, obs.state.q) / Q15 * si_.state_base();
+    // The resistance takes its drop from the current as it was stored: rounded, and a little turned where θ̂ was pulled.
     const double restored = (twin.current() - current(obs.current)).cwiseAbs().sum();
     const Vector network = twin::network_roundings(si_, twin, speed, state).array() +
                            twin::half_turn_error(si_, twin, speed, state) +
@@ -298,19 +305,11 @@ void TickDiff::observer()
     twin.step(current(after_.signals.current),
               twin::park(si_.voltage(after_.signals.voltage_applied), angle_now() - advance / 2));
     this->network(twin, network);
-    const Vector error = network + twin::output_roundings(si_, twin.state());
-    const NnObserver::Params params = twin::observer_params(si_);
-    const double rho = obs.rho_q13 / Q13;
-    const double largest = twin.turned().cwiseAbs().maxCoeff();
-    const double descent = twin::effect_on_descent(params, rho, state).cwiseAbs().dot(error) +
-                           twin::training_roundings(si_, params, rho, state, largest)(2) +
-                           2 * largest * (state - stored).cwiseAbs().sum();
-    if (!track_) {
-        follow();
-    } else if (twin.error().cwiseAbs().maxCoeff() < si_.current(ERROR_MAX)) {
-        training(twin, descent);
+    turned_error();
+    if (track_) {
+        training();
     } else {
-        diff_.left_out = "observer training: its error is at its limit";
+        follow();
     }
 }
 
@@ -318,32 +317,55 @@ void TickDiff::network(const NnObserver &twin, const Vector &tolerance)
 {
     module_ = "observer network";
     const nn_observer_t &obs = after_.observer;
-    const Vector output = tolerance + twin::output_roundings(si_, twin.state());
-    const double largest = si_.current(ERROR_MAX + 1);
-    const Vector limited = twin.error().cwiseMax(-largest).cwiseMin(largest);
+    const Vector output = limited(twin.current(), LARGEST_MANTISSA);
+    const Vector error = current(after_.signals.current) - current(obs.current);
     add("x", "y", "A", network_state(obs, angle_now()), twin.state(), tolerance);
-    add("i_d", "i_q", "A", current(obs.current), twin.current(), output);
-    add("e_d", "e_q", "A", current(obs.error), limited, output);
+    add("i_d", "i_q", "A", current(obs.current), output,
+        tolerance + twin::output_roundings(si_, twin.state()));
+    add("e_d", "e_q", "A", current(obs.error), limited(error, ERROR_MAX),
+        Vector::Constant(si_.current(1) / 2));
 }
 
-// (19)–(22), from an error of b to one of the speeds; the twin's own limit is none, the drive's is the speed limit.
-void TickDiff::training(const NnObserver &twin, double descent_tolerance)
+// e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q turned again.
+void TickDiff::turned_error()
+{
+    const nn_observer_t &obs = after_.observer;
+    const double rho = before_.observer.rho_q13 / Q13;
+    const Vector e = current(obs.error);
+    const double error_q = si_.cfg.observer.saliency_q13 / Q13 * e.y();
+    const Vector turned(e.x() + rho * error_q, error_q - rho * e.x());
+    add("e'_d", "e'_q", "A", current(obs.turned), limited(turned, ERROR_MAX),
+        Vector(2.0 + std::abs(rho), 2.0) * si_.current(1));
+}
+
+// (18)–(22). The drive's speed has a limit, its descent 16 bits.
+void TickDiff::training()
 {
     module_ = "observer training";
-    const NnObserver::Params p = twin::observer_params(si_);
     const nn_observer_t &obs = after_.observer;
+    const NnObserver::Params p = twin::observer_params(si_);
+    const Vector state = current(before_.observer.state) * (si_.state_base() / si_.current(Q15));
+    const Vector turned = current(obs.turned);
+    const double one = si_.bases.current_a * si_.state_base() / Q18;
+    const double descent = std::clamp(turned.y() * state.x() - turned.x() * state.y(),
+                                      -(LARGEST_MANTISSA + 1) * one, LARGEST_MANTISSA * one);
+    add("descent", "A2", obs.descent * one, descent, one);
+
+    NnObserver twin = twin_before(state);
+    twin.train(descent);
     const double rpm = si_.bases.rpm_from_step(1);
     const double rpm_per_rad_s = rpm / si_.speed_of_step(1);
     const double limit = si_.speed_of_step(si_.cfg.observer.speed_limit);
-    const double roundings = (p.alpha > 0 ? 3.0 : 1.0) * si_.speed_of_step(1);
-    const double speed = roundings + p.eta / p.period_s * descent_tolerance;
-    const double flux_2 = twin.flux_current() * twin.flux_current();
-    const double out =
-        speed + si_.speed_of_step(1) + p.kappa_p / p.period_s / flux_2 * descent_tolerance;
     const double integral = std::clamp(twin.speed(), -limit, limit);
+    const double path = twin.speed_out() - twin.speed();
+    // ΔW2 rounded down to a step, its momentum to two; ω̂_out to another.
+    const double step = (p.alpha > 0 ? 3.0 : 1.0) * si_.speed_of_step(1);
+    const double speed = step + p.eta / p.period_s * one;
+    const double flux_2 = twin.flux_current() * twin.flux_current();
+    const double out = speed + si_.speed_of_step(1) + p.kappa_p / p.period_s / flux_2 * one;
     add("speed", "rpm", obs.speed * rpm, integral * rpm_per_rad_s, speed * rpm_per_rad_s);
-    add("speed_out", "rpm", obs.speed_out * rpm,
-        (integral + twin.speed_out() - twin.speed()) * rpm_per_rad_s, out * rpm_per_rad_s);
+    add("speed_out", "rpm", obs.speed_out * rpm, (integral + path) * rpm_per_rad_s,
+        out * rpm_per_rad_s);
 }
 
 // W2 is given: the speed of the imposed current, exactly.
@@ -372,9 +394,11 @@ void TickDiff::speed_loop()
     const double demand = twin.step(si_.speed_of_step(after_.speed_reference),
                                     si_.speed_of_step(after_.observer.speed));
     const double kp = std::ldexp(pi.kp, -static_cast<int>(pi.kp_shift));
-    const double ki = std::ldexp(pi.ki, -static_cast<int>(pi.ki_shift) - 11) + 1.0 / 2048.0;
+    const double ki = std::ldexp(pi.ki, -static_cast<int>(pi.ki_shift) - 11) + INTEGRAL_LSB;
     add("i_q reference", "A", si_.current(after_.signals.current_ref.q), demand,
         (SPEED_LOOP_LSB + kp + ki) * si_.current(1));
+    add("integral", "A", after_.speed_loop.pi.integral_q26 / Q26 * si_.bases.current_a,
+        twin.pi().integral(), ki * si_.current(1));
 }
 
 void TickDiff::current_loop()
@@ -382,13 +406,13 @@ void TickDiff::current_loop()
     const drive_signals_t &s = after_.signals;
     const double lsb = si_.voltage(1);
     module_ = "current loop";
-    add("limit", "V", si_.voltage(s.voltage_limit),
-        si_.voltage(s.bus * (si_.cfg.modulator.ratio_max_q15 / Q15)), LIMIT_LSB * lsb);
     if (after_.state == DRIVE_STATE_ALIGN &&
         align_steps_voltage(&after_.align, &si_.cfg.startup.align)) {
         diff_.left_out = "current loop: it rests while the alignment measures";
         return;
     }
+    add("limit", "V", si_.voltage(s.voltage_limit),
+        si_.voltage(s.bus * (si_.cfg.modulator.ratio_max_q15 / Q15)), LIMIT_LSB * lsb);
     CurrentLoop twin(twin::current_loop_params(si_));
     const double one = si_.bases.voltage_v / Q26;
     twin.reset({before_.current_loop.pi_d.integral_q26 * one,
@@ -405,6 +429,11 @@ void TickDiff::current_loop()
     const double cut = twin.cut() ? CURRENT_LOOP_LSB * (1.0 + steepness) + ROOT_LSB : 0.0;
     add("v_d", "v_q", "V", si_.voltage(s.voltage), v,
         Vector(CURRENT_LOOP_LSB, CURRENT_LOOP_LSB + cut) * lsb);
+    // What the circle takes is given back to the integral of q.
+    add("integral d", "integral q", "V",
+        Vector(after_.current_loop.pi_d.integral_q26, after_.current_loop.pi_q.integral_q26) * one,
+        Vector(twin.pi_d().integral(), twin.pi_q().integral()),
+        Vector(INTEGRAL_LSB, INTEGRAL_LSB + (twin.cut() ? CURRENT_LOOP_LSB + cut : 0.0)) * lsb);
 }
 
 void TickDiff::modulation()
@@ -501,11 +530,11 @@ Diff TickDiff::all()
     }
     transforms();
     applied_voltage();
-    observer();
     if (before_.state != after_.state) {
-        diff_.left_out = "the loops: they begin anew, the state changes in this tick";
+        diff_.left_out = "observer and loops: they begin anew, the state changes in this tick";
         return diff_;
     }
+    observer();
     speed_loop();
     current_loop();
     modulation();

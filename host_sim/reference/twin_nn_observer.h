@@ -103,6 +103,15 @@ public:
         train(turned_.y() * before.x() - turned_.x() * before.y());
     }
 
+    // (19)–(22) along a descent b, A²: what step() does last.
+    void train(double descent)
+    {
+        weight_change_ = p_.eta * descent + p_.alpha * weight_change_; // (19)–(21)
+        speed_ -= weight_change_ / p_.period_s;                        // (22)
+        speed_out_ =
+            speed_ - p_.kappa_p / p_.period_s * descent / (flux_current() * flux_current());
+    }
+
     // ρ = R/(ω·L_d), limited; nothing at low speed.
     double rho_at(double speed_rad_s) const
     {
@@ -161,14 +170,6 @@ public:
     }
 
 private:
-    void train(double descent)
-    {
-        weight_change_ = p_.eta * descent + p_.alpha * weight_change_; // (19)–(21)
-        speed_ -= weight_change_ / p_.period_s;                        // (22)
-        speed_out_ =
-            speed_ - p_.kappa_p / p_.period_s * descent / (flux_current() * flux_current());
-    }
-
     Params p_;
     Vector state_;
     Vector error_ = Vector::Zero();

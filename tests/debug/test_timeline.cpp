@@ -1,0 +1,197 @@
+// Forwards and backwards through a run: always to the same bits, never far from a snapshot, in bounded memory.
+#include "set.h"
+#include "timeline.h"
+
+extern "C" {
+#include "recording.h"
+}
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "unity.h"
+
+using nf::debug::set_signal;
+using nf::debug::Span;
+using nf::debug::Timeline;
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+static constexpr int64_t FIRST = 3000;
+
+// Drive and motor: whatever one of them does otherwise is in the other a tick later.
+struct Mark {
+    uint32_t drive;
+    plant_view_t motor;
+
+    explicit Mark(const Timeline &timeline)
+        : drive(recording_state_hash(&timeline.run().sim().drive())), motor(timeline.tick().truth)
+    {
+    }
+    bool operator==(const Mark &other) const
+    {
+        return drive == other.drive && std::memcmp(&motor, &other.motor, sizeof motor) == 0;
+    }
+};
+
+static void test_ten_thousand_ticks_forth_and_back_end_in_the_same_state()
+{
+    // Noise and a fault in it, so that the random numbers and the script have to come back as well.
+    const nf::Config config = nf::load_scenario(
+        "s1_robust", {"all"}, {R"(scenario.fault=[{time_s=0.3, what="phase_a_open"}])"});
+    Timeline timeline(config);
+    timeline.go_to(FIRST);
+    std::vector<Mark> forth;
+    for (int k = 0; k < 10000; k++) {
+        forth.emplace_back(timeline);
+        TEST_ASSERT_TRUE(timeline.step());
+    }
+    TEST_ASSERT_EQUAL_UINT32(DRIVE_STATE_FAULT, timeline.run().sim().drive().state);
+    const Mark there(timeline);
+
+    // Each tick costs up to 1024 to get back to; a stride that hits every part of a spacing.
+    constexpr int64_t STRIDE = 37;
+    for (int64_t k = 9999; k >= 0; k -= STRIDE) {
+        timeline.go_to(FIRST + k);
+        TEST_ASSERT_TRUE(Mark(timeline) == forth[static_cast<std::size_t>(k)]);
+    }
+    timeline.go_to(FIRST);
+    TEST_ASSERT_TRUE(Mark(timeline) == forth[0]);
+    for (int k = 0; k < 10000; k++) {
+        TEST_ASSERT_TRUE(Mark(timeline) == forth[static_cast<std::size_t>(k)]);
+        TEST_ASSERT_TRUE(timeline.step());
+    }
+    TEST_ASSERT_TRUE(Mark(timeline) == there);
+}
+
+static void test_a_run_is_that_of_the_scenario()
+{
+    const nf::Config config = nf::load_scenario("s3_robust", {"imp"});
+    Timeline timeline(config);
+    nf::ScriptedRun run(config);
+    timeline.go_to(timeline.last());
+    timeline.go_to(5000);
+    timeline.go_to(timeline.last());
+    while (run.tick() < run.end() - 1) {
+        (void)run.control();
+        run.advance();
+    }
+    (void)run.control();
+    TEST_ASSERT_EQUAL_HEX32(recording_state_hash(&run.sim().drive()),
+                            recording_state_hash(&timeline.run().sim().drive()));
+}
+
+static void test_the_ends_of_a_run_stop()
+{
+    const nf::Config config = nf::load_scenario("s1", {}, {"scenario.duration_s=0.01"});
+    Timeline timeline(config);
+    timeline.go_to(timeline.last());
+    TEST_ASSERT_FALSE(timeline.step());
+    TEST_ASSERT_EQUAL_INT64(timeline.last(), timeline.now());
+    timeline.go_to(0);
+    TEST_ASSERT_EQUAL_INT64(0, timeline.now());
+}
+
+// 10 s and 60 s. On a slow machine under a sanitizer a tick takes 10 µs.
+static void check_reach(double duration_s, int64_t farthest)
+{
+    const nf::Config config =
+        nf::load_scenario("s1_robust", {}, {"scenario.duration_s=" + std::to_string(duration_s)});
+    Timeline timeline(config);
+    timeline.go_to(timeline.last());
+    TEST_ASSERT_TRUE(timeline.snapshots() <= Timeline::SNAPSHOTS_MAX);
+    TEST_ASSERT_TRUE(timeline.snapshots() > Timeline::SNAPSHOTS_MAX / 4);
+    TEST_ASSERT_TRUE(timeline.last() / static_cast<int64_t>(timeline.snapshots()) <= farthest);
+}
+
+static void test_snapshots_stay_bounded_and_near()
+{
+    check_reach(10, Timeline::SPACING_MIN);
+    check_reach(60, 4 * Timeline::SPACING_MIN);
+}
+
+static void test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms()
+{
+    using Clock = std::chrono::steady_clock;
+    const nf::Config config = nf::load_scenario("s1_robust", {}, {"scenario.duration_s=10"});
+    Timeline timeline(config);
+    std::vector<double> times;
+    for (int64_t tick = 999; tick <= timeline.last(); tick += 997) {
+        timeline.go_to(tick);
+        const auto start = Clock::now();
+        timeline.go_to(tick - 1);
+        times.push_back(std::chrono::duration<double>(Clock::now() - start).count());
+    }
+    std::sort(times.begin(), times.end());
+    // The machine may be busy with something else in one of them.
+    const double longest = times[times.size() - 1 - times.size() / 20];
+    TEST_ASSERT_TRUE_MESSAGE(longest < 0.1, std::to_string(longest).c_str());
+}
+
+static void test_what_is_set_is_repeated_on_the_way_and_ends_when_released()
+{
+    const nf::Config config = nf::load_scenario("s1_robust");
+    Timeline timeline(config);
+    timeline.go_to(9000);
+    const Mark before(timeline);
+    timeline.go_to(12000);
+    const Mark untouched(timeline);
+
+    timeline.go_to(9000);
+    (void)set_signal(timeline, "load_torque_nm = 4", Span::once);
+    timeline.go_to(12000);
+    const Mark loaded(timeline);
+    TEST_ASSERT_FALSE(loaded == untouched);
+    timeline.go_to(8000);
+    timeline.go_to(12000);
+    TEST_ASSERT_TRUE(Mark(timeline) == loaded);
+
+    TEST_ASSERT_FALSE(timeline.release("load_torque_nm"));
+    timeline.go_to(9000);
+    TEST_ASSERT_TRUE(timeline.release("load_torque_nm"));
+    TEST_ASSERT_TRUE(Mark(timeline) == before);
+    timeline.go_to(12000);
+    TEST_ASSERT_TRUE(Mark(timeline) == untouched);
+}
+
+static void test_a_forced_count_is_read_until_it_is_released()
+{
+    const nf::Config config = nf::load_scenario("s1_robust");
+    Timeline timeline(config);
+    const auto read = [&] { return timeline.run().sim().in().adc_ia; };
+    timeline.go_to(9000);
+    (void)set_signal(timeline, "in.adc_ia.raw = 2100", Span::once);
+    timeline.step();
+    TEST_ASSERT_EQUAL_UINT16(2100, read());
+    timeline.step();
+    TEST_ASSERT_NOT_EQUAL(2100, read());
+
+    (void)set_signal(timeline, "in.adc_ia.raw = 2101", Span::for_ever);
+    timeline.go_to(9005);
+    TEST_ASSERT_EQUAL_UINT16(2101, read());
+    TEST_ASSERT_TRUE(timeline.release("in.adc_ia"));
+    timeline.step();
+    TEST_ASSERT_NOT_EQUAL(2101, read());
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_ten_thousand_ticks_forth_and_back_end_in_the_same_state);
+    RUN_TEST(test_a_run_is_that_of_the_scenario);
+    RUN_TEST(test_the_ends_of_a_run_stop);
+    RUN_TEST(test_snapshots_stay_bounded_and_near);
+    RUN_TEST(test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms);
+    RUN_TEST(test_what_is_set_is_repeated_on_the_way_and_ends_when_released);
+    RUN_TEST(test_a_forced_count_is_read_until_it_is_released);
+    return UNITY_END();
+}
