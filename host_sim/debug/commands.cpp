@@ -13,6 +13,8 @@ extern "C" {
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <iterator>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -32,7 +34,7 @@ struct Command {
     const char *arguments;
     const char *summary;
     const char *teaching;
-    std::string (*act)(Session &session, const std::string &rest);
+    std::function<std::string(Session &session, const std::string &rest)> act;
 };
 
 const std::vector<Command> &commands();
@@ -134,7 +136,8 @@ std::string go_to(Session &session, const std::string &rest)
         const double first = -static_cast<double>(timeline.run().zero()) * period;
         const double last = static_cast<double>(timeline.last() - timeline.run().zero()) * period;
         const bool whole = end != rest.c_str() && trimmed(end) == "s";
-        if (!whole || !(time_s >= first - period / 2 && time_s < last + period / 2)) {
+        const bool inside = time_s >= first - period / 2 && time_s < last + period / 2;
+        if (!whole || !inside) {
             throw Refusal(
                 fmt::format("a time is from {:g}s to {:g}s, found '{}'", first, last, rest));
         }
@@ -165,8 +168,8 @@ std::string set_break(Session &session, const std::string &rest)
         throw Refusal(
             fmt::format("break on fault, break on state, or break on EXPR; found '{}'", rest));
     }
-    Break one{what, parse_expression(what == "fault" ? "state == FAULT" : what, named_value),
-              what == "state", 0};
+    const Break one{what, parse_expression(what == "fault" ? "state == FAULT" : what, named_value),
+                    what == "state", 0};
     session.breaks.push_back(one);
     return fmt::format("{}: break on {}\n", session.breaks.size(), what);
 }
@@ -182,7 +185,7 @@ std::string remove_break(Session &session, const std::string &rest)
 }
 
 // Names, or one expression.
-std::string print(Session &session, const std::string &rest)
+std::string print(const Session &session, const std::string &rest)
 {
     if (rest.empty()) {
         throw Refusal("print what? NAME... or EXPR; `signals` lists the names");
@@ -230,13 +233,13 @@ std::string unwatch(Session &session, const std::string &rest)
     return session.position_text();
 }
 
-std::string stages(Session &session, const std::string &rest)
+std::string stages(const Session &session, const std::string &rest)
 {
     no_arguments(rest);
     return session.position_text() + stages_text(session.timeline.tick());
 }
 
-std::string diff(Session &session, const std::string &rest)
+std::string diff(const Session &session, const std::string &rest)
 {
     no_arguments(rest);
     return diff_text(diff_tick(session.timeline.before(), session.timeline.tick(), session.built));
@@ -271,14 +274,14 @@ std::string release(Session &session, const std::string &rest)
     return list_edits(session);
 }
 
-std::string hash(Session &session, const std::string &rest)
+std::string hash(const Session &session, const std::string &rest)
 {
     no_arguments(rest);
     return fmt::format("tick {}  drive {:08x}\n", session.timeline.now(),
                        recording_state_hash(&session.timeline.run().sim().drive()));
 }
 
-std::string signals(Session &session, const std::string &rest)
+std::string signals(const Session &session, const std::string &rest)
 {
     std::string text;
     for (const SignalInfo &signal : all_signals()) {
@@ -306,7 +309,7 @@ const Command &command_of(const std::string &name)
                                : fmt::format("there is no command {}; {}?", name, near));
 }
 
-std::string help(Session &session, const std::string &rest)
+std::string help(const Session &session, const std::string &rest)
 {
     (void)session;
     if (!rest.empty()) {
@@ -322,7 +325,7 @@ std::string help(Session &session, const std::string &rest)
     return text + "`help COMMAND` says more. An empty line repeats the last step or back.\n";
 }
 
-std::string quit(Session &session, const std::string &rest)
+std::string quit(const Session &session, const std::string &rest)
 {
     (void)session;
     no_arguments(rest);
@@ -395,7 +398,7 @@ Answer execute(Session &session, const std::string &line)
     try {
         const Command &command = command_of(name);
         const std::string text = command.act(session, rest);
-        return {command.act == quit ? Outcome::quit : Outcome::done, text};
+        return {name == "quit" ? Outcome::quit : Outcome::done, text};
     } catch (const std::runtime_error &error) {
         return {Outcome::refused, fmt::format("{}: {}\n", name, error.what())};
     }

@@ -86,7 +86,7 @@ Value named_value(const std::string &name)
 
 std::string signal_line(const Named &named, const Tick &tick)
 {
-    constexpr int NAME_WIDTH = 34;
+    constexpr int NAME_WIDTH = 36;
     constexpr int VALUE_WIDTH = 20;
     const SignalInfo &signal = *named.signal;
     const std::optional<int64_t> raw = raw_value(signal, tick);
