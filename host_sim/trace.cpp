@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <iterator>
+#include <vector>
 
 namespace nf
 {
@@ -61,6 +62,7 @@ const std::vector<Source> &sources()
 {
     static const std::vector<Source> all = [] {
         std::vector<Source> found;
+        found.reserve(COLUMNS.size());
         for (const Column &column : COLUMNS) {
             found.push_back({find_signal(column.name), column.form});
         }
@@ -87,7 +89,7 @@ void write_row(fmt::memory_buffer &buffer, const Tick &tick)
         const bool is_word =
             signal.quantity == Quantity::state || signal.quantity == Quantity::fault;
         if (is_word) {
-            fmt::format_to(out, "{}", word_text(signal, *raw_value(signal, tick)));
+            fmt::format_to(out, "{}", word_text(signal, raw_value(signal, tick).value_or(0)));
         } else {
             fmt::format_to(out, fmt::runtime(source.form), si_value(signal, tick));
         }

@@ -68,23 +68,21 @@ std::string after_dot(const std::string &name)
 std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
                                  std::size_t count)
 {
-    std::vector<std::pair<std::size_t, const std::string *>> found;
-    for (const std::string &name : known) {
-        const std::size_t key = wrong.size() > NAME_MAX_LENGTH
-                                    ? NO_MATCH
-                                    : key_distance(after_dot(wrong), after_dot(name));
+    // Of two that are equally far the earlier comes first.
+    std::vector<std::pair<std::size_t, std::size_t>> found;
+    for (std::size_t k = 0; k < known.size() && wrong.size() <= NAME_MAX_LENGTH; k++) {
+        const std::size_t key = key_distance(after_dot(wrong), after_dot(known[k]));
         if (key != NO_MATCH) {
-            const std::size_t section = distance(before_dot(wrong), before_dot(name));
-            found.emplace_back(key + std::min(section, SECTION_MAX), &name);
+            const std::size_t section = distance(before_dot(wrong), before_dot(known[k]));
+            found.emplace_back(key + std::min(section, SECTION_MAX), k);
         }
     }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const auto &a, const auto &b) { return a.first < b.first; });
+    std::sort(found.begin(), found.end());
     found.resize(std::min(found.size(), count));
     std::vector<std::string> names;
     names.reserve(found.size());
-    for (const auto &[far, name] : found) {
-        names.push_back(*name);
+    for (const auto &[far, index] : found) {
+        names.push_back(known[index]);
     }
     return names;
 }
