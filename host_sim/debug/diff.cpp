@@ -49,9 +49,10 @@ constexpr double SPEED_LOOP_LSB = 3.0; // proportional part, integral and feed-f
 constexpr double RATIO_LSB = 1.4143;
 // β·√3/2 1.1, α/2 0.5, half the sum 1.05.
 constexpr double DUTY_LSB = 2.65;
-constexpr double PHASE_LSB = 1.6;   // of a ratio or a current
-constexpr double MIDDLE_LSB = 1.0;  // of the expected current: half of a sum
-constexpr int32_t ERROR_MAX = 8191; // the observer's errors saturate at a quarter
+constexpr double PHASE_LSB = 1.6;      // of a ratio or a current
+constexpr double MIDDLE_LSB = 1.0;     // of the expected current: half of a sum
+constexpr int32_t CURRENT_MAX = 16383; // its currents at the converters' full scale
+constexpr int32_t ERROR_MAX = 8191;    // the observer's errors saturate at a quarter
 
 constexpr double Q18 = 262144.0;
 constexpr double Q26 = 67108864.0;
@@ -63,6 +64,7 @@ double radians(int64_t turns_q32)
     return static_cast<uint32_t>(static_cast<uint64_t>(turns_q32)) / STEPS_PER_TURN * TWO_PI;
 }
 
+// As drive_is_controlled(), whose header is C only.
 bool is_controlled(drive_state_t state)
 {
     return state > DRIVE_STATE_CATCH_SPIN && state < DRIVE_STATE_FAULT;
@@ -317,13 +319,10 @@ void TickDiff::network(const NnObserver &twin, const Vector &tolerance)
 {
     module_ = "observer network";
     const nn_observer_t &obs = after_.observer;
-    const Vector output = limited(twin.current(), LARGEST_MANTISSA);
-    const Vector error = current(after_.signals.current) - current(obs.current);
+    const Vector output = tolerance + twin::output_roundings(si_, twin.state());
     add("x", "y", "A", network_state(obs, angle_now()), twin.state(), tolerance);
-    add("i_d", "i_q", "A", current(obs.current), output,
-        tolerance + twin::output_roundings(si_, twin.state()));
-    add("e_d", "e_q", "A", current(obs.error), limited(error, ERROR_MAX),
-        Vector::Constant(si_.current(1) / 2));
+    add("i_d", "i_q", "A", current(obs.current), limited(twin.current(), CURRENT_MAX), output);
+    add("e_d", "e_q", "A", current(obs.error), limited(twin.error(), ERROR_MAX), output);
 }
 
 // e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q turned again.
