@@ -64,6 +64,7 @@ std::string json_text(const Config &config, const RunResult &result)
     nlohmann::ordered_json json;
     json["scenario"] = config.scenario.id;
     json["with"] = imperfection_names(config);
+    json["set"] = config.sources.overrides;
     json["seed"] = config.scenario.seed;
     for (const MetricField &field : metric_fields()) {
         const std::optional<double> &value = result.metrics.*field.value;

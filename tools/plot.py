@@ -24,12 +24,12 @@ TRACE_HELP = """One run as a figure: panels over one time axis, steps of the com
 
 """
 REPORT_HELP = """All runs of a folder as one page, index.html, with the figures of paper A
-(fig. 5 to 8), the measured errors beside the paper's claim of 2 %, and all metrics.
+(fig. 5 to 8) and paper B, the measured errors beside the paper's claim of 2 %, and all metrics.
 
   tools/plot.py report --runs build/runs --out build/report
 
 Each run is a trace, NAME.csv, and its metrics, NAME.json. The scenario in the metrics decides
-the figures: s1, s2 and s3 get the paper's, any other an overview. The part before t = 0 is
+the figures: s1 to s5 get the papers', any other an overview. The part before t = 0 is
 not drawn.
 """
 DESIGN_HELP = """A gain design as the figures 3, 4a, 4b, 5a, 5b and 6 of paper B: the stable region with
@@ -86,7 +86,10 @@ def report_command(args):
     if args.deadtime:
         from deadtime import measure, section
         measurement = measure.read(args.deadtime)
-        more = [lambda folder: section.entry(measurement, folder)]
+        more.append(lambda folder: section.entry(measurement, folder))
+    if args.design:
+        from report import design_section
+        more.append(lambda folder: design_section.entry(args.design, folder))
     print(write_report(args.runs, args.out, more))
 
 
@@ -115,11 +118,21 @@ def panel_list():
     return "Panels:\n" + "\n".join(lines)
 
 
+def add_command(commands, name, run, words, help_text, epilog=None):
+    parser = commands.add_parser(name, help=words, description=help_text, epilog=epilog,
+                                 formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_folder(parser, default):
+    parser.add_argument("--out", type=Path, default=Path(default), metavar="DIR",
+                        help=f"folder to write to (default: {default})")
+
+
 def add_trace(commands):
-    parser = commands.add_parser(
-        "trace", help="one run as a figure", description=TRACE_HELP, epilog=panel_list(),
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.set_defaults(run=trace_command)
+    parser = add_command(commands, "trace", trace_command, "one run as a figure", TRACE_HELP,
+                         panel_list())
     parser.add_argument("file", type=Path, metavar="FILE.csv", help="the trace")
     parser.add_argument("--out", type=Path, metavar="FILE",
                         help="picture to write: .png, .svg or .pdf (default: FILE.png)")
@@ -133,37 +146,30 @@ def add_trace(commands):
 
 
 def add_report(commands):
-    parser = commands.add_parser(
-        "report", help="all runs of a folder as one page", description=REPORT_HELP,
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.set_defaults(run=report_command)
+    parser = add_command(commands, "report", report_command, "all runs of a folder as one page",
+                         REPORT_HELP)
     parser.add_argument("--runs", type=Path, default=Path("build/runs"), metavar="DIR",
                         help="folder of the runs (default: build/runs)")
-    parser.add_argument("--out", type=Path, default=Path("build/report"), metavar="DIR",
-                        help="folder to write to (default: build/report)")
+    add_folder(parser, "build/report")
     parser.add_argument("--deadtime", type=Path, metavar="FILE",
                         help="deadtime.json of `tools/plot.py deadtime`, for a section of its own")
+    parser.add_argument("--design", type=Path, metavar="FILE",
+                        help="output of `gaindesign design --json`, likewise")
 
 
 def add_deadtime(commands):
-    parser = commands.add_parser(
-        "deadtime", help="what giving the dead time back does", description=DEADTIME_HELP,
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.set_defaults(run=deadtime_command)
+    parser = add_command(commands, "deadtime", deadtime_command,
+                         "what giving the dead time back does", DEADTIME_HELP)
     parser.add_argument("--motorsim", type=Path, default=MOTORSIM, metavar="FILE",
                         help="the simulator (default: build/host/motorsim)")
-    parser.add_argument("--out", type=Path, default=Path("build/deadtime"), metavar="DIR",
-                        help="folder to write to (default: build/deadtime)")
+    add_folder(parser, "build/deadtime")
 
 
 def add_design(commands):
-    parser = commands.add_parser(
-        "design", help="the figures of a gain design", description=DESIGN_HELP,
-        formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.set_defaults(run=design_command)
+    parser = add_command(commands, "design", design_command, "the figures of a gain design",
+                         DESIGN_HELP)
     parser.add_argument("file", type=Path, metavar="FILE.json", help="output of gaindesign")
-    parser.add_argument("--out", type=Path, default=Path("build/report"), metavar="DIR",
-                        help="folder to write to (default: build/report)")
+    add_folder(parser, "build/report")
 
 
 def main(arguments=None):

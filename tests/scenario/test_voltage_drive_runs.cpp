@@ -135,16 +135,16 @@ void the_lead_is_that_of_no_i_d()
     }
 }
 
-// What the paper is about. The least current for a torque is that without i_d, T/(1.5·P·φ); a lead that the limit keeps
-// short of it costs what DESIGN.md lists.
+// What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what DESIGN.md
+// lists.
 void without_enough_lead_the_same_torque_takes_more_current()
 {
-    const double least = LOAD_NM / (1.5 * 2 * 0.375);
+    const double without_i_d = LOAD_NM / (1.5 * 2 * 0.375);
     const Outcome compensated = run("s4", {});
     const Outcome short_04 = run("s4", {}, {"phase_compensator.lead_max_deg=9"});
     const Outcome short_14 = run("s4", {}, {"phase_compensator.lead_max_deg=8"});
 
-    TEST_ASSERT_DOUBLE_WITHIN(0.01 * least, least, compensated.settled.amplitude());
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * without_i_d, without_i_d, compensated.settled.amplitude());
     figure_check("current with a lead of 9°, A", short_04.settled.amplitude(), 3.1, 0.95);
     figure_check("current with a lead of 8°, A", short_14.settled.amplitude(), 6.6, 0.95);
     TEST_ASSERT_TRUE(short_14.result.faults.empty());

@@ -4,8 +4,9 @@ import json
 import unittest
 
 from support import FolderTest
-from report import gains
+from report import design_section, gains
 from report.runs import PlotError
+from report.style import NARROW, PRINT
 
 
 def made_up_response(step, pair):
@@ -24,10 +25,15 @@ def made_up_model(matrices):
                       for step in ("load", "speed")]}
 
 
+COMPARISON = [
+    {"quantity": "optimum_ki_per_s", "paper": 0.035, "printed": None, "computed": -0.0361119, "remark": "a & b"}]
+
+
 class GainFigures(FolderTest):
     def design(self, *matrices):
         return self.write("design.json",
-                          json.dumps({"models": [made_up_model(name) for name in matrices]}))
+                          json.dumps({"models": [made_up_model(name) for name in matrices],
+                                      "comparison": COMPARISON}))
 
     def test_six_figures_are_written(self):
         path = self.design("computed", "printed")
@@ -38,7 +44,7 @@ class GainFigures(FolderTest):
             self.assertTrue(one.read_bytes().startswith(b"\x89PNG"))
 
     def test_the_papers_gains_are_marked_and_named_in_the_zoom(self):
-        whole, near = gains.draw_region(gains.read_design(self.design("computed"))).axes
+        whole, near = gains.draw_region(gains.read_design(self.design("computed")), PRINT).axes
         named = [text.get_text() for text in near.texts]
         self.assertEqual(named, [
             "paper, fig. 4a, 5a\n0.04, 0.0001", "paper, fig. 4b, 5b, 6\n0.264, 0.035",
@@ -56,10 +62,24 @@ class GainFigures(FolderTest):
 
     def test_a_response_shows_its_signal_for_each_set_of_matrices(self):
         design = gains.read_design(self.design("computed", "printed"))
-        figure = gains.draw_response(design, "{step}", "load", "published", "i_d_a")
+        figure = gains.draw_response(design, gains.RESPONSES[-1], NARROW)
         drawn = [list(line.get_ydata()) for line in figure.axes[0].lines]
         self.assertEqual(drawn.count([0, 0.2, 0.1]), 2)
         self.assertEqual(drawn.count([0.15, 0.15]), 2)     # where it settles
+
+    def test_the_section_has_each_figure_and_each_quantity_with_its_unit(self):
+        name, _, text = design_section.entry(self.design("computed", "printed"), self.folder)
+        self.assertEqual(text.count("<figure>"), 6)
+        self.assertEqual(text.count('aria-label="'), 12)
+        self.assertIn(f'id="{name}"', text)
+        self.assertIn("<th scope=row>optimum K_i, 1/s</th>", text)
+        for cell in ('"paper">0.035<', '"printed matrices">–<', '"computed">−0.0361119<', '"remark">a &amp; b<'):
+            self.assertIn(f"data-label={cell}", text)
+        self.assertIn("printed: 0 to 0.2, settles at 0.15.", text)
+
+    def test_numbers_that_are_read_keep_their_digits(self):
+        text = design_section.entry(self.design("computed"), self.folder)[2]
+        self.assertIn("0.264, 0.035", text)
 
     def test_what_is_no_design_gets_one_line(self):
         for text, says in (("[", "Expecting"), ('{"models": []}', "IndexError"), ("[]", "TypeError")):

@@ -2,10 +2,8 @@
 
 from deadtime import table
 from deadtime.figure import TITLE, draw
-from report import style
-from report.assemble import save
-from report.page import Picture, figure
-from report.svg import svg
+from report.assemble import picture
+from report.page import figure
 
 KEY = "deadtime"
 
@@ -18,20 +16,13 @@ def caption(measurement):
             f"sways at low speed and does not hold the rotor at {lost} of {len(measurement.results)} points.")
 
 
-def picture(measurement, folder):
-    name = f"{KEY}.png"
-    save(draw(measurement, style.PRINT), style.PRINT, folder / name)
-    words = f"{TITLE}. {caption(measurement)}"
-    wide, narrow = (svg(draw(measurement, shape), shape, f"{KEY}-{suffix}", words)
-                    for shape, suffix in ((style.WIDE, "w"), (style.NARROW, "n")))
-    return Picture("Current and angle", caption(measurement), wide, narrow, name)
-
-
 def entry(measurement, folder):
     """Identifier, title and HTML for page(); writes the PNG into the folder of the report."""
+    words = caption(measurement), f"{TITLE}. {caption(measurement)}"
+    drawn = picture(KEY, "Current and angle", words, lambda shape: draw(measurement, shape), folder)
     return KEY, "dead time", f"""<section class="run" id="{KEY}">
 <h2>{TITLE}</h2>
-{figure(picture(measurement, folder))}
+{figure(drawn)}
 <h3>All points</h3>
 {table.html_table(measurement)}
 </section>"""

@@ -23,7 +23,7 @@ constexpr int BAD_INPUT = 2;
 
 constexpr const char *EXAMPLES = R"(Examples:
   gaindesign design                              the gains of paper B's motor, and how they follow
-  gaindesign design --json build/design.json     all of it, for tools/plot.py design
+  gaindesign design --json build/design.json     all of it, and what compare shows, for tools/plot.py
   gaindesign design --set optimum.horizon_samples=60 --set optimum.q2=1
   gaindesign design --set motor.resistance_ohm=0.5 --set nominal.inertia_kg_m2=0.2
   gaindesign check 0.264 -0.035                  is this pair of gains stable, and by which pole
@@ -95,13 +95,7 @@ int design(const Arguments &arguments)
 int compare(const Arguments &arguments)
 {
     const DesignSettings settings = read_design(arguments.design, arguments.set);
-    nf::check_output(settings.inputs, "--json", arguments.json);
-    const std::vector<Comparison> rows = compare_all(settings, study_all(settings));
-    if (arguments.json.empty()) {
-        write_text("-", comparison_text(rows));
-    } else {
-        write_text(arguments.json, comparison_json(rows));
-    }
+    write_text("-", comparison_text(compare_all(settings, study_all(settings))));
     return DONE;
 }
 
@@ -128,7 +122,7 @@ void describe_common(CLI::App &command, Arguments &arguments)
         ->type_name("KEY=VALUE");
 }
 
-void describe_json(CLI::App &command, Arguments &arguments)
+void describe_design(CLI::App &command, Arguments &arguments)
 {
     command
         .add_option("--json", arguments.json,
@@ -136,6 +130,9 @@ void describe_json(CLI::App &command, Arguments &arguments)
         ->check([](const std::string &name) { return name.empty() ? "needs a file's name" : ""; },
                 "")
         ->type_name("FILE");
+    command.add_option("--matrices", arguments.matrices, "whose gains the drive gets")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"computed", "printed"}));
 }
 
 int parse_and_do(int argc, char **argv)
@@ -150,11 +147,7 @@ int parse_and_do(int argc, char **argv)
     for (CLI::App *const command : {design_command, check_command, compare_command}) {
         describe_common(*command, arguments);
     }
-    describe_json(*design_command, arguments);
-    describe_json(*compare_command, arguments);
-    design_command->add_option("--matrices", arguments.matrices, "whose gains the drive gets")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"computed", "printed"}));
+    describe_design(*design_command, arguments);
     check_command->add_option("kp", arguments.gains.kp, "K_p")->required();
     check_command->add_option("ki", arguments.gains.ki_per_s, "K_i, 1/s")->required();
     app.footer(EXAMPLES + key_list() + EXIT_STATUS);

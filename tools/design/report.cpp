@@ -127,6 +127,22 @@ Json json_of(const ModelStudy &s)
     return json;
 }
 
+Json json_of(const std::vector<Comparison> &rows)
+{
+    const auto value = [](const std::optional<double> &figure) {
+        return figure ? Json(*figure) : Json(nullptr);
+    };
+    Json json = Json::array();
+    for (const Comparison &row : rows) {
+        json.push_back({{"quantity", row.quantity},
+                        {"paper", value(row.paper)},
+                        {"printed", value(row.printed)},
+                        {"computed", value(row.computed)},
+                        {"remark", row.remark}});
+    }
+    return json;
+}
+
 Json json_of(const NominalPoint &p)
 {
     return {{"speed_rad_s", p.speed_rad_s},
@@ -223,6 +239,7 @@ std::string design_json(const DesignSettings &settings, const std::vector<ModelS
     for (const ModelStudy &s : studies) {
         json["models"].push_back(json_of(s));
     }
+    json["comparison"] = json_of(compare_all(settings, studies));
     return json.dump(1) + '\n';
 }
 
@@ -243,22 +260,6 @@ std::string design_text(const DesignSettings &settings, const std::vector<ModelS
     return text + voltage_loop_toml(
                       drive_gains(settings, find(studies, chosen)), settings.nominal.sample_time_s,
                       fmt::format("gaindesign, {}, {} matrices", settings.file, chosen));
-}
-
-std::string comparison_json(const std::vector<Comparison> &rows)
-{
-    const auto json_of_value = [](const std::optional<double> &value) {
-        return value ? Json(*value) : Json(nullptr);
-    };
-    Json json = Json::array();
-    for (const Comparison &row : rows) {
-        json.push_back({{"quantity", row.quantity},
-                        {"paper", json_of_value(row.paper)},
-                        {"printed", json_of_value(row.printed)},
-                        {"computed", json_of_value(row.computed)},
-                        {"remark", row.remark}});
-    }
-    return json.dump(1) + '\n';
 }
 
 std::string comparison_text(const std::vector<Comparison> &rows)

@@ -10,7 +10,8 @@ namespace nf::design
 {
 
 // One object; each number's unit is the end of its key, rows and columns of the matrices are named by
-// `states` and `inputs`. `chosen` is the model whose optimum becomes the drive's gains.
+// `states` and `inputs`. `chosen` is the model whose optimum becomes the drive's gains. `comparison` has of compare_all()
+// `quantity`, `paper`, `printed`, `computed` (null: has none) and `remark`.
 std::string design_json(const DesignSettings &settings, const std::vector<ModelStudy> &studies,
                         const std::string &chosen);
 
@@ -18,8 +19,6 @@ std::string design_json(const DesignSettings &settings, const std::vector<ModelS
 std::string design_text(const DesignSettings &settings, const std::vector<ModelStudy> &studies,
                         const std::string &chosen);
 
-// A list of objects with `quantity`, `paper`, `printed`, `computed` (null: has none) and `remark`.
-std::string comparison_json(const std::vector<Comparison> &rows);
 std::string comparison_text(const std::vector<Comparison> &rows);
 
 // The poles of a pair with a set of matrices, and what they mean.

@@ -2,11 +2,11 @@
 
 import matplotlib
 
-from report import claim, style
+from report import claim, style, voltage_drive
 from report.caption import alternative, caption
 from report.draw import draw
 from report.layouts import layouts
-from report.page import TITLES, Picture, page
+from report.page import TITLES, Picture, conditions, page
 from report.runs import PlotError, Run, read_runs
 from report.svg import svg
 
@@ -26,28 +26,37 @@ def save(figure, shape, path):
         raise PlotError(f"{path}: {error}; expected .png, .svg or .pdf") from error
 
 
-def picture(run, layout, folder):
-    trace, bases = run.trace, claim.bases(run)
-    name = f"{run.name}_{layout.key}"
-    save(draw(trace, layout, style.PRINT, bases), style.PRINT, folder / f"{name}.png")
-    words = alternative(trace, layout, bases)
-    forms = {shape: svg(draw(trace, layout, shape, bases), shape, f"{name}-{suffix}", words)
+def picture(name, title, words, draw_shape, folder):
+    """Writes name.png; draw_shape takes a Shape, words are (caption, alternative of the figure)."""
+    save(draw_shape(style.PRINT), style.PRINT, folder / f"{name}.png")
+    forms = {shape: svg(draw_shape(shape), shape, f"{name}-{suffix}", words[1])
              for shape, suffix in ((style.WIDE, "w"), (style.NARROW, "n"))}
-    return Picture(layout.title, caption(trace, layout, bases), forms[style.WIDE],
-                   forms[style.NARROW], f"{name}.png")
+    return Picture(title, words[0], forms[style.WIDE], forms[style.NARROW], f"{name}.png")
+
+
+def picture_of_run(run, layout, folder):
+    trace, bases = run.trace, claim.bases(run)
+    words = caption(trace, layout, bases), alternative(trace, layout, bases)
+    return picture(f"{run.name}_{layout.key}", layout.title, words,
+                   lambda shape: draw(trace, layout, shape, bases), folder)
+
+
+def make_folder(folder):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PlotError(f"{folder}: {error.strerror}; expected a folder to write to") from error
 
 
 def write_report(runs_folder, folder, more=()):
     """Returns the path of the page. What is in `more` takes the folder and gives an entry as of page()."""
     runs = sorted(read_runs(runs_folder), key=lambda run: run.scenario not in TITLES)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PlotError(f"{folder}: {error.strerror}; expected a folder to write to") from error
+    make_folder(folder)
     entries = []
     for run in runs:
         shown = Run(run.name, run.trace.cut(start=0.0), run.metrics)
-        entries.append((shown, [picture(shown, layout, folder) for layout in layouts(shown)]))
+        entries.append((shown, [picture_of_run(shown, layout, folder) for layout in layouts(shown)]))
     path = folder / "index.html"
-    path.write_text(page(entries, [make(folder) for make in more]), encoding="utf-8")
+    path.write_text(page(entries, [*voltage_drive.entries([run for run, _ in entries], conditions),
+                                   *(make(folder) for make in more)]), encoding="utf-8")
     return path

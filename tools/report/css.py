@@ -25,7 +25,7 @@ p, li, dd { max-width: 44rem; }
 a { color: var(--actual); }
 nav a { display: inline-block; margin: 0 .9rem .3rem 0; }
 .muted, small { color: var(--muted); }
-small { display: block; font-size: .8rem; font-weight: 400; }
+small { display: block; font-size: .8rem; font-weight: 400; overflow-wrap: anywhere; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--muted); padding-bottom: .4rem; }
 th, td { text-align: left; vertical-align: top; padding: .45rem .7rem .45rem 0;

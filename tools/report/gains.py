@@ -1,16 +1,18 @@
-"""The figures 3 to 6 of paper B from the JSON of `gaindesign design`."""
+"""The figures 3 to 6 of paper B from the JSON of `gaindesign design`: stable gains, and the linear drive's responses."""
 
 import json
+from dataclasses import dataclass
 
 import matplotlib
 from matplotlib.figure import Figure
 
 from report import style
-from report.assemble import save
+from report.assemble import make_folder, save
 from report.runs import PlotError, read_text
 from report.style import LIGHT
 
 HEIGHT = 2.9    # inches
+ROOM_FOR_LEGEND = 0.52  # of the y range, for one column of it
 # What the matrices are drawn with.
 LOOKS = {
     "computed": {"color": LIGHT["actual"], "linewidth": 1.1, "zorder": 4},
@@ -20,19 +22,32 @@ LOOKS = {
 NAMES = {"computed": "computed from the parameters", "printed": "as the paper prints them"}
 STEPS = {"load": "a load step of 1 N·m", "speed": "a speed step of 1 rad/s"}
 LABELS = {"speed_rad_s": "speed, rad/s", "i_d_a": "d current, A"}
-# Key, title, step, pair, signal.
+@dataclass(frozen=True)
+class Response:
+    """A figure of the paper: what steps, with which gains, and what is drawn of it."""
+
+    key: str
+    scenario: str
+    step: str
+    pair: str
+    signal: str
+
+    def title(self, design):
+        gains = pair_of(design["models"][0], self.pair)
+        name = LABELS[self.signal].split(",")[0]
+        return (f"{self.scenario}: {name} after {STEPS[self.step]}, K_p = {gains['kp']:g}, K_i = {gains['ki_per_s']:g} /s "
+                f"(paper B, fig. {self.key[3:]})")
+
+
 RESPONSES = (
-    ("fig4a", "Speed after {step}, K_p = {kp:g}, K_i = {ki:g} /s (paper B, fig. 4a)",
-     "load", "arbitrary", "speed_rad_s"),
-    ("fig4b", "Speed after {step}, K_p = {kp:g}, K_i = {ki:g} /s (paper B, fig. 4b)",
-     "load", "published", "speed_rad_s"),
-    ("fig5a", "Speed after {step}, K_p = {kp:g}, K_i = {ki:g} /s (paper B, fig. 5a)",
-     "speed", "arbitrary", "speed_rad_s"),
-    ("fig5b", "Speed after {step}, K_p = {kp:g}, K_i = {ki:g} /s (paper B, fig. 5b)",
-     "speed", "published", "speed_rad_s"),
-    ("fig6", "d current after {step}, K_p = {kp:g}, K_i = {ki:g} /s (paper B, fig. 6)",
-     "load", "published", "i_d_a"),
+    Response("fig4a", "S6", "load", "arbitrary", "speed_rad_s"),
+    Response("fig4b", "S6", "load", "published", "speed_rad_s"),
+    Response("fig5a", "S7", "speed", "arbitrary", "speed_rad_s"),
+    Response("fig5b", "S7", "speed", "published", "speed_rad_s"),
+    Response("fig6", "S8", "load", "published", "i_d_a"),
 )
+REGION = "fig3"
+REGION_TITLE = "Stable gains (paper B, fig. 3)"
 
 
 def read_design(path):
@@ -40,6 +55,7 @@ def read_design(path):
     try:
         design = json.loads(text)
         design["models"][0]["stable_region"]["kp"]
+        design["comparison"]
     except (ValueError, LookupError, TypeError) as error:
         raise PlotError(f"{path}: {error!r}; expected the output of "
                         "`gaindesign design --json`") from error
@@ -101,70 +117,71 @@ def zoom(design):
     return (min(kp) - 0.1 * span, max(kp) + 0.5 * span), (-2.4 * ki, 4 * ki)
 
 
-def draw_region(design):
-    fig = Figure(figsize=(style.PRINT.width, HEIGHT), layout="constrained")
-    whole, near = fig.subplots(1, 2, width_ratios=(1, 1.25))
-    for ax in (whole, near):
-        draw_edges(ax, design)
-        mark_gains(ax, design, words=ax is near)
-    whole.set_title("Stable gains (paper B, fig. 3)")
-    whole.set_ylabel("K_i, 1/s")
-    whole.set_ylim(-0.15 * whole.get_ylim()[1], 1.35 * whole.get_ylim()[1])
-    whole.set_xlim(right=1.05 * zoom(design)[0][1])
-    whole.legend(loc="upper left", frameon=False)
-    near.set_title("around the paper's gains")
-    near.set_xlim(*zoom(design)[0])
-    near.set_ylim(*zoom(design)[1])
-    whole.indicate_inset_zoom(near, edgecolor=LIGHT["muted"])
+def draw_region(design, shape):
+    with matplotlib.rc_context(style.settings(shape)):
+        side_by_side = shape.columns > 1
+        fig = Figure(figsize=(shape.width, HEIGHT if side_by_side else 2 * HEIGHT), layout="constrained")
+        whole, near = (fig.subplots(1, 2, width_ratios=(1, 1.25)) if side_by_side else fig.subplots(2, 1))
+        for ax in (whole, near):
+            draw_edges(ax, design)
+            mark_gains(ax, design, words=ax is near)
+        whole.set_title(REGION_TITLE if shape.titled else "all stable gains")
+        whole.set_ylabel("K_i, 1/s")
+        whole.set_ylim(-0.15 * whole.get_ylim()[1], 1.35 * whole.get_ylim()[1])
+        whole.set_xlim(right=1.05 * zoom(design)[0][1])
+        whole.legend(loc="upper left", frameon=False)
+        near.set_title("around the paper's gains")
+        near.set_xlim(*zoom(design)[0])
+        near.set_ylim(*zoom(design)[1])
+        whole.indicate_inset_zoom(near, edgecolor=LIGHT["muted"])
     return fig
 
 
-def axes(title, y_label):
-    fig = Figure(figsize=(style.PRINT.width, HEIGHT), layout="constrained")
-    ax = fig.add_subplot()
-    ax.set_title(title)
-    ax.set_xlabel("time, s")
-    ax.set_ylabel(y_label)
-    return fig, ax
+def response_of(model, figure):
+    return next(response for response in model["responses"]
+                if (response["step"], response["pair"]) == (figure.step, figure.pair))
 
 
-def response_of(model, step, pair):
-    return next(r for r in model["responses"] if r["step"] == step and r["pair"] == pair)
+def draw_response(design, figure, shape):
+    with matplotlib.rc_context(style.settings(shape)):
+        fig = Figure(figsize=(shape.width, HEIGHT), layout="constrained")
+        ax = fig.add_subplot()
+        ax.set_xlabel("time, s")
+        ax.set_ylabel(LABELS[figure.signal])
+        if shape.titled:
+            ax.set_title(figure.title(design))
+        for model in design["models"]:
+            draw_model(ax, model, figure)
+        ax.axhline(1 if figure.step == "speed" else 0, color=LIGHT["command"], linewidth=0.7, zorder=3)
+        columns = 2 if shape.columns > 1 else 1
+        low, high = ax.get_ylim()
+        ax.set_ylim(low, high + ROOM_FOR_LEGEND / columns * (high - low))
+        ax.legend(loc="upper right", frameon=False, ncols=columns)
+    return fig
 
 
-def draw_response(design, title, step, pair, signal):
-    gains = pair_of(design["models"][0], pair)
-    fig, ax = axes(title.format(step=STEPS[step], kp=gains["kp"], ki=gains["ki_per_s"]),
-                   LABELS[signal])
-    for model in design["models"]:
-        response = response_of(model, step, pair)
-        ax.plot(response["time_s"], response[signal], label=NAMES[model["matrices"]],
-                **LOOKS[model["matrices"]])
-        if signal == "i_d_a":
-            ax.axhline(response["settled_i_d_a"], color=LOOKS[model["matrices"]]["color"],
-                       linewidth=0.9, linestyle=(0, (1, 2)), zorder=3,
-                       label=f"settles at {response['settled_i_d_a']:.3f} A")
-    target = 1 if step == "speed" else 0
-    ax.axhline(target, color=LIGHT["command"], linewidth=0.7, zorder=3)
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + 0.26 * (high - low))  # room for the legend
+def draw_model(ax, model, figure):
+    response, look = response_of(model, figure), LOOKS[model["matrices"]]
+    ax.plot(response["time_s"], response[figure.signal], label=NAMES[model["matrices"]], **look)
     ax.set_xlim(0, response["time_s"][-1])
-    ax.legend(loc="upper right", frameon=False, ncols=2)
-    return fig
+    if figure.signal == "i_d_a":
+        ax.axhline(response["settled_i_d_a"], color=look["color"], linewidth=0.9, linestyle=(0, (1, 2)), zorder=3,
+                   label=f"settles at {response['settled_i_d_a']:.3f} A")
+
+
+def figures(design):
+    """(key, title, how to draw it in a Shape) of the six."""
+    yield REGION, REGION_TITLE, lambda shape: draw_region(design, shape)
+    for figure in RESPONSES:
+        yield figure.key, figure.title(design), lambda shape, figure=figure: draw_response(design, figure, shape)
 
 
 def write_figures(path, folder):
     """The six figures as PNG files; returns their paths."""
     design = read_design(path)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PlotError(f"{folder}: {error.strerror}; expected a folder to write to") from error
+    make_folder(folder)
     written = []
-    with matplotlib.rc_context(style.settings(style.PRINT)):
-        figures = [("fig3", draw_region(design))]
-        figures += [(key, draw_response(design, *what)) for key, *what in RESPONSES]
-    for key, figure in figures:
+    for key, _, draw in figures(design):
         written.append(folder / f"design_{key}.png")
-        save(figure, style.PRINT, written[-1])
+        save(draw(style.PRINT), style.PRINT, written[-1])
     return written

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from report.panels import ANGLES, CATALOGUE, I_Q, I_Q_ESTIMATED, Panel, speed
+from report.panels import ANGLES, CATALOGUE, I_D, I_Q, I_Q_ESTIMATED, Panel, speed
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,21 @@ POSITION = lettered(
     IQ_ACTUAL, IQ_ESTIMATED)
 ERRORS = lettered(*(CATALOGUE[name] for name in (
     "command-error", "speed-error", "iq-error", "angle-error")))
+VOLTAGE = lettered(
+    Panel("command and actual speed", "rpm", speed("command", "actual")),
+    Panel("actual d current", "A", (I_D,)), IQ_ACTUAL, CATALOGUE["voltage"], CATALOGUE["angle-error"])
+VOLTAGE_FIGURE = (
+    Layout("fig6", "Response to a step of the load without current regulators (paper B, fig. 6)", VOLTAGE),)
 
-# The figures of paper A, by scenario.
+# The papers' figures, by scenario.
 SCENARIOS = {
     "s1": (Layout("fig5", "Response to steps of the speed command (paper A, fig. 5)",
                   RESPONSE, (2, 3)),),
     "s2": (Layout("fig6", "Response to a step of the load (paper A, fig. 6)", RESPONSE, (2, 3)),
            Layout("fig8", "Errors through the step of the load (paper A, fig. 8)", ERRORS)),
     "s3": (Layout("fig7", "Position control (paper A, fig. 7)", POSITION, (3, 4)),),
+    "s4": VOLTAGE_FIGURE,
+    "s5": VOLTAGE_FIGURE,
 }
 OVERVIEW = ("state", "speed", "speed-error", "position", "angle-error", "iq", "id", "torque")
 
@@ -60,7 +67,7 @@ def overview(trace):
 
 
 def layouts(run):
-    """The figures of a run: the paper's, or the overview of a scenario the paper does not have."""
+    """The figures of a run: a paper's, or the overview of a scenario the papers do not have."""
     if run.scenario in SCENARIOS:
         return SCENARIOS[run.scenario]
     panels = overview(run.trace)

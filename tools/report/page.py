@@ -11,8 +11,8 @@ TITLES = {
     "s1": "speed command 0 → 1000 → 1800 rpm without load",
     "s2": "load of 3 N·m from 0.5 s to 0.8 s at 1800 rpm",
     "s3": "position command 0 → 3π → −3π rad",
-    "s4": "phase compensator with the sensor's angle, load step",
-    "s5": "phase compensator with the estimated angle, load step",
+    "s4": "voltage drive with the sensor's angle, load of 3 N·m from 0.1 s on",
+    "s5": "voltage drive with the estimated angle, load of 3 N·m from 0.1 s on",
 }
 METRICS = {     # key: name, unit
     "speed_error_max_rpm": ("speed error, largest", "rpm"),
@@ -32,7 +32,7 @@ METRICS = {     # key: name, unit
     "saturations": ("saturations", ""),
     "saturation_internal_count": ("saturations inside the arithmetic", ""),
 }
-HEADED = ("scenario", "with", "seed", "accepted")   # shown in the heading of a run
+HEADED = ("scenario", "with", "set", "seed", "accepted")   # shown in the heading of a run
 
 
 @dataclass(frozen=True)
@@ -155,6 +155,9 @@ def conditions(run):
     if isinstance(imperfections, str):
         imperfections = [imperfections]
     text = ", ".join(map(str, imperfections)) or "ideal"
+    settings = run.metrics.get("set") or []
+    if settings:
+        text += f"; {', '.join(map(str, settings))}"
     return text if run.metrics.get("seed") is None else f"{text}, seed {run.metrics['seed']}"
 
 

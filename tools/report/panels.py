@@ -45,6 +45,7 @@ def difference(column, minus=None):
 
 
 ANGLES = (Line("angle_el_deg", "actual"), Line("angle_estimated_el_deg", "estimated"))
+I_D = Line("i_d_a", "actual")
 I_Q = Line("i_q_a", "actual")
 I_Q_ESTIMATED = Line("i_q_estimated_a", "estimated")
 
@@ -69,8 +70,7 @@ CATALOGUE = {
                 (Line("i_q_reference_a", "reference"), I_Q, I_Q_ESTIMATED)),
     "iq-error": Panel("actual − estimated q current", "A",
                       difference("i_q_a", "i_q_estimated_a"), base="current"),
-    "id": Panel("d current", "A", (Line("i_d_a", "actual"),
-                                   Line("i_d_estimated_a", "estimated"))),
+    "id": Panel("d current", "A", (I_D, Line("i_d_estimated_a", "estimated"))),
     "phases": Panel("phase currents", "A", (
         Line("i_a_a", "a"), Line("i_b_a", "b"), Line("i_c_a", "c"))),
     "voltage": Panel("voltage", "V", (Line("v_d_v", "d"), Line("v_q_v", "q"))),

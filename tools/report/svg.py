@@ -9,6 +9,7 @@ import matplotlib
 from report.style import LIGHT, settings
 
 IDENTIFIERS = re.compile(r'(\bid="|url\(#|href="#)')
+TAG = re.compile(r"<[^>]*>")    # what a reader sees is between them
 LONG_NUMBERS = re.compile(r"(\d\.\d\d)\d+")
 NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
@@ -22,7 +23,7 @@ def svg(figure, shape, name, alternative):
     text = text[text.index("<svg"):]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = IDENTIFIERS.sub(rf"\g<1>{name}-", text)
-    text = LONG_NUMBERS.sub(r"\1", text)
+    text = TAG.sub(lambda tag: LONG_NUMBERS.sub(r"\1", tag[0]), text)
     text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
     text = text.replace(" font-family: 'DejaVu Sans';", "")    # the page's font
     for meaning, color in LIGHT.items():
