@@ -23,6 +23,7 @@ constexpr double Q12 = 4096.0;
 constexpr double Q13 = 8192.0;
 constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
+constexpr double Q16 = 65536.0;
 constexpr double Q18 = 262144.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q27 = 134217728.0;
@@ -57,6 +58,15 @@ double weight_change(const Tick &t)
 {
     return t.sim->bases().rpm_from_step(static_cast<double>(t.observer_speed) -
                                         t.sim->drive().observer.speed);
+}
+
+// β, by which the voltage is ahead of the q axis, in its own direction; 0 with current regulators.
+double lead(const Tick &t)
+{
+    const drive_t &drive = t.sim->drive();
+    const dq_t &v = drive.signals.voltage;
+    const double along = drive.voltage_magnitude < 0 ? -1 : 1;
+    return drive.voltage_driven ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
 }
 
 double duty(const Tick &t, std::size_t leg)
@@ -140,6 +150,7 @@ std::vector<SignalInfo> tick_signals()
         IN(command.target, number),
         IN(command.mode, number),
         IN(command.request, number),
+        IN(angle, shaft_q16),
         DRIVE(signals.phase_a, current_q15),
         DRIVE(signals.phase_b, current_q15),
         DRIVE(signals.bus, voltage_q15),
@@ -175,6 +186,11 @@ std::vector<SignalInfo> tick_signals()
         DRIVE(signals.voltage_limit, voltage_q15),
         DRIVE(signals.voltage.d, voltage_q15),
         DRIVE(signals.voltage.q, voltage_q15),
+        DRIVE(voltage_driven, flag),
+        DRIVE(voltage_magnitude, voltage_q15),
+        derived("lead_el_deg", Quantity::angle_deg, lead),
+        DRIVE(compensator.current_angle, turns_q32),
+        DRIVE(compensator.angle, turns_q32),
         DRIVE(signals.ratio_ab.alpha, ratio_q15),
         DRIVE(signals.ratio_ab.beta, ratio_q15),
         OUT(compare.phase[0], compare),
@@ -258,6 +274,7 @@ std::vector<SignalInfo> configuration_signals()
         CFG(sampling.current_shift, number),
         CFG(sampling.bus_shift, number),
         CFG(sampling.offset_log2, number),
+        CFG(sampling.sensor_pole_pairs, number),
         CFG(modulator.timer_counts, number),
         CFG(modulator.ratio_max_q15, ratio_q15),
         CFG(modulator.dead_time_q15, ratio_q15),
@@ -277,6 +294,13 @@ std::vector<SignalInfo> configuration_signals()
         CFG(startup.current_hold, current_q15),
         CFG(startup.hold_speed, speed_step),
         CFG(startup.handover_speed, speed_step),
+        CFG(voltage_drive.enabled, flag),
+        CFG(voltage_drive.pi.kp, number),
+        CFG(voltage_drive.pi.ki, number),
+        CFG(voltage_drive.compensator.gain, number),
+        CFG(voltage_drive.compensator.lead_max, turns_q32),
+        CFG(voltage_drive.compensator.brake_max, turns_q32),
+        CFG(voltage_drive.compensator.current_min, current_q15),
         CFG(crc, number),
     };
 }
@@ -318,6 +342,8 @@ Scale simple_scale(Quantity quantity)
         return {"", "ADC count", 1, 1};
     case Quantity::turns_q32:
         return {"turns el", "Q32", 1, 1 / Q32};
+    case Quantity::shaft_q16:
+        return {"turns", "Q16 of a turn of the shaft", 1, 1 / Q16};
     case Quantity::ratio_q13:
         return {"", "Q13", 1, 1 / Q13};
     case Quantity::ratio_q14:

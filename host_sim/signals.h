@@ -40,6 +40,7 @@ enum class Quantity {
     speed_step,
     speed_q15,
     turns_q32,
+    shaft_q16,
     network_q15,
     network_q27,
     descent,

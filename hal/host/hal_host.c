@@ -28,8 +28,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ia = read_channel(&faults->ia, adc.ia);
     in->adc_ib = read_channel(&faults->ib, adc.ib);
     in->adc_bus = read_channel(&faults->bus, adc.bus);
-    in->adc_temperature = adc.temperature;
-    in->angle = adc.angle;
+    in->adc_temperature = read_channel(&faults->temperature, adc.temperature);
+    in->angle = read_channel(&faults->angle, adc.angle);
     in->flags = (uint16_t)(late | broken);
 }
 

@@ -27,6 +27,8 @@ typedef struct {
     hal_host_channel_t ia;
     hal_host_channel_t ib;
     hal_host_channel_t bus;
+    hal_host_channel_t temperature;
+    hal_host_channel_t angle;
     bool broken; /* the power stage opens the gates by itself, and says so */
     bool
         late; /* ticks end too late: a rest duty acts in place of their demand, and the next knows */

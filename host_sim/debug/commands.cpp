@@ -340,8 +340,9 @@ constexpr const char *HELP_EXPR =
 
 constexpr const char *HELP_SET =
     "What can be set: words of the drive's state (drive.…), of its configuration (cfg.…, sealed anew\n"
-    "so that its guard accepts it), the converter's counts (in.adc_ia, in.adc_ib, in.adc_bus) and the\n"
-    "commands speed_command_rpm, position_command_rad, load_torque_nm. NAME takes the SI value,\n"
+    "so that its guard accepts it), the counts of the converter and of the angle sensor (in.adc_ia,\n"
+    "in.adc_ib, in.adc_bus, in.adc_temperature, in.angle) and the commands speed_command_rpm,\n"
+    "position_command_rad, load_torque_nm. NAME takes the SI value,\n"
     "NAME.raw the integer:\n"
     "    set speed_command_rpm = 500\n"
     "    set drive.model.observer.volt_gain.raw = 9000\n"

@@ -18,6 +18,13 @@ bool is_true(double value)
     return value < 0.0 || value > 0.0;
 }
 
+// RUN has a second form.
+std::string state_text(const drive_t &drive)
+{
+    const bool driven = drive.state == DRIVE_STATE_RUN && drive.voltage_driven;
+    return fmt::format("{}{}", state_name(drive.state), driven ? ", voltage-driven" : "");
+}
+
 } // namespace
 
 // What holds already where a run begins does not stop it.
@@ -62,7 +69,7 @@ std::string Session::position_text() const
     const drive_t &drive = tick.sim->drive();
     std::string text =
         fmt::format("tick {}  t = {:.4f} s  {}  {:.1f} rpm, estimated {:.1f} rpm", timeline.now(),
-                    tick.time_s, state_name(drive.state), si_value(*find_signal("speed_rpm"), tick),
+                    tick.time_s, state_text(drive), si_value(*find_signal("speed_rpm"), tick),
                     si_value(*find_signal("speed_estimated_rpm"), tick));
     if (drive.state == DRIVE_STATE_FAULT) {
         text += fmt::format("  {}", fault_text(drive.fault.id)->name);

@@ -40,10 +40,12 @@ struct Channel {
     hal_host_channel_t hal_host_faults_t::*channel;
 };
 
-constexpr std::array<Channel, 3> CHANNELS = {{
+constexpr std::array<Channel, 5> CHANNELS = {{
     {"in.adc_ia", &hal_host_faults_t::ia},
     {"in.adc_ib", &hal_host_faults_t::ib},
     {"in.adc_bus", &hal_host_faults_t::bus},
+    {"in.adc_temperature", &hal_host_faults_t::temperature},
+    {"in.angle", &hal_host_faults_t::angle},
 }};
 
 Change force_channel(const Channel &channel, int64_t raw)

@@ -16,7 +16,8 @@ public:
         Pi::Params pi;             // A per rad/s
         double ramp_rad_s;         // largest change of the reference in a slow period
         double speed_max_rad_s;    // of the reference
-        double current_max_a;      // of the demand
+        double current_min_a;      // of the demand
+        double current_max_a;
         double current_per_change; // A for a change of the reference by 1 rad/s in a slow period
     };
 
@@ -40,11 +41,20 @@ public:
     // One slow period: i_q*, A.
     double step(double reference_rad_s, double measured_rad_s)
     {
+        const double torque = accelerate(reference_rad_s);
+        const double middle = (p_.current_min_a + p_.current_max_a) / 2;
+        return middle + pi_.step(reference_ - measured_rad_s, torque - middle,
+                                 p_.current_max_a - middle);
+    }
+
+    // The same without a PI: the current that the reference's change takes, A.
+    double accelerate(double reference_rad_s)
+    {
         const double limited = std::clamp(reference_rad_s, -p_.speed_max_rad_s, p_.speed_max_rad_s);
         const double torque = std::clamp((limited - reference_) * p_.current_per_change,
-                                         -p_.current_max_a, p_.current_max_a);
+                                         p_.current_min_a, p_.current_max_a);
         reference_ = limited;
-        return pi_.step(limited - measured_rad_s, torque, p_.current_max_a);
+        return torque;
     }
 
     double reference() const

@@ -9,6 +9,7 @@
 #include "twin_current_loop.h"
 #include "twin_motion_loop.h"
 #include "twin_nn_observer.h"
+#include "twin_phase_compensator.h"
 #include "twin_pi.h"
 
 #include <cmath>
@@ -119,15 +120,35 @@ inline CurrentLoop::Params current_loop_params(const PerUnit &s)
             c.resistance_q13 / Q13 * resistance};
 }
 
+// The speed error is Q15 of a base of its own: one is 2^(15 + error_shift) steps.
+inline double speed_error_base(const PerUnit &s)
+{
+    return s.speed_of_step(std::ldexp(Q15, static_cast<int>(s.cfg.speed_loop.error_shift)));
+}
+
+// Of the PI that sets the magnitude of a voltage, V.
+inline Pi::Params voltage_pi_params(const PerUnit &s)
+{
+    return pi_params(s.cfg.voltage_drive.pi, s.bases.voltage_v, speed_error_base(s));
+}
+
+// Currents in A.
+inline PhaseCompensator::Params phase_compensator_params(const PerUnit &s)
+{
+    const phase_compensator_cfg_t &c = s.cfg.voltage_drive.compensator;
+    const double radian = TWO_PI / STEPS_PER_TURN;
+    return {std::ldexp(c.gain, -16 - static_cast<int>(c.gain_shift)), c.lead_max * radian,
+            c.brake_max * radian, s.current(c.current_min)};
+}
+
 inline SpeedLoop::Params speed_loop_params(const PerUnit &s)
 {
     const speed_loop_cfg_t &c = s.cfg.speed_loop;
-    // The error is Q15 of a base of its own: one is 2^(15 + error_shift) steps.
-    const double error_base = s.speed_of_step(std::ldexp(Q15, static_cast<int>(c.error_shift)));
     const double per_step =
         std::ldexp(c.inertia, -16 - static_cast<int>(c.inertia_shift)) / Q15 * s.bases.current_a;
-    return {pi_params(c.pi, s.bases.current_a, error_base), s.speed_of_step(c.ramp),
-            s.speed_of_step(c.speed_max), s.current(s.cfg.derating.current_max),
+    return {pi_params(c.pi, s.bases.current_a, speed_error_base(s)), s.speed_of_step(c.ramp),
+            s.speed_of_step(c.speed_max), -s.current(s.cfg.derating.current_max),
+            s.current(s.cfg.derating.current_max),
             per_step / s.speed_of_step(1.0)};
 }
 

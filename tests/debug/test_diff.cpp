@@ -75,6 +75,8 @@ static void test_every_tick_of_the_scenarios_is_within_its_roundings()
     take_run("s2_robust", {"imp"}, shares);
     take_run("s3_robust", {"deadtime"}, shares);
     take_run("s2_motor_b", {"adc"}, shares);
+    take_run("s4", {"encoder"}, shares);
+    take_run("s5", {"adc"}, shares);
     for (const auto &[quantity, share] : shares.largest) {
         fmt::print("{}: {:.3f} of its tolerance\n", quantity, share);
         TEST_ASSERT_TRUE_MESSAGE(share < EXACT_SHARE || share > LEAST_SHARE, quantity.c_str());
@@ -89,10 +91,17 @@ static Timeline &running()
     return timeline;
 }
 
-static void expect_first(const char *assignment, const char *module)
+static Timeline &driven_by_voltage()
 {
-    static const drive_cfg_t built = running().run().sim().cfg();
-    Timeline &timeline = running();
+    static const nf::Config config = nf::load_scenario("s4");
+    static Timeline timeline(config);
+    timeline.go_to(timeline.run().tick_at(0.5));
+    return timeline;
+}
+
+static void expect_first(Timeline &timeline, const char *assignment, const char *module)
+{
+    const drive_cfg_t built = timeline.run().sim().cfg();
     const std::string name = std::string(assignment).substr(0, std::string(assignment).find(' '));
 
     TEST_ASSERT_NULL(first_departure(diff_tick(timeline.before(), timeline.tick(), built)));
@@ -108,22 +117,52 @@ static void expect_first(const char *assignment, const char *module)
 
 static void test_a_wrong_result_is_named_by_its_module()
 {
-    expect_first("drive.model.observer.volt_gain.raw = 9000", "model");
-    expect_first("drive.model.run_loop.pi_q.kp.raw = 1", "model");
-    expect_first("drive.signals.phase_a = 5", "sampling");
-    expect_first("drive.signals.current_ab.beta = 5", "Clarke");
-    expect_first("drive.signals.current.q = 5", "Park");
-    expect_first("drive.signals.voltage_applied.alpha = 100", "applied voltage");
-    expect_first("drive.observer.alpha_q27 = 1", "observer network");
-    expect_first("drive.observer.current.d = 1", "observer network");
-    expect_first("drive.observer.turned.q = 1", "observer network");
-    expect_first("drive.observer.descent.raw = 3000", "observer training");
-    expect_first("drive.observer.speed = 300", "observer training");
-    expect_first("drive.observer.speed_out = 300", "observer training");
-    expect_first("drive.signals.voltage_limit = 10", "current loop");
-    expect_first("drive.signals.voltage.q = 10", "current loop");
-    expect_first("drive.signals.ratio_ab.alpha = 0.3", "modulator");
-    expect_first("drive.position.turns_q32 = 0.25", "rotor position");
+    expect_first(running(), "drive.model.observer.volt_gain.raw = 9000", "model");
+    expect_first(running(), "drive.model.run_loop.pi_q.kp.raw = 1", "model");
+    expect_first(running(), "drive.signals.phase_a = 5", "sampling");
+    expect_first(running(), "drive.signals.current_ab.beta = 5", "Clarke");
+    expect_first(running(), "drive.signals.current.q = 5", "Park");
+    expect_first(running(), "drive.signals.voltage_applied.alpha = 100", "applied voltage");
+    expect_first(running(), "drive.observer.alpha_q27 = 1", "observer network");
+    expect_first(running(), "drive.observer.current.d = 1", "observer network");
+    expect_first(running(), "drive.observer.turned.q = 1", "observer network");
+    expect_first(running(), "drive.observer.descent.raw = 3000", "observer training");
+    expect_first(running(), "drive.observer.speed = 300", "observer training");
+    expect_first(running(), "drive.observer.speed_out = 300", "observer training");
+    expect_first(running(), "drive.signals.voltage_limit = 10", "current loop");
+    expect_first(running(), "drive.signals.voltage.q = 10", "current loop");
+    expect_first(running(), "drive.signals.ratio_ab.alpha = 0.3", "modulator");
+    expect_first(running(), "drive.position.turns_q32 = 0.25", "rotor position");
+}
+
+static void test_a_wrong_result_of_the_voltage_drive_is_named_by_its_module()
+{
+    Timeline &timeline = driven_by_voltage();
+
+    TEST_ASSERT_TRUE(timeline.tick().sim->drive().voltage_driven);
+    expect_first(timeline, "drive.frame_speed = 500", "angle sensor");
+    expect_first(timeline, "drive.compensator.current_angle = 0.1", "phase compensator");
+    expect_first(timeline, "drive.compensator.angle = 0.1", "phase compensator");
+    expect_first(timeline, "drive.signals.voltage.d = 1", "voltage drive");
+    expect_first(timeline, "drive.signals.current_ref.q = 1", "voltage drive");
+    while (timeline.before().slow_count != 1U) {
+        timeline.step();
+    }
+    expect_first(timeline, "drive.voltage_magnitude = 5", "voltage magnitude");
+    expect_first(timeline, "drive.speed_loop.pi.integral_q26 = 5", "voltage magnitude");
+}
+
+static void test_a_wrong_result_of_the_slow_period_is_named_by_its_module()
+{
+    Timeline &timeline = running();
+
+    while (timeline.before().slow_count != 2U) {
+        timeline.step();
+    }
+    expect_first(timeline, "drive.speed_reference = 10", "speed plan");
+    timeline.step();
+    expect_first(timeline, "drive.signals.current_ref.q = 9", "speed loop");
+    expect_first(timeline, "drive.speed_loop.pi.integral_q26.raw = 0", "speed loop");
 }
 
 static void test_a_wrong_configuration_is_named_with_its_word()
@@ -148,6 +187,8 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(test_every_tick_of_the_scenarios_is_within_its_roundings);
     RUN_TEST(test_a_wrong_result_is_named_by_its_module);
+    RUN_TEST(test_a_wrong_result_of_the_voltage_drive_is_named_by_its_module);
+    RUN_TEST(test_a_wrong_result_of_the_slow_period_is_named_by_its_module);
     RUN_TEST(test_a_wrong_configuration_is_named_with_its_word);
     return UNITY_END();
 }

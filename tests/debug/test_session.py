@@ -62,9 +62,17 @@ class FindsAFault(SessionTest):
                                   r"drive 20000, reference 63\d\d")
 
     def test_a_healthy_run_departs_nowhere(self):
-        answers = self.session(["goto 0.5s", "diff", "back 3", "diff"])
-        for answer in (answers[1], answers[3]):
-            self.assertIn("no departure", answer)
+        for scenario in ("s1_robust", "s5"):
+            answers = self.session(["goto 0.5s", "diff", "back 3", "diff"], scenario)
+            for answer in (answers[1], answers[3]):
+                self.assertIn("no departure", answer)
+
+    def test_what_is_not_compared_is_named(self):
+        answers = self.session(["diff", "goto 0.5s", "diff"])
+        self.assertIn("not compared in this tick: all that works with currents", answers[0])
+        self.assertNotIn("in this tick", answers[2])
+        for answer in (answers[0], answers[2]):
+            self.assertRegex(answer, r"never compared: changes of state, protection")
 
 
 class Steps(SessionTest):
@@ -139,6 +147,17 @@ class Prints(SessionTest):
         places = [answer.index(name) for name in order]
         self.assertEqual(places, sorted(places))
 
+    def test_stages_are_those_of_the_drive_that_runs(self):
+        sensed = self.session(["goto 0.5s", "stages"], "s4")[1]
+        self.assertIn(" RUN, voltage-driven  ", sensed)
+        for part in ("in.angle ", "drive.voltage_magnitude ", "lead_el_deg ",
+                     "drive.compensator.angle "):
+            self.assertIn(part, sensed)
+        self.assertNotIn("current loop", sensed)
+        regulated = self.session(["goto 0.5s", "stages"])[1]
+        self.assertNotIn("in.angle", regulated)
+        self.assertNotIn("compensator", regulated)
+
 
 class Sets(SessionTest):
     def test_commands_and_parameters_act_from_here_on(self):
@@ -152,6 +171,8 @@ class Sets(SessionTest):
     def test_a_forced_count_reaches_the_drive(self):
         answers = self.session(["goto 0.5s", "force in.adc_ia.raw = 4095", "run until fault"])
         self.assertIn("ADC_SATURATED", answers[2])
+        answers = self.session(["goto 0.5s", "force in.angle.raw = 0", "run until fault"], "s4")
+        self.assertIn("FAULT", answers[2])
 
 
 class Refuses(SessionTest):
