@@ -80,8 +80,8 @@ double radians(int64_t turns_q32)
 // What is left between two positions within a turn: −2^31 … 2^31 − 1.
 int32_t apart(int64_t from_q32, int64_t to_q32)
 {
-    return static_cast<int32_t>(static_cast<uint32_t>(static_cast<uint64_t>(to_q32) -
-                                                      static_cast<uint64_t>(from_q32)));
+    return static_cast<int32_t>(
+        static_cast<uint32_t>(static_cast<uint64_t>(to_q32) - static_cast<uint64_t>(from_q32)));
 }
 
 // As drive_is_controlled(), whose header is C only.
@@ -160,8 +160,8 @@ private:
     bool begins_anew() const
     {
         const bool changed = before_.state != after_.state;
-        return changed && (before_.state == DRIVE_STATE_RUN || running_ ||
-                           before_.state == DRIVE_STATE_ALIGN);
+        return changed &&
+               (before_.state == DRIVE_STATE_RUN || running_ || before_.state == DRIVE_STATE_ALIGN);
     }
     // The slow period's part that falls on this tick: as many ticks are left of it.
     bool has_slow_part(uint32_t left) const
@@ -513,8 +513,7 @@ void TickDiff::position_plan()
     const double target = in_.command.target * TURN_Q16;
     twin::PositionLoop twin(twin::position_loop_params(si_));
     twin.reset(rad(static_cast<double>(from.profile_q32)), si_.speed_of_step(from.profile_speed));
-    const double reference =
-        twin.step(rad(target), rad(static_cast<double>(measured_position())));
+    const double reference = twin.step(rad(target), rad(static_cast<double>(measured_position())));
 
     const double unit = std::ldexp(1.0, static_cast<int>(c.distance_shift));
     const double distance =
@@ -534,7 +533,8 @@ void TickDiff::position_plan()
 // In the ticks in which it runs.
 void TickDiff::speed_loop()
 {
-    const bool runs = has_slow_part(0) && running_ && before_.voltage_driven == after_.voltage_driven;
+    const bool runs =
+        has_slow_part(0) && running_ && before_.voltage_driven == after_.voltage_driven;
     if (has_slow_part(0) && drags()) {
         imposed_speed();
     }
@@ -577,8 +577,8 @@ void TickDiff::imposed_speed()
     twin::SpeedLoop twin(p);
     twin.reset(si_.speed_of_step(before_.speed_loop.reference), 0);
     const double torque = twin.accelerate(si_.speed_of_step(after_.speed_reference));
-    add("frame's speed", "rpm", after_.frame_speed * rpm,
-        si_.step_of_speed(twin.reference()) * rpm, rpm / 2);
+    add("frame's speed", "rpm", after_.frame_speed * rpm, si_.step_of_speed(twin.reference()) * rpm,
+        rpm / 2);
     add("i_q reference", "A", si_.current(after_.signals.current_ref.q), torque,
         2 * si_.current(1));
 }
@@ -595,8 +595,9 @@ void TickDiff::magnitude()
     const double emf = emf_per_q15 * std::ldexp(reference, -si_.bases.speed_shift);
     twin::Pi twin(twin::voltage_pi_params(si_));
     twin.reset(before_.speed_loop.pi.integral_q26 * one);
-    const double magnitude = twin.step(si_.speed_of_step(reference - after_.observer.speed),
-                                       si_.voltage(emf), si_.voltage(before_.signals.voltage_limit));
+    const double magnitude =
+        twin.step(si_.speed_of_step(reference - after_.observer.speed), si_.voltage(emf),
+                  si_.voltage(before_.signals.voltage_limit));
     const double kp = std::ldexp(pi.kp, -static_cast<int>(pi.kp_shift));
     const double ki = std::ldexp(pi.ki, -static_cast<int>(pi.ki_shift) - 11) + INTEGRAL_LSB;
     add("U", "V", si_.voltage(after_.voltage_magnitude), magnitude,

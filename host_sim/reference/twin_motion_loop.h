@@ -13,10 +13,10 @@ class SpeedLoop
 {
 public:
     struct Params {
-        Pi::Params pi;             // A per rad/s
-        double ramp_rad_s;         // largest change of the reference in a slow period
-        double speed_max_rad_s;    // of the reference
-        double current_min_a;      // of the demand
+        Pi::Params pi;          // A per rad/s
+        double ramp_rad_s;      // largest change of the reference in a slow period
+        double speed_max_rad_s; // of the reference
+        double current_min_a;   // of the demand
         double current_max_a;
         double current_per_change; // A for a change of the reference by 1 rad/s in a slow period
     };
@@ -43,8 +43,8 @@ public:
     {
         const double torque = accelerate(reference_rad_s);
         const double middle = (p_.current_min_a + p_.current_max_a) / 2;
-        return middle + pi_.step(reference_ - measured_rad_s, torque - middle,
-                                 p_.current_max_a - middle);
+        return middle +
+               pi_.step(reference_ - measured_rad_s, torque - middle, p_.current_max_a - middle);
     }
 
     // The same without a PI: the current that the reference's change takes, A.

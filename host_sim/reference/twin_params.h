@@ -146,8 +146,10 @@ inline SpeedLoop::Params speed_loop_params(const PerUnit &s)
     const speed_loop_cfg_t &c = s.cfg.speed_loop;
     const double per_step =
         std::ldexp(c.inertia, -16 - static_cast<int>(c.inertia_shift)) / Q15 * s.bases.current_a;
-    return {pi_params(c.pi, s.bases.current_a, speed_error_base(s)), s.speed_of_step(c.ramp),
-            s.speed_of_step(c.speed_max), -s.current(s.cfg.derating.current_max),
+    return {pi_params(c.pi, s.bases.current_a, speed_error_base(s)),
+            s.speed_of_step(c.ramp),
+            s.speed_of_step(c.speed_max),
+            -s.current(s.cfg.derating.current_max),
             s.current(s.cfg.derating.current_max),
             per_step / s.speed_of_step(1.0)};
 }

@@ -1,6 +1,9 @@
 """motorsim debug as its users meet it: sessions from a file or a pipe, and what they are told."""
 
+import os
+import pty
 import re
+import select
 import subprocess
 import sys
 import tempfile
@@ -228,6 +231,43 @@ class Refuses(SessionTest):
         self.assertEqual(done.returncode, BAD_INPUT)
         self.assertEqual(done.stderr.strip(),
                          "motorsim: none.txt: cannot read: No such file or directory")
+
+
+class Terminal(SessionTest):
+    ANSWER_S = 20
+
+    def setUp(self):
+        super().setUp()
+        self.screen, line = pty.openpty()
+        self.addCleanup(os.close, self.screen)
+        self.process = subprocess.Popen([MOTORSIM, "debug", "s1"], stdin=line, stdout=line,
+                                        stderr=line, cwd=self.folder,
+                                        env={**os.environ, "TERM": "xterm"})
+        os.close(line)
+        self.addCleanup(self.process.wait)
+        self.addCleanup(self.process.kill)
+        self.shown_until(r"\(s1 0\)")
+
+    def shown_until(self, pattern):
+        text = ""
+        while not re.search(pattern, text):
+            ready, _, _ = select.select([self.screen], [], [], self.ANSWER_S)
+            self.assertTrue(ready, f"no {pattern} in {text!r}")
+            text += os.read(self.screen, 4096).decode(errors="replace")
+        return text
+
+    def types(self, keys, pattern):
+        os.write(self.screen, keys.encode())
+        return self.shown_until(pattern)
+
+    def test_a_tab_completes_commands_and_signals(self):
+        self.types("got\t7\n", r"tick 7 ")
+        self.types("print i_q_ref\t\n", r"i_q_reference_a +\S+ A +raw")
+
+    def test_the_arrow_brings_the_last_line_again(self):
+        self.types("goto 42\n", r"tick 42 ")
+        self.types("step 3\n", r"tick 45 ")
+        self.types("\x1b[A\x1b[A\n", r"tick 42 ")
 
 
 class Teaches(SessionTest):
