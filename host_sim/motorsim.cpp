@@ -6,6 +6,7 @@
 #include "data_list.h"
 #include "report.h"
 #include "scenario.h"
+#include "table.h"
 #include "trace.h"
 #include "vcd.h"
 
@@ -46,10 +47,14 @@ constexpr const char *EXAMPLES = R"(Examples:
 
 Exit status: 0 all limits of the scenario hold, 1 one does not, 2 wrong usage or input.)";
 
-struct RunArguments {
+// What is simulated.
+struct Choice {
     std::string scenario;
     std::vector<std::string> with;
     std::vector<std::string> set;
+};
+
+struct RunArguments : Choice {
     std::string trace;
     bool trace_prelude = false;
     std::string json;
@@ -58,10 +63,7 @@ struct RunArguments {
     std::optional<double> vcd_to_s;
 };
 
-struct DebugArguments {
-    std::string scenario;
-    std::vector<std::string> with;
-    std::vector<std::string> set;
+struct DebugArguments : Choice {
     std::string script;
 };
 
@@ -247,6 +249,13 @@ int debug(const DebugArguments &arguments)
                                    : *nf::debug::stream_reader(stdin, stdout));
 }
 
+int signals(const Choice &choice)
+{
+    write_text("-",
+               nf::debug::table_json(nf::load_scenario(choice.scenario, choice.with, choice.set)));
+    return LIMITS_HOLD;
+}
+
 int list()
 {
     write_text("-", nf::data_list_text());
@@ -282,8 +291,7 @@ int bench(const BenchArguments &arguments)
     return LIMITS_HOLD;
 }
 
-// What is simulated.
-template <typename Arguments> void describe_choice(CLI::App &command, Arguments &arguments)
+void describe_choice(CLI::App &command, Choice &arguments)
 {
     command
         .add_option("scenario", arguments.scenario, "name (see `motorsim list`) or path of a .toml")
@@ -341,14 +349,18 @@ int parse_and_do(int argc, char **argv)
     RunArguments run_arguments;
     DebugArguments debug_arguments;
     BenchArguments bench_arguments;
+    Choice signals_choice;
     CLI::App *const run_command = app.add_subcommand("run", "run a scenario and judge it");
     CLI::App *const debug_command =
         app.add_subcommand("debug", "step through a scenario, forwards and backwards");
+    CLI::App *const signals_command = app.add_subcommand(
+        "signals", "the firmware's words with formats and scales, as JSON for debuggers");
     CLI::App *const list_command = app.add_subcommand("list", "list scenarios and imperfections");
     CLI::App *const bench_command = app.add_subcommand("bench", "measure the simulation speed");
     describe_run(*run_command, run_arguments);
     describe_debug(*debug_command, debug_arguments);
     describe_bench(*bench_command, bench_arguments);
+    describe_choice(*signals_command, signals_choice);
     app.footer(EXAMPLES);
     try {
         app.parse(argc, argv);
@@ -366,6 +378,9 @@ int parse_and_do(int argc, char **argv)
     }
     if (*bench_command) {
         return bench(bench_arguments);
+    }
+    if (*signals_command) {
+        return signals(signals_choice);
     }
     if (*list_command) {
         return list();

@@ -81,17 +81,18 @@ SignalInfo derived(const char *name, Quantity quantity, double (*value)(const Ti
 }
 
 template <typename T>
-SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_t offset)
+SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_t offset,
+                const char *member)
 {
     using Plain = typename std::conditional_t<std::is_enum_v<T>, std::underlying_type<T>,
                                               std::common_type<T>>::type;
-    return {name, quantity, nullptr, {home, offset, sizeof(T), std::is_signed_v<Plain>}};
+    return {name, quantity, nullptr, {home, offset, sizeof(T), std::is_signed_v<Plain>, member}};
 }
 
 // A member's name, place and type are one thing: only the preprocessor can tell all three from one mention.
 #define FIELD(name, home, type, member, quantity) \
     word<std::remove_reference_t<decltype(std::declval<type &>().member)>>( \
-        name, Quantity::quantity, Word::Home::home, offsetof(type, member))
+        name, Quantity::quantity, Word::Home::home, offsetof(type, member), #member)
 #define IN(member, quantity) FIELD("in." #member, in, drive_in_t, member, quantity)
 #define OUT(member, quantity) FIELD("out." #member, out, drive_out_t, member, quantity)
 #define DRIVE(member, quantity) FIELD("drive." #member, drive, drive_t, member, quantity)
@@ -313,15 +314,15 @@ std::vector<SignalInfo> configuration_signals()
 #undef CFG
 
 // SI = (raw − zero) · one.
-struct Scale {
+struct Format {
     const char *unit;
-    const char *format; // with {} for the base
+    const char *text; // with {} for the base
     double base;
     double one;
     double zero = 0;
 };
 
-Scale simple_scale(Quantity quantity)
+Format simple_format(Quantity quantity)
 {
     switch (quantity) {
     case Quantity::time_s:
@@ -359,7 +360,7 @@ Scale simple_scale(Quantity quantity)
     }
 }
 
-Scale current_scale(Quantity quantity, const Simulation &sim)
+Format current_format(Quantity quantity, const Simulation &sim)
 {
     const double base = sim.bases().current_a;
     const double network = std::ldexp(base, static_cast<int>(sim.cfg().observer.current_shift));
@@ -383,7 +384,7 @@ Scale current_scale(Quantity quantity, const Simulation &sim)
     }
 }
 
-Scale voltage_scale(Quantity quantity, const Simulation &sim)
+Format voltage_format(Quantity quantity, const Simulation &sim)
 {
     const double base = sim.bases().voltage_v;
     const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.bus_shift));
@@ -401,7 +402,7 @@ Scale voltage_scale(Quantity quantity, const Simulation &sim)
     }
 }
 
-Scale scale_of(Quantity quantity, const Simulation &sim)
+Format format_of(Quantity quantity, const Simulation &sim)
 {
     switch (quantity) {
     case Quantity::current_a:
@@ -411,13 +412,13 @@ Scale scale_of(Quantity quantity, const Simulation &sim)
     case Quantity::network_q27:
     case Quantity::descent:
     case Quantity::adc_current:
-        return current_scale(quantity, sim);
+        return current_format(quantity, sim);
     case Quantity::voltage_v:
     case Quantity::voltage_q15:
     case Quantity::voltage_q26:
     case Quantity::inverse_q12:
     case Quantity::adc_bus:
-        return voltage_scale(quantity, sim);
+        return voltage_format(quantity, sim);
     case Quantity::speed_rpm:
         return {"rpm", "", 1, 1};
     case Quantity::speed_step: {
@@ -433,7 +434,7 @@ Scale scale_of(Quantity quantity, const Simulation &sim)
         return {"", "count of {:.6g}", full, 1 / full};
     }
     default:
-        return simple_scale(quantity);
+        return simple_format(quantity);
     }
 }
 
@@ -504,6 +505,28 @@ std::vector<std::string> near_signals(const std::string &name, std::size_t count
     return nearest(name, known, count);
 }
 
+const char *home_text(Word::Home home)
+{
+    switch (home) {
+    case Word::Home::in:
+        return "in";
+    case Word::Home::out:
+        return "out";
+    case Word::Home::cfg:
+        return "cfg";
+    case Word::Home::drive:
+        break;
+    }
+    return "drive";
+}
+
+Scale word_scale(const SignalInfo &signal, const Simulation &sim)
+{
+    const Format format = format_of(signal.quantity, sim);
+    return {format.unit, fmt::format(fmt::runtime(format.text), format.base), format.one,
+            format.zero};
+}
+
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick)
 {
     if (signal.value != nullptr) {
@@ -517,14 +540,14 @@ double si_value(const SignalInfo &signal, const Tick &tick)
     if (signal.value != nullptr) {
         return signal.value(tick);
     }
-    const Scale scale = scale_of(signal.quantity, *tick.sim);
+    const Format scale = format_of(signal.quantity, *tick.sim);
     const int64_t raw = read_word(signal.word, place(signal.word, *tick.sim));
     return (static_cast<double>(raw) - scale.zero) * scale.one;
 }
 
 const char *unit_text(const SignalInfo &signal, const Simulation &sim)
 {
-    return scale_of(signal.quantity, sim).unit;
+    return format_of(signal.quantity, sim).unit;
 }
 
 std::string format_text(const SignalInfo &signal, const Simulation &sim)
@@ -532,8 +555,7 @@ std::string format_text(const SignalInfo &signal, const Simulation &sim)
     if (signal.value != nullptr) {
         return "";
     }
-    const Scale scale = scale_of(signal.quantity, sim);
-    return fmt::format(fmt::runtime(scale.format), scale.base);
+    return word_scale(signal, sim).format;
 }
 
 std::string word_text(const SignalInfo &signal, int64_t raw)
@@ -559,7 +581,7 @@ RawRange raw_range(const Word &word)
 
 double raw_from_si(const SignalInfo &signal, double si, const Simulation &sim)
 {
-    const Scale scale = scale_of(signal.quantity, sim);
+    const Format scale = format_of(signal.quantity, sim);
     return std::round(si / scale.one + scale.zero);
 }
 

@@ -66,6 +66,7 @@ struct Word {
     std::size_t offset;
     std::size_t bytes;
     bool has_sign;
+    const char *member; // of its home: "signals.current.d"
 };
 
 struct SignalInfo {
@@ -82,6 +83,17 @@ const SignalInfo *find_signal(const std::string &name);
 
 // For a misspelt name: those it may have meant, the nearest first, at most `count`.
 std::vector<std::string> near_signals(const std::string &name, std::size_t count);
+
+// SI = (raw − zero) · one.
+struct Scale {
+    const char *unit;
+    std::string format; // "Q15 of I_b = 40 A"
+    double one;
+    double zero;
+};
+// Of a word.
+Scale word_scale(const SignalInfo &signal, const Simulation &sim);
+const char *home_text(Word::Home home);
 
 double si_value(const SignalInfo &signal, const Tick &tick);
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick);

@@ -2,36 +2,18 @@
 
 #include "vocabulary.h"
 
-#include <vector>
-
 #include <fmt/format.h>
 
 namespace nf::debug
 {
-namespace
-{
 
-// In ticks of which kind.
-enum class Shown {
-    always,
-    with_sensor,
-    with_regulators,
-    voltage_driven
-};
-
-struct Stage {
-    const char *title;
-    std::vector<const char *> signals;
-    Shown shown = Shown::always;
-};
-
-const std::vector<Stage> &stages()
+const std::vector<Stage> &all_stages()
 {
     static const std::vector<Stage> all = {
         {"raw ADC", {"in.adc_ia", "in.adc_ib", "in.adc_bus"}},
         {"angle sensor, speed and angle that follow it",
          {"in.angle", "drive.frame_speed", "angle_estimated_el_deg"},
-         Shown::with_sensor},
+         "cfg.sampling.sensor_pole_pairs"},
         {"per unit, offset removed",
          {"drive.signals.phase_a", "drive.signals.phase_b", "drive.signals.bus"}},
         {"Clarke: stationary frame",
@@ -50,20 +32,22 @@ const std::vector<Stage> &stages()
         {"speed (22) and inner speed", {"drive.observer.speed", "drive.observer.speed_out"}},
         {"references",
          {"speed_reference_rpm", "drive.signals.current_ref.d", "drive.signals.current_ref.q"},
-         Shown::with_regulators},
+         "drive.voltage_driven",
+         false},
         {"current loop: voltages",
          {"drive.signals.voltage_limit", "drive.signals.voltage.d", "drive.signals.voltage.q"},
-         Shown::with_regulators},
+         "drive.voltage_driven",
+         false},
         {"speed loop: magnitude of the voltage",
          {"speed_reference_rpm", "drive.signals.voltage_limit", "drive.voltage_magnitude"},
-         Shown::voltage_driven},
+         "drive.voltage_driven"},
         {"phase compensator (40)-(43): lead, angle of the current, firing angle of the next tick",
          {"lead_el_deg", "drive.compensator.current_angle", "drive.compensator.angle"},
-         Shown::voltage_driven},
+         "drive.voltage_driven"},
         {"voltage drive: voltages, mean of the current",
          {"drive.signals.voltage.d", "drive.signals.voltage.q", "drive.signals.current_ref.d",
           "drive.signals.current_ref.q"},
-         Shown::voltage_driven},
+         "drive.voltage_driven"},
         {"modulator: ratio of the bus, compare values",
          {"drive.signals.ratio_ab.alpha", "drive.signals.ratio_ab.beta", "out.compare.phase[0]",
           "out.compare.phase[1]", "out.compare.phase[2]", "out.gate_enable"}},
@@ -72,19 +56,13 @@ const std::vector<Stage> &stages()
     return all;
 }
 
-bool is_shown(const Stage &stage, const Simulation &sim)
+namespace
 {
-    switch (stage.shown) {
-    case Shown::with_sensor:
-        return sim.cfg().sampling.sensor_pole_pairs != 0;
-    case Shown::with_regulators:
-        return !sim.drive().voltage_driven;
-    case Shown::voltage_driven:
-        return sim.drive().voltage_driven;
-    case Shown::always:
-        break;
-    }
-    return true;
+
+bool is_shown(const Stage &stage, const Tick &tick)
+{
+    const int64_t flag = stage.flag == nullptr ? 1 : *raw_value(*find_signal(stage.flag), tick);
+    return (flag != 0) == stage.shown_with;
 }
 
 } // namespace
@@ -92,8 +70,8 @@ bool is_shown(const Stage &stage, const Simulation &sim)
 std::string stages_text(const Tick &tick)
 {
     std::string text;
-    for (const Stage &stage : stages()) {
-        if (!is_shown(stage, *tick.sim)) {
+    for (const Stage &stage : all_stages()) {
+        if (!is_shown(stage, tick)) {
             continue;
         }
         text += fmt::format("{}\n", stage.title);
