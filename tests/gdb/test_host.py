@@ -1,0 +1,103 @@
+"""gdb on motorsim: what it shows of a tick is what the stepper shows. test_host.py GDB MOTORSIM"""
+
+import re
+import sys
+import unittest
+
+import support
+
+GDB, MOTORSIM = sys.argv[1:]
+TICK = 3000  # the motor runs
+STEP = f"step-isr {TICK + 2}"  # the first entry is before tick 0
+TURN = 2**32
+
+
+class OnTheHost(support.GdbTest):
+    """A run of s1."""
+
+    MOTORSIM, CHOICE = MOTORSIM, ("s1",)
+    GDB = (GDB, "--args", MOTORSIM, "run", "s1")
+
+    def test_step_isr_and_stages_show_the_tick_that_motorsim_shows(self):
+        first, there, shown, after = self.gdb(["step-isr", f"step-isr {TICK + 1}", "stages", "step-isr"])
+        self.assertEqual(first.strip(), "before the first tick  INIT")
+        self.assertEqual(there.strip(), f"tick {TICK}  RUN")
+        self.assertEqual(after.strip(), f"tick {TICK + 1}  RUN")
+        self.assert_same_stages(shown, TICK)
+
+    def test_words_of_each_format_are_shown_in_their_units(self):
+        names = ("signals.phase_a", "signals.bus", "observer.alpha_q27", "observer.descent",
+                 "observer.rho_q13", "position.turns_q32", "modulator.inverse_bus_q12",
+                 "current_loop.pi_q.integral_q26", "speed_loop.pi.integral_q26", "model.flux_q30",
+                 "model.resistance_q14", "ratio_acting.alpha")
+        for name, shown in zip(names, self.gdb([STEP, *(f"print app->drive.{name}" for name in names)])[1:]):
+            with self.subTest(name):
+                self.assert_shows(shown, f"drive.{name}", TICK)
+        for name, shown in zip(("adc_ia", "adc_bus"), self.gdb([STEP, "print app->in.adc_ia",
+                                                                "print app->in.adc_bus"])[1:]):
+            self.assert_shows(shown, f"in.{name}", TICK)
+
+    def test_vectors_speeds_angles_and_states_say_what_they_are(self):
+        vector, raws, speed, raw_speed, angle, raw_angle, state, fault = self.gdb(
+            [STEP, "print app->drive.signals.current", "print/r app->drive.signals.current",
+             "print app->drive.observer.speed", "print/r app->drive.observer.speed",
+             "print (angle_t)app->drive.position.turns_q32",
+             "print/r (angle_t)app->drive.position.turns_q32", "print app->drive.state",
+             "print app->drive.fault.id"])[1:]
+        d, q = map(int, re.search(r"d = (-?\d+), q = (-?\d+)", raws).groups())
+        self.assertIn(f"= d {d / 2**15 * 40:.6g} A, q {q / 2**15 * 40:.6g} A (raw {d}, {q}; Q15 of I_b = 40 A)",
+                      vector)
+        step = int(raw_speed.split("=")[1])
+        rpm = step / TURN * 10000 / 2 * 60
+        self.assertIn(f"= {rpm:.6g} rpm, {step / TURN * 10000 * 6.283185307179586:.6g} rad/s el (raw {step})",
+                      speed)
+        turn = int(raw_angle.split("=")[1])
+        degrees = (turn if turn < TURN // 2 else turn - TURN) / TURN * 360
+        self.assertIn(f"= {degrees:.6g} deg el (raw {turn})", angle)
+        self.assertEqual(state.split("=")[1].strip(), "RUN")
+        self.assertEqual(fault.split("=")[1].strip(), "NONE")
+
+    def test_a_word_without_a_place_in_the_table_is_shown_by_its_name_or_type(self):
+        guard, sine = self.gdb([STEP, "print app->drive.catch_spin", "print (sincos_t){16384, -8192}"])[1:]
+        self.assertIn("speed = 0 rpm, 0 rad/s el (raw 0)", guard)
+        self.assertIn("sin 0.5, cos -0.25 (raw 16384, -8192; as Q15)", sine)
+
+    def test_within_a_tick_stages_say_so(self):
+        stopped, shown = self.gdb([STEP, "break drive_step", "continue", "stages"])[2:]
+        self.assertIn("drive_step", stopped)
+        self.assertRegex(shown, rf"^tick {TICK}  RUN, and within the next: ")
+
+    def test_another_stop_on_the_way_is_told(self):
+        stopped = self.gdb(["break drive_init", "step-isr"])[1]
+        self.assertIn("drive_init", stopped)
+
+    def test_bad_commands_get_one_line(self):
+        wrong = self.gdb(["stages", "step-isr 0", "step-isr x", "scales", "scales nope", STEP, "stages now",
+                          "scales s2_motor_b", "stages"])
+        self.assertEqual(wrong[0].strip(), "there is no drive yet: `step-isr` runs to its first tick")
+        self.assertIn("from 1 to 1000000000, found '0'", wrong[1])
+        self.assertIn("found 'x'", wrong[2])
+        self.assertIn("scenario is required", wrong[3])
+        self.assertIn('scenario = "nope": not found', wrong[4])
+        self.assertIn("'now' is one word too many", wrong[6])
+        self.assertRegex(wrong[7], r"scales: the drive's configuration has crc 0x[0-9a-f]{8}, that of s2_motor_b 0x")
+        for answer in wrong[:5] + wrong[6:8]:
+            self.assertEqual(answer.strip().count("\n"), 0, answer)
+
+
+class OfTheVoltageDrive(support.GdbTest):
+    """A run of s4."""
+
+    MOTORSIM, CHOICE = MOTORSIM, ("s4",)
+    GDB = (GDB, "--args", MOTORSIM, "run", "s4")
+
+    def test_stages_are_those_of_the_voltage_drive(self):
+        tick = 3000
+        shown = self.gdb([f"step-isr {tick + 2}", "stages"])[1]
+        self.assert_same_stages(shown, tick)
+        self.assertIn("drive.compensator.angle", shown)
+        self.assertIn("in.angle", shown)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,45 @@
+"""gdb on an image in QEMU: what it shows of a tick is what the stepper on the PC shows of that tick.
+
+test_target.py GDB MOTORSIM IMAGE
+"""
+
+import re
+import sys
+import unittest
+
+import support
+
+GDB, MOTORSIM, IMAGE = sys.argv[1:]
+TICK = 1400  # ALIGN: a current flows
+
+
+class OnTheTarget(support.GdbTest):
+    """A replay of s1_robust."""
+
+    MOTORSIM, CHOICE = MOTORSIM, ("s1_robust", "--with", "deadtime")
+    GDB = (GDB, IMAGE)
+    START = (f"target remote | {support.ROOT}/tools/gdb/emulator {IMAGE} s1_robust deadtime",)
+
+    def test_the_tick_on_the_target_is_the_one_on_the_pc(self):
+        scales, first, there, shown, bus, again, crc = self.gdb(
+            ["scales s1_robust --with deadtime", "step-isr", f"step-isr {TICK + 1}", "stages",
+             "print app.drive.signals.bus", "step-isr", "print app.drive.cfg->crc"], self.START)
+        self.assertIn("s1_robust: I_b = 40 A, U_b = 450 V, 100 us a tick", scales)
+        self.assertEqual(first.strip(), "before the first tick  INIT")
+        self.assertEqual(there.strip(), f"tick {TICK}  ALIGN")
+        self.assert_same_stages(shown, TICK)
+        self.assert_shows(bus, "drive.signals.bus", TICK)
+        self.assertEqual(again.strip(), f"tick {TICK + 1}  ALIGN")
+        self.assertRegex(crc, r"= [1-9]\d+\n$")
+
+    def test_scales_are_asked_for_and_those_of_another_configuration_refused(self):
+        shown, vector, refused = self.gdb(["step-isr 2", "stages", "print app.drive.signals.current",
+                                           "scales s1"], self.START)[1:]
+        self.assertEqual(shown.strip(), "the scales are not known: `scales SCENARIO` chooses them")
+        self.assertIn("(raw 0, 0; as Q15)", vector)
+        self.assertTrue(re.fullmatch(r"scales: the drive's configuration has crc \S+, that of s1 \S+: choose the one "
+                                     r"that the program was built for", refused.strip()), refused)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,1 @@
+"""Pretty-printers and commands of gdb for the firmware, on the PC and on targets."""
