@@ -86,8 +86,8 @@ Value named_value(const std::string &name)
 
 std::string signal_line(const Named &named, const Tick &tick)
 {
-    constexpr int NAME_WIDTH = 36;
-    constexpr int VALUE_WIDTH = 20;
+    constexpr int NAME_WIDTH = 35; // longer ones push the rest to the right
+    constexpr int VALUE_WIDTH = 19;
     const SignalInfo &signal = *named.signal;
     const std::optional<int64_t> raw = raw_value(signal, tick);
     const std::string word = raw ? word_text(signal, *raw) : "";
@@ -95,10 +95,10 @@ std::string signal_line(const Named &named, const Tick &tick)
                                                       unit_text(signal, *tick.sim))
                                         : word;
     if (!raw) {
-        return fmt::format("{:<{}}{}", signal.name, NAME_WIDTH, si);
+        return fmt::format("{:<{}} {}", signal.name, NAME_WIDTH, si);
     }
-    return fmt::format("{:<{}}{:<{}}raw {:<11} {}", signal.name, NAME_WIDTH, si, VALUE_WIDTH, *raw,
-                       format_text(signal, *tick.sim));
+    return fmt::format("{:<{}} {:<{}} raw {:<11} {}", signal.name, NAME_WIDTH, si, VALUE_WIDTH,
+                       *raw, format_text(signal, *tick.sim));
 }
 
 const std::vector<std::string> &all_words()
