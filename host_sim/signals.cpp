@@ -25,6 +25,7 @@ constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
 constexpr double Q16 = 65536.0;
 constexpr double Q18 = 262144.0;
+constexpr double Q24 = 16777216.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q27 = 134217728.0;
 constexpr double Q30 = 1073741824.0;
@@ -211,6 +212,8 @@ std::vector<SignalInfo> state_signals()
         DRIVE(state, state),
         DRIVE(tick, number),
         DRIVE(slow_count, number),
+        DRIVE(mode, number),
+        DRIVE(offset_samples, number),
         DRIVE(offset_a, current_q15),
         DRIVE(offset_b, current_q15),
         DRIVE(bus_before, voltage_q15),
@@ -231,7 +234,7 @@ std::vector<SignalInfo> state_signals()
         DRIVE(handover_periods, number),
         DRIVE(attempts, number),
         DRIVE(identified, flag),
-        DRIVE(derating.heat_q24, number),
+        DRIVE(derating.heat_q24, ratio_q24),
         DRIVE(derating.motoring, current_q15),
         DRIVE(derating.braking, current_q15),
         DRIVE(limits.current_max, current_q15),
@@ -241,6 +244,72 @@ std::vector<SignalInfo> state_signals()
         DRIVE(fault.value, number),
         DRIVE(fault.limit, number),
         DRIVE(fault.tick, number),
+    };
+}
+
+// What finds the rotor.
+std::vector<SignalInfo> start_signals()
+{
+    return {
+        DRIVE(catch_spin.tick, number),
+        DRIVE(catch_spin.phase, number),
+        DRIVE(catch_spin.length, number),
+        DRIVE(catch_spin.first.alpha, current_q15),
+        DRIVE(catch_spin.first.beta, current_q15),
+        DRIVE(catch_spin.gates, flag),
+        DRIVE(catch_spin.speed, speed_step),
+        DRIVE(catch_spin.angle, turns_q32),
+        DRIVE(align.phase, number),
+        DRIVE(align.tick, number),
+        DRIVE(align.backwards, flag),
+        DRIVE(align.current_ref, current_q15),
+        DRIVE(align.frame_speed, speed_step),
+        DRIVE(align.step_start, current_q15),
+        DRIVE(align.step_fall, current_q15),
+        DRIVE(align.high.voltage, voltage_q15),
+        DRIVE(align.high.current, current_q15),
+        DRIVE(align.low.voltage, voltage_q15),
+        DRIVE(align.low.current, current_q15),
+    };
+}
+
+// What limits and watches.
+std::vector<SignalInfo> watch_signals()
+{
+    return {
+        DRIVE(derating.thermal, current_q15),
+        DRIVE(derating.too_hot, number),
+        DRIVE(derating.flags_slow, number),
+        DRIVE(derating.flags, number),
+        DRIVE(supervision.step, number),
+        DRIVE(supervision.late, number),
+        DRIVE(supervision.late_periods, number),
+        DRIVE(supervision.start_q16, turns_q16),
+        DRIVE(supervision.samples, number),
+        DRIVE(supervision.lowest[0], current_q15),
+        DRIVE(supervision.lowest[1], current_q15),
+        DRIVE(supervision.lowest[2], current_q15),
+        DRIVE(supervision.highest[0], current_q15),
+        DRIVE(supervision.highest[1], current_q15),
+        DRIVE(supervision.highest[2], current_q15),
+        DRIVE(supervision.weak, number),
+        DRIVE(supervision.weak_arcs, number),
+        DRIVE(supervision.suspect.id, fault),
+        DRIVE(supervision.suspect.value, number),
+        DRIVE(supervision.suspect.limit, number),
+        DRIVE(supervision.suspect.tick, number),
+        DRIVE(supervision.absent, number),
+        DRIVE(supervision.absent_periods, number),
+        DRIVE(supervision.unexplained, number),
+        DRIVE(supervision.off_current.d, number),
+        DRIVE(supervision.off_current.q, number),
+        DRIVE(supervision.off_reference, number),
+        DRIVE(supervision.runaway, number),
+        DRIVE(supervision.too_fast, number),
+        DRIVE(supervision.stalled, number),
+        DRIVE(supervision.residual, number),
+        DRIVE(guard.at, number),
+        DRIVE(guard.crc, number),
     };
 }
 
@@ -257,14 +326,196 @@ std::vector<SignalInfo> model_signals()
         DRIVE(model.observer.rate, number),
         DRIVE(model.observer.proportional, number),
         DRIVE(model.observer.corner, speed_step),
-        DRIVE(model.run_loop.resistance_q13, number),
-        DRIVE(model.run_loop.emf_q13, number),
+        DRIVE(model.run_loop.resistance_q13, ratio_q13),
+        DRIVE(model.run_loop.emf_q13, ratio_q13),
         DRIVE(model.run_loop.pi_d.kp, number),
         DRIVE(model.run_loop.pi_d.ki, number),
         DRIVE(model.run_loop.pi_q.kp, number),
         DRIVE(model.run_loop.pi_q.ki, number),
-        DRIVE(model.hold_loop.resistance_q13, number),
-        DRIVE(model.hold_loop.emf_q13, number),
+        DRIVE(model.hold_loop.resistance_q13, ratio_q13),
+        DRIVE(model.hold_loop.emf_q13, ratio_q13),
+        DRIVE(model.observer.weight_shift, number),
+        DRIVE(model.observer.iq_gain_q14, ratio_q14),
+        DRIVE(model.observer.saliency_q13, ratio_q13),
+        DRIVE(model.observer.current_shift, number),
+        DRIVE(model.observer.rate_shift, number),
+        DRIVE(model.observer.proportional_shift, number),
+        DRIVE(model.observer.momentum_q15, ratio_q15),
+        DRIVE(model.observer.speed_limit, speed_step),
+        DRIVE(model.observer.rho_max_q13, ratio_q13),
+        DRIVE(model.observer.rho_speed_min, speed_step),
+        DRIVE(model.run_loop.pi_d.kp_shift, number),
+        DRIVE(model.run_loop.pi_d.ki_shift, number),
+        DRIVE(model.run_loop.pi_q.kp_shift, number),
+        DRIVE(model.run_loop.pi_q.ki_shift, number),
+        DRIVE(model.run_loop.reactance_d_q13, ratio_q13),
+        DRIVE(model.run_loop.reactance_q_q13, ratio_q13),
+        DRIVE(model.hold_loop.pi_d.kp, number),
+        DRIVE(model.hold_loop.pi_d.ki, number),
+        DRIVE(model.hold_loop.pi_d.kp_shift, number),
+        DRIVE(model.hold_loop.pi_d.ki_shift, number),
+        DRIVE(model.hold_loop.pi_q.kp, number),
+        DRIVE(model.hold_loop.pi_q.ki, number),
+        DRIVE(model.hold_loop.pi_q.kp_shift, number),
+        DRIVE(model.hold_loop.pi_q.ki_shift, number),
+        DRIVE(model.hold_loop.reactance_d_q13, ratio_q13),
+        DRIVE(model.hold_loop.reactance_q_q13, ratio_q13),
+    };
+}
+
+// Of what runs in every tick.
+std::vector<SignalInfo> control_configuration()
+{
+    return {
+        CFG(observer.decay, number),
+        CFG(observer.volt_gain, number),
+        CFG(observer.weight_shift, number),
+        CFG(observer.flux_q27, network_q27),
+        CFG(observer.iq_gain_q14, ratio_q14),
+        CFG(observer.saliency_q13, ratio_q13),
+        CFG(observer.current_shift, number),
+        CFG(observer.rate, number),
+        CFG(observer.rate_shift, number),
+        CFG(observer.proportional, number),
+        CFG(observer.proportional_shift, number),
+        CFG(observer.momentum_q15, ratio_q15),
+        CFG(observer.speed_limit, speed_step),
+        CFG(observer.corner, speed_step),
+        CFG(observer.rho_max_q13, ratio_q13),
+        CFG(observer.rho_speed_min, speed_step),
+        CFG(current_loop.pi_d.kp, number),
+        CFG(current_loop.pi_d.ki, number),
+        CFG(current_loop.pi_d.kp_shift, number),
+        CFG(current_loop.pi_d.ki_shift, number),
+        CFG(current_loop.pi_q.kp, number),
+        CFG(current_loop.pi_q.ki, number),
+        CFG(current_loop.pi_q.kp_shift, number),
+        CFG(current_loop.pi_q.ki_shift, number),
+        CFG(current_loop.reactance_d_q13, ratio_q13),
+        CFG(current_loop.reactance_q_q13, ratio_q13),
+        CFG(current_loop.emf_q13, ratio_q13),
+        CFG(current_loop.resistance_q13, ratio_q13),
+        CFG(modulator.inverse_max_q12, inverse_q12),
+        CFG(modulator.edge_slope, number),
+        CFG(protection.current_max, current_q15),
+        CFG(protection.bus_max, voltage_q15),
+        CFG(protection.bus_min, voltage_q15),
+        CFG(protection.offset_max, current_q15),
+        CFG(hold_loop.pi_d.kp, number),
+        CFG(hold_loop.pi_d.ki, number),
+        CFG(hold_loop.pi_d.kp_shift, number),
+        CFG(hold_loop.pi_d.ki_shift, number),
+        CFG(hold_loop.pi_q.kp, number),
+        CFG(hold_loop.pi_q.ki, number),
+        CFG(hold_loop.pi_q.kp_shift, number),
+        CFG(hold_loop.pi_q.ki_shift, number),
+        CFG(hold_loop.reactance_d_q13, ratio_q13),
+        CFG(hold_loop.reactance_q_q13, ratio_q13),
+        CFG(hold_loop.emf_q13, ratio_q13),
+        CFG(hold_loop.resistance_q13, ratio_q13),
+    };
+}
+
+// Of the slow period.
+std::vector<SignalInfo> motion_configuration()
+{
+    return {
+        CFG(derating.heat_shift, number),
+        CFG(derating.heat_gain, number),
+        CFG(derating.heat_rate, number),
+        CFG(derating.heat_rate_shift, number),
+        CFG(derating.heat_max_q14, ratio_q14),
+        CFG(derating.heat.zero, ratio_q14),
+        CFG(derating.heat.gain, number),
+        CFG(derating.heat.shift, number),
+        CFG(derating.temperature.zero, number),
+        CFG(derating.temperature.gain, number),
+        CFG(derating.temperature.shift, number),
+        CFG(derating.temperature_periods, number),
+        CFG(derating.bus_high.zero, voltage_q15),
+        CFG(derating.bus_high.gain, number),
+        CFG(derating.bus_high.shift, number),
+        CFG(derating.bus_low.zero, voltage_q15),
+        CFG(derating.bus_low.gain, number),
+        CFG(derating.bus_low.shift, number),
+        CFG(derating.regeneration_speed, speed_step),
+        CFG(speed_loop.pi.kp_shift, number),
+        CFG(speed_loop.pi.ki_shift, number),
+        CFG(speed_loop.inertia_shift, number),
+        CFG(speed_loop.error_shift, number),
+        CFG(position_loop.braking_inverse, number),
+        CFG(position_loop.softness_q15, ratio_q15),
+        CFG(position_loop.gain_shift, number),
+        CFG(position_loop.distance_shift, number),
+        CFG(voltage_drive.pi.kp_shift, number),
+        CFG(voltage_drive.pi.ki_shift, number),
+        CFG(voltage_drive.compensator.gain_shift, number),
+    };
+}
+
+// Of start-up and model.
+std::vector<SignalInfo> start_configuration()
+{
+    return {
+        CFG(startup.catch_spin.current, current_q15),
+        CFG(startup.catch_spin.wait_ticks, number),
+        CFG(startup.catch_spin.pulse_ticks, number),
+        CFG(startup.catch_spin.gap_factor, number),
+        CFG(startup.catch_spin.pause_max, number),
+        CFG(startup.catch_spin.emf_current, number),
+        CFG(startup.catch_spin.emf_shift, number),
+        CFG(startup.align.current_high, current_q15),
+        CFG(startup.align.current_low, current_q15),
+        CFG(startup.align.slope, current_q15),
+        CFG(startup.align.sweep_speed, speed_step),
+        CFG(startup.align.sweep_ticks, number),
+        CFG(startup.align.pull_ticks, number),
+        CFG(startup.align.settle_ticks, number),
+        CFG(startup.align.measure_log2, number),
+        CFG(startup.align.step_ticks, number),
+        CFG(startup.align.step_voltage, voltage_q15),
+        CFG(startup.align.step_fall, current_q15),
+        CFG(startup.align.step_drop_q14, ratio_q14),
+        CFG(startup.current_move, current_q15),
+        CFG(startup.current_floor, current_q15),
+        CFG(startup.current_slope, current_q15),
+        CFG(startup.ramp, speed_step),
+        CFG(startup.track_speed, speed_step),
+        CFG(startup.residual_max, current_q15),
+        CFG(startup.residual_lost, current_q15),
+        CFG(startup.lost_periods, number),
+        CFG(startup.handover_periods, number),
+        CFG(startup.attempts, number),
+        CFG(model.resistance_limit_q14, ratio_q14),
+        CFG(model.inductance_limit_q14, ratio_q14),
+        CFG(model.flux_limit_q14, ratio_q14),
+        CFG(model.flux_rate, number),
+        CFG(model.flux_speed_min, speed_step),
+    };
+}
+
+// Of what is watched.
+std::vector<SignalInfo> supervision_configuration()
+{
+    return {
+        CFG(supervision.phase_range_min, current_q15),
+        CFG(supervision.phase_zero_max, current_q15),
+        CFG(supervision.phase_speed_max, speed_step),
+        CFG(supervision.swing_periods, number),
+        CFG(supervision.voltage_max, voltage_q15),
+        CFG(supervision.follow_error_max, current_q15),
+        CFG(supervision.residual_max, current_q15),
+        CFG(supervision.mean_shift, number),
+        CFG(supervision.speed_error_max, speed_step),
+        CFG(supervision.speed_error_periods, number),
+        CFG(supervision.runaway_periods, number),
+        CFG(supervision.overspeed, speed_step),
+        CFG(supervision.overspeed_periods, number),
+        CFG(supervision.stall_current, current_q15),
+        CFG(supervision.stall_speed, speed_step),
+        CFG(supervision.stall_periods, number),
+        CFG(supervision.late_max, number),
+        CFG(supervision.late_window, number),
     };
 }
 
@@ -343,6 +594,8 @@ Format simple_format(Quantity quantity)
         return {"", "ADC count", 1, 1};
     case Quantity::turns_q32:
         return {"turns el", "Q32", 1, 1 / Q32};
+    case Quantity::turns_q16:
+        return {"turns el", "Q16", 1, 1 / Q16};
     case Quantity::shaft_q16:
         return {"turns", "Q16 of a turn of the shaft", 1, 1 / Q16};
     case Quantity::ratio_q13:
@@ -351,6 +604,8 @@ Format simple_format(Quantity quantity)
         return {"", "Q14", 1, 1 / Q14};
     case Quantity::ratio_q15:
         return {"", "Q15", 1, 1 / Q15};
+    case Quantity::ratio_q24:
+        return {"", "Q24", 1, 1 / Q24};
     case Quantity::ratio_q30:
         return {"", "Q30", 1, 1 / Q30};
     case Quantity::share:
@@ -475,7 +730,9 @@ const std::vector<SignalInfo> &all_signals()
     static const std::vector<SignalInfo> table = [] {
         std::vector<SignalInfo> all = run_signals();
         for (const std::vector<SignalInfo> &part :
-             {tick_signals(), state_signals(), model_signals(), configuration_signals()}) {
+             {tick_signals(), state_signals(), start_signals(), watch_signals(), model_signals(),
+              configuration_signals(), control_configuration(), motion_configuration(),
+              start_configuration(), supervision_configuration()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
         return all;

@@ -40,6 +40,7 @@ enum class Quantity {
     speed_step,
     speed_q15,
     turns_q32,
+    turns_q16,
     shaft_q16,
     network_q15,
     network_q27,
@@ -50,6 +51,7 @@ enum class Quantity {
     ratio_q13,
     ratio_q14,
     ratio_q15,
+    ratio_q24,
     ratio_q30,
     compare
 };

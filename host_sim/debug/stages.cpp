@@ -61,7 +61,8 @@ namespace
 
 bool is_shown(const Stage &stage, const Tick &tick)
 {
-    const int64_t flag = stage.flag == nullptr ? 1 : *raw_value(*find_signal(stage.flag), tick);
+    const int64_t flag =
+        stage.flag == nullptr ? 1 : raw_value(*find_signal(stage.flag), tick).value_or(1);
     return (flag != 0) == stage.shown_with;
 }
 

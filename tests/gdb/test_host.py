@@ -6,10 +6,26 @@ import unittest
 
 import support
 
+sys.path.insert(0, str(support.ROOT / "tools/gdb"))
+from nfgdb import table  # noqa: E402: its folder is known from here on
+
 GDB, MOTORSIM = sys.argv[1:]
 TICK = 3000  # the motor runs
 STEP = f"step-isr {TICK + 2}"  # the first entry is before tick 0
 TURN = 2**32
+# All of a struct that is no struct, array or pointer.
+LEAVES = """python
+def leaves(kind, path=""):
+    plain = kind.strip_typedefs()
+    if plain.code == gdb.TYPE_CODE_STRUCT:
+        for field in plain.fields():
+            yield from leaves(field.type, path + "." + field.name if path else field.name)
+    elif plain.code == gdb.TYPE_CODE_ARRAY:
+        for k in range(plain.range()[1] + 1):
+            yield from leaves(plain.target(), f"{path}[{k}]")
+    elif plain.code != gdb.TYPE_CODE_PTR:
+        yield path
+end"""
 
 
 class OnTheHost(support.GdbTest):
@@ -66,6 +82,17 @@ class OnTheHost(support.GdbTest):
         stopped, shown = self.gdb([STEP, "break drive_step", "continue", "stages"])[2:]
         self.assertIn("drive_step", stopped)
         self.assertRegex(shown, rf"^tick {TICK}  RUN, and within the next: ")
+
+    def test_the_table_has_every_word_of_the_firmware(self):
+        loaded = table.load(["s1"], MOTORSIM)
+        known = {(word.home, word.member) for word in loaded.words.values()}
+        homes = {"drive": "drive_t", "in": "drive_in_t", "out": "drive_out_t", "cfg": "drive_cfg_t"}
+        for (home, name), listed in zip(homes.items(), self.gdb(
+                [f"python for name in leaves(gdb.lookup_type('{name}')): print(name)" for name in homes.values()],
+                [LEAVES])):
+            members = {(home, member) for member in listed.split()}
+            self.assertGreater(len(members), 3)
+            self.assertEqual(sorted(members - known), [], name)
 
     def test_another_stop_on_the_way_is_told(self):
         stopped = self.gdb(["break drive_init", "step-isr"])[1]
