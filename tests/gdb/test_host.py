@@ -98,6 +98,12 @@ class OnTheHost(support.GdbTest):
         stopped = self.gdb(["break drive_init", "step-isr"])[1]
         self.assertIn("drive_init", stopped)
 
+    def test_scales_chosen_before_the_start_are_checked_at_the_first_tick(self):
+        chosen, refused, own = self.gdb(["scales s2_motor_b", "step-isr", "print app->drive.signals.bus"])
+        self.assertIn("s2_motor_b: I_b", chosen)
+        self.assertRegex(refused, "^scales: the drive's configuration has crc")
+        self.assertIn("U_b = 450 V", own)
+
     def test_bad_commands_get_one_line(self):
         wrong = self.gdb(["stages", "step-isr 0", "step-isr x", "scales", "scales nope", STEP, "stages now",
                           "scales s2_motor_b", "stages"])

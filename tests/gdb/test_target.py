@@ -33,10 +33,12 @@ class OnTheTarget(support.GdbTest):
         self.assertRegex(crc, r"= [1-9]\d+\n$")
 
     def test_scales_are_asked_for_and_those_of_another_configuration_refused(self):
-        shown, vector, refused = self.gdb(["step-isr 2", "stages", "print app.drive.signals.current",
-                                           "scales s1"], self.START)[1:]
+        shown, vector, refused, _, _, kept = self.gdb(
+            ["step-isr 2", "stages", "print app.drive.signals.current", "scales s1",
+             "scales s1_robust --with deadtime", "scales s1", "print app.drive.signals.current"], self.START)[1:]
         self.assertEqual(shown.strip(), "the scales are not known: `scales SCENARIO` chooses them")
         self.assertIn("(raw 0, 0; as Q15)", vector)
+        self.assertIn("Q15 of I_b = 40 A", kept)
         self.assertTrue(re.fullmatch(r"scales: the drive's configuration has crc \S+, that of s1 \S+: choose the one "
                                      r"that the program was built for", refused.strip()), refused)
 

@@ -9,12 +9,17 @@ from .printers import NAMED
 STEPS_MAX = 1_000_000_000
 
 
+def find_homes():
+    """The drive and its frames, or None."""
+    try:
+        return program.homes()
+    except table.TableError as error:
+        raise gdb.GdbError(f"scales: {error}") from error
+
+
 def need_table():
     """Homes, with a table to show them by."""
-    try:
-        homes = program.homes()
-    except table.TableError as error:
-        raise gdb.GdbError(str(error)) from error
+    homes = find_homes()
     if homes is None:
         raise gdb.GdbError("there is no drive yet: `step-isr` runs to its first tick")
     if program.table is None:
@@ -89,7 +94,7 @@ class StepIsr(gdb.Command):
         if not arrived:
             print(said.strip())
             return
-        homes = program.homes()
+        homes = find_homes()
         print(f"at the first tick of {entry}" if homes is None else position_text(homes))
 
 

@@ -90,11 +90,16 @@ class Program:
         self._homes = None
 
     def choose(self, new_table):
-        """The table to show words with. Raises TableError when it is of another configuration."""
-        self.table = new_table
+        """The table to show words with. Raises TableError when it is of another configuration; the one before stays."""
+        before = self.table
         self._places = {}
         self._checked = None
-        self.homes()
+        self.table = new_table
+        try:
+            self.homes()
+        except table.TableError:
+            self.table = before
+            raise
 
     def homes(self):
         """The struct behind each home, or None before the program has made them."""
@@ -135,7 +140,7 @@ class Program:
 
     def word_at(self, value):
         """The table's word that a value is, or None."""
-        if self.table is None or value.address is None or not self.homes():
+        if value.address is None or not self.homes() or self.table is None:
             return None
         return self._index().get((int(value.address), value.type.sizeof))
 
