@@ -189,6 +189,7 @@ std::vector<SignalInfo> tick_signals()
         DRIVE(signals.voltage.d, voltage_q15),
         DRIVE(signals.voltage.q, voltage_q15),
         DRIVE(voltage_driven, flag),
+        DRIVE(voltage_periods, number),
         DRIVE(voltage_magnitude, voltage_q15),
         derived("lead_el_deg", Quantity::angle_deg, lead),
         DRIVE(compensator.current_angle, turns_q32),
@@ -449,6 +450,7 @@ std::vector<SignalInfo> motion_configuration()
         CFG(position_loop.distance_shift, number),
         CFG(voltage_drive.pi.kp_shift, number),
         CFG(voltage_drive.pi.ki_shift, number),
+        CFG(voltage_drive.settle_periods, number),
         CFG(voltage_drive.compensator.gain_shift, number),
     };
 }
@@ -549,6 +551,7 @@ std::vector<SignalInfo> configuration_signals()
         CFG(voltage_drive.enabled, flag),
         CFG(voltage_drive.pi.kp, number),
         CFG(voltage_drive.pi.ki, number),
+        CFG(voltage_drive.speed_min, speed_step),
         CFG(voltage_drive.compensator.gain, number),
         CFG(voltage_drive.compensator.lead_max, turns_q32),
         CFG(voltage_drive.compensator.brake_max, turns_q32),

@@ -5,7 +5,6 @@
 #include "low_speed.h"
 #include "monitor.h"
 #include "vector_control.h"
-#include "voltage_drive.h"
 
 #include <stddef.h>
 
@@ -138,22 +137,13 @@ static bool has_sensor(const drive_t *drive)
     return drive->cfg->sampling.sensor_pole_pairs != 0U;
 }
 
-/* The rotor's angle and speed are known. */
-static void start_sensed(drive_t *drive)
-{
-    angle_sensor_start(drive);
-    if (drive->cfg->voltage_drive.enabled != 0U) {
-        voltage_drive_start(drive);
-    }
-    drive_enter(drive, DRIVE_STATE_RUN);
-}
-
 static void leave_ready(drive_t *drive)
 {
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
     if (has_sensor(drive)) {
-        start_sensed(drive);
+        angle_sensor_start(drive);
+        drive_enter(drive, DRIVE_STATE_RUN);
     } else if (drive->cfg->startup.current_hold == 0) {
         vector_control_reset(drive);
         drive_enter(drive, DRIVE_STATE_RUN);

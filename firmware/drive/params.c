@@ -365,6 +365,9 @@ static const char *check_voltage_drive(const char *before, const voltage_drive_c
     bad = range(bad, "voltage_drive.enabled", shift_value(cfg->enabled), 0, 1);
     if (cfg->enabled != 0U) {
         bad = check_pi(bad, "voltage_drive.pi", &cfg->pi);
+        bad = range(bad, "voltage_drive.speed_min", cfg->speed_min, 0, STEP_MAX);
+        bad =
+            range(bad, "voltage_drive.settle_periods", shift_value(cfg->settle_periods), 1, 10000);
         bad = range(bad, "voltage_drive.compensator.gain", comp->gain, 0, FX_Q15_MAX);
         bad = range(bad, "voltage_drive.compensator.gain_shift", shift_value(comp->gain_shift), 0,
                     15);

@@ -32,8 +32,11 @@ typedef struct {
 
 /* RUN without current regulators. */
 typedef struct {
-    uint32_t enabled; /* 0: never; 1: whenever a speed is commanded, see voltage_drive.h */
+    uint32_t
+        enabled; /* 0: never; 1: whenever a speed is commanded and it is safe, see voltage_drive.h */
     pi_cfg_t pi;      /* speed error Q15 of 2·Ω_b in, U in Q15 of U_b out; paper B (28)–(30) */
+    step_t speed_min; /* current control below it, 0…2^29 */
+    uint32_t settle_periods; /* slow periods for which all has to be calm before, 1…10000 */
     phase_compensator_cfg_t compensator;
 } voltage_drive_cfg_t;
 

@@ -18,6 +18,7 @@ void vector_control_reset(drive_t *drive)
     rotor_position_reset(&drive->position, 0U);
     rotor_position_reset(&drive->frame, 0U);
     drive->voltage_driven = false;
+    drive->voltage_periods = 0U;
     current_loop_reset(&drive->current_loop);
     speed_loop_reset(&drive->speed_loop, 0);
     position_loop_reset(&drive->position_loop, 0, 0);
@@ -206,16 +207,13 @@ static void control_motion(drive_t *drive)
     watch_speed(drive);
 }
 
-/* Without a current to impose the drive stays in RUN however slow it is. */
 static void control_speed(drive_t *drive, const drive_command_t *command)
 {
-    const bool slow = (drive->cfg->startup.current_hold != 0) && is_slow(drive);
-
     if (drive->voltage_driven) {
-        voltage_drive_motion(drive, command, slow);
+        voltage_drive_motion(drive, command);
     } else {
         control_motion(drive);
-        voltage_drive_offer(drive, command, slow);
+        voltage_drive_offer(drive, command);
     }
 }
 

@@ -3,7 +3,11 @@
 #include "drive_state.h"
 #include "trig.h"
 
-#define MEAN_SHIFT (5U) /* of the current's filter, in ticks */
+#define MEAN_SHIFT (5U)  /* of the current's filter, in ticks */
+#define SPEED_SHIFT (4U) /* of the speed asked for, what may be missing */
+#define END_SHIFT \
+    (3U) /* of brake_max, what is its end: a small voltage has its angle only roughly */
+#define HYSTERESIS_SHIFT (2U) /* of a limit for taking over, by what it is lower for giving back */
 
 /* ω·φ, Q15 of U_b. */
 static int32_t emf(const drive_t *drive, step_t speed)
@@ -14,21 +18,16 @@ static int32_t emf(const drive_t *drive, step_t speed)
 }
 
 /* Go on from magnitude and lead, with the speed that is asked for. */
-static void take_over(drive_t *drive, int32_t magnitude, angle_t lead)
+static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
     const step_t reference = drive->speed_loop.reference;
 
-    phase_compensator_start(&drive->compensator, rotor_position_angle(&drive->position) + lead);
+    phase_compensator_start(&drive->compensator,
+                            rotor_position_angle(&drive->position) + (angle_t)lead);
     speed_loop_start(&drive->speed_loop, reference, fx_sat16(magnitude - emf(drive, reference)));
     drive->voltage_magnitude = magnitude;
     drive->voltage_driven = true;
-}
-
-void voltage_drive_start(drive_t *drive)
-{
-    speed_loop_reset(&drive->speed_loop, drive->observer.speed);
-    drive->speed_reference = drive->observer.speed;
-    take_over(drive, emf(drive, drive->observer.speed), 0U);
+    drive->voltage_periods = 0U;
 }
 
 void voltage_drive_step(drive_t *drive)
@@ -46,11 +45,6 @@ void voltage_drive_step(drive_t *drive)
     s->voltage.q = fx_asr(magnitude * angle.cos, 15U);
     s->current_ref.d += fx_asr(s->current.d - s->current_ref.d, MEAN_SHIFT);
     s->current_ref.q += fx_asr(s->current.q - s->current_ref.q, MEAN_SHIFT);
-}
-
-static bool is_position(const drive_command_t *command)
-{
-    return command->mode == (uint8_t)DRIVE_MODE_POSITION;
 }
 
 /* What the current loop's feed-forward will be with the current that flows. */
@@ -84,6 +78,7 @@ static void return_to_current(drive_t *drive)
     s->current_ref.d = 0;
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
     drive->voltage_driven = false;
+    drive->voltage_periods = 0U;
 }
 
 static void set_magnitude(drive_t *drive)
@@ -99,35 +94,93 @@ static void set_magnitude(drive_t *drive)
                                        emf(drive, reference), drive->signals.voltage_limit);
 }
 
-void voltage_drive_motion(drive_t *drive, const drive_command_t *command, bool slow)
+/* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn. */
+static int32_t present_lead(dq_t voltage)
 {
-    if (slow || is_position(command)) {
+    const int32_t along = fx_abs(voltage.q);
+
+    return (int32_t)trig_atan2((int16_t)fx_sat16(-voltage.d), (int16_t)fx_sat16(along));
+}
+
+/* Asked for and fast enough; to be left again 1/4 below. */
+static bool is_wanted(const drive_t *drive, const drive_command_t *command, step_t speed_min)
+{
+    const bool asked =
+        (drive->cfg->voltage_drive.enabled != 0U) && (command->mode == (uint8_t)DRIVE_MODE_SPEED);
+
+    return asked && (fx_abs(drive->speed_reference) >= speed_min) &&
+           (fx_abs(drive->observer.speed) >= speed_min);
+}
+
+/* More than current control would let flow, by derating or by the motor. */
+static bool is_overloaded(const drive_t *drive)
+{
+    const torque_range_t range = drive->torque_range;
+    const dq_t i = drive->signals.current_ref;
+    const int32_t length = (int32_t)trig_sqrt((uint32_t)((i.d * i.d) + (i.q * i.q)));
+
+    return (i.q > range.upper) || (i.q < range.lower) ||
+           (length > fx_max(range.upper, -range.lower));
+}
+
+/* The lead is at its end towards braking, or the current so small that the legs switch within its zero crossing. */
+static bool is_at_end(const drive_t *drive)
+{
+    const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
+    const int32_t brake_max = cfg->compensator.brake_max;
+    const int32_t floor = drive->cfg->startup.current_floor;
+
+    return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
+           (fx_abs(drive->signals.current_ref.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
+}
+
+void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
+{
+    const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
+    const step_t leave = cfg->speed_min - fx_asr(cfg->speed_min, HYSTERESIS_SHIFT);
+
+    drive->voltage_periods = is_at_end(drive) ? (drive->voltage_periods + 1U) : 0U;
+    if (!is_wanted(drive, command, leave) || is_overloaded(drive) ||
+        (drive->voltage_periods >= cfg->settle_periods)) {
         return_to_current(drive);
     } else {
         set_magnitude(drive);
     }
 }
 
-/* Where the present voltage lies: its lead, in the direction of rotation. */
-static angle_t present_lead(dq_t voltage, bool forwards)
+/* Speed and currents are where they are asked for, and the voltage is where the compensator may hold it. */
+static bool is_calm(const drive_t *drive, step_t target)
 {
-    const int32_t ahead = forwards ? -voltage.d : voltage.d;
-    const int32_t along = forwards ? voltage.q : -voltage.q;
+    const step_t speed_max = drive->cfg->speed_loop.speed_max;
+    const step_t asked = fx_clamp(target, -speed_max, speed_max);
+    const drive_signals_t *const s = &drive->signals;
+    const phase_compensator_cfg_t *const comp = &drive->cfg->voltage_drive.compensator;
+    const int32_t lead = present_lead(s->voltage);
+    const int32_t brake = comp->brake_max - fx_asr(comp->brake_max, HYSTERESIS_SHIFT);
 
-    return trig_atan2((int16_t)fx_sat16(ahead), (int16_t)fx_sat16(along));
+    return (fx_abs(asked - drive->observer.speed) <= fx_asr(fx_abs(asked), SPEED_SHIFT)) &&
+           (s->current_ref.d == 0) && (fx_abs(s->current.d) <= comp->current_min) &&
+           (fx_abs(s->current_ref.q - s->current.q) <= comp->current_min) && (lead >= -brake) &&
+           (lead <= comp->lead_max);
 }
 
-void voltage_drive_offer(drive_t *drive, const drive_command_t *command, bool slow)
+void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
 {
-    const drive_cfg_t *const cfg = drive->cfg;
-    const dq_t voltage = drive->signals.voltage;
-    const bool forwards = voltage.q >= 0;
-    const bool wanted = (cfg->voltage_drive.enabled != 0U) && !slow && !is_position(command);
+    const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
+    const bool possible =
+        is_wanted(drive, command, cfg->speed_min) && is_calm(drive, command->target);
 
-    if (wanted && (fx_abs(drive->signals.current_ref.d) <= cfg->startup.current_floor)) {
+    drive->voltage_periods = possible ? (drive->voltage_periods + 1U) : 0U;
+    if (possible && (drive->voltage_periods >= cfg->settle_periods)) {
+        const dq_t voltage = drive->signals.voltage;
         const int32_t square = (voltage.d * voltage.d) + (voltage.q * voltage.q);
         const int32_t magnitude = fx_min((int32_t)trig_sqrt((uint32_t)square), FX_Q15_MAX);
+        const int32_t lead = present_lead(voltage);
 
-        take_over(drive, forwards ? magnitude : -magnitude, present_lead(voltage, forwards));
+        if (voltage.q >= 0) {
+            take_over(drive, magnitude, lead);
+        } else {
+            take_over(drive, -magnitude, -lead);
+        }
     }
 }

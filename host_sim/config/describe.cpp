@@ -373,6 +373,10 @@ void add_voltage_drive(Rows &to)
                to.slow_period());
     to.add("voltage_drive.pi.kp_shift", c.pi.kp_shift, "of kp");
     to.add("voltage_drive.pi.ki_shift", c.pi.ki_shift, "of ki, less {}", PI_INTEGRAL_BITS);
+    to.add("voltage_drive.speed_min", c.speed_min, "{:.5g} rpm, current control below",
+           to.rpm(c.speed_min));
+    to.add("voltage_drive.settle_periods", c.settle_periods, "calm for {:.4g} s before",
+           c.settle_periods * to.slow_period());
     to.add("voltage_drive.compensator.gain", c.compensator.gain, "g = {:.4g} a sample",
            scaled(c.compensator.gain, 16 + static_cast<int>(c.compensator.gain_shift)));
     to.add("voltage_drive.compensator.gain_shift", c.compensator.gain_shift, "of g");

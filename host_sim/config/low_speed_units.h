@@ -34,6 +34,6 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
 
 // How long the start-up takes from the run request to standstill under control, in seconds.
 double startup_time(const MotorSettings &motor, const BoardSettings &board,
-                    const TuningSettings &tuning);
+                    const TuningSettings &as_written);
 
 } // namespace nf

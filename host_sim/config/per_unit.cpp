@@ -482,6 +482,9 @@ phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const Tunin
     return c;
 }
 
+// The voltage drive gives back at 3/4 of its lowest speed, which has to be before the observer does.
+constexpr double ABOVE_HANDOVER = 1.5;
+
 voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
                                        const Bases &b)
 {
@@ -503,6 +506,12 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
     c.pi.kp_shift = p.shift;
     c.pi.ki = i.value;
     c.pi.ki_shift = i.shift;
+    const double slowest_pct =
+        std::max(tuning.voltage_speed_pct, ABOVE_HANDOVER * tuning.handover_speed_pct);
+    c.speed_min = static_cast<step_t>(
+        std::lround(b.step_from_rpm(slowest_pct / 100 * motor.rated_speed_rpm)));
+    store(c.settle_periods, tuning.voltage_settle_s / slow_period, 1, 10000,
+          {"voltage_loop.settle_s", tuning.voltage_settle_s}, "10000 periods of the speed loop");
     c.compensator = make_compensator(motor, tuning, b);
     return c;
 }

@@ -100,6 +100,8 @@ struct TuningSettings {
     int slow_ticks = 0;                      // control ticks in a slow period
     double voltage_kp_v_s_per_rad = 0;       // volts for an electrical speed error; 0: by the motor
     double voltage_ki_v_per_rad = 0;         // volts a second for one; 0: by the motor
+    double voltage_speed_pct = 20;           // of rated speed: current control below it
+    double voltage_settle_s = 0.1;           // for which all has to be calm before
     double compensator_gain = 0.001;         // g of paper B (43), a sample
     double lead_max_deg = 40;                // largest lead of the voltage, electrical
     double brake_max_deg = 0;                // largest lag; 0: by the motor

@@ -26,7 +26,8 @@ public:
     {
         const drive_signals_t &s = tick.sim->drive().signals;
         states_[tick.sim->drive().state]++;
-        voltage_driven_ |= tick.sim->drive().voltage_driven;
+        changes_ += tick.sim->drive().voltage_driven != driven_ ? 1 : 0;
+        driven_ = tick.sim->drive().voltage_driven;
         if (tick.time_s < SETTLED_FROM_S) {
             return;
         }
@@ -67,7 +68,16 @@ public:
     }
     bool ever_without_regulators() const
     {
-        return voltage_driven_;
+        return changes_ > 0;
+    }
+    // From current control to none and back.
+    int changes() const
+    {
+        return changes_;
+    }
+    double rpm() const
+    {
+        return speed_ / ticks_ * 30 / PI;
     }
     int64_t ticks_in(drive_state_t state) const
     {
@@ -82,7 +92,8 @@ private:
     double speed_ = 0;
     double ticks_ = 0;
     bool all_voltage_ = true;
-    bool voltage_driven_ = false;
+    bool driven_ = false;
+    int changes_ = 0;
     int64_t states_[DRIVE_STATE_FAULT + 1] = {};
 };
 
@@ -142,21 +153,69 @@ void without_enough_lead_the_same_torque_takes_more_current()
     const double without_i_d = LOAD_NM / (1.5 * 2 * 0.375);
     const Outcome compensated = run("s4", {});
     const Outcome short_04 = run("s4", {}, {"phase_compensator.lead_max_deg=9"});
-    const Outcome short_14 = run("s4", {}, {"phase_compensator.lead_max_deg=8"});
+    const Outcome short_09 = run("s4", {}, {"phase_compensator.lead_max_deg=8.5"});
 
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * without_i_d, without_i_d, compensated.settled.amplitude());
     figure_check("current with a lead of 9°, A", short_04.settled.amplitude(), 3.1, 0.95);
-    figure_check("current with a lead of 8°, A", short_14.settled.amplitude(), 6.6, 0.95);
-    TEST_ASSERT_TRUE(short_14.result.faults.empty());
+    figure_check("current with a lead of 8.5°, A", short_09.settled.amplitude(), 4.6, 0.9);
+    TEST_ASSERT_TRUE(short_09.result.faults.empty());
 }
 
-// Without gain the lead stays 0: the load takes ω·L_q·i_q/R = 39 A of i_d.
-void without_compensation_the_drive_runs_away_and_trips()
+// Without gain the lead stays that of no load: 3 N·m would take ω·L_q·i_q/R = 39 A of i_d. Current control has it before.
+void without_compensation_current_control_takes_the_load_before_it_runs_away()
 {
     const Outcome one = run("s4", {}, {"phase_compensator.gain=0"});
-    TEST_ASSERT_EQUAL_size_t(1, one.result.faults.size());
-    TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, one.result.faults.front().id);
-    TEST_ASSERT_FALSE(one.result.gates_enabled_final);
+    TEST_ASSERT_TRUE(one.result.faults.empty());
+    TEST_ASSERT_TRUE(one.settled.changes() > 1);
+    TEST_ASSERT_EQUAL_INT(1, run("s4", {}).settled.changes());
+}
+
+// Least currents, and a voltage that is lost in the legs: with a sensor the drive goes without regulators only under load.
+void with_dead_time_the_load_is_carried_without_regulators_and_without_i_d()
+{
+    constexpr double NO_I_D_A = 0.05;
+    for (const char *set : {"deadtime", "imp", "all"}) {
+        const Outcome one = run("s4", {set});
+        TEST_ASSERT_TRUE(one.settled.without_regulators());
+        TEST_ASSERT_TRUE(one.result.metrics.locked);
+        TEST_ASSERT_DOUBLE_WITHIN(NO_I_D_A, 0, one.settled.i_d());
+    }
+}
+
+// brake_max is reached at about half of this; what would follow is a rotor that its load accelerates.
+void a_load_that_drives_is_braked_by_current_control()
+{
+    for (const char *scenario : {"s4", "s5"}) {
+        const Outcome one = run(scenario, {}, {"scenario.load_scale=-1"});
+        TEST_ASSERT_TRUE(one.result.faults.empty());
+        TEST_ASSERT_TRUE(one.result.metrics.locked);
+        TEST_ASSERT_DOUBLE_WITHIN(0.001 * 1200, 1200, one.settled.rpm());
+        TEST_ASSERT_TRUE(one.settled.ever_without_regulators());
+    }
+}
+
+void a_reversal_under_load_passes_through_braking()
+{
+    for (const char *scenario : {"s4", "s5"}) {
+        const Outcome one =
+            run(scenario, {"adc"},
+                {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=-1, "
+                 "speed_rpm=-1200}]",
+                 "scenario.load=[{time_s=-1.2, torque_nm=3}]", "scenario.duration_s=3.5"});
+        TEST_ASSERT_TRUE(one.result.faults.empty());
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1200, -1200, one.settled.rpm());
+    }
+}
+
+// A catch ends in a transient of the current control, which is no point to go on from without it.
+void a_caught_rotor_settles_before_the_change()
+{
+    for (const char *rpm : {"-1200", "-300", "300", "600", "1200"}) {
+        const Outcome one =
+            run("s5", {}, {std::string("scenario.initial_speed_rpm=") + rpm, "scenario.load=[]"});
+        TEST_ASSERT_TRUE(one.result.faults.empty());
+        TEST_ASSERT_TRUE(one.settled.without_regulators());
+    }
 }
 
 void a_drive_without_sensor_starts_as_ever_and_changes_over()
@@ -179,7 +238,7 @@ void a_drive_with_sensor_needs_no_start()
     TEST_ASSERT_TRUE(one.result.metrics.locked);
 }
 
-// The voltage begins as the EMF: what flows then is what one period without voltage leaves, e·T/L = 0.7 A.
+// With the EMF fed forward what flows is what one period without voltage leaves, e·T/L = 0.7 A.
 void a_turning_rotor_is_taken_over_as_it_turns()
 {
     for (const char *rpm : {"-900", "900"}) {
@@ -197,7 +256,7 @@ void a_turning_rotor_is_taken_over_as_it_turns()
 void a_reversal_passes_through_current_control_and_back()
 {
     const Outcome one = run("s5", {"adc"},
-                            {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=0, "
+                            {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=-1, "
                              "speed_rpm=-600}]",
                              "scenario.load=[]"});
     TEST_ASSERT_TRUE(one.result.metrics.locked);
@@ -213,7 +272,7 @@ void a_position_is_held_by_current_control()
             {"motor=motor_b", "tuning=voltage_phase", "drive.angle_source=sensor",
              "scenario.duration_s=4", "scenario.command=[{time_s=0.1, position_rad=9.42}]"});
     TEST_ASSERT_TRUE(one.result.faults.empty());
-    TEST_ASSERT_TRUE(one.settled.ever_without_regulators());
+    TEST_ASSERT_FALSE(one.settled.ever_without_regulators());
     TEST_ASSERT_TRUE(one.result.metrics.position_error_final_rad.value() < 0.01);
 }
 
@@ -232,7 +291,11 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(the_lead_is_that_of_no_i_d);
     RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
-    RUN_TEST(without_compensation_the_drive_runs_away_and_trips);
+    RUN_TEST(without_compensation_current_control_takes_the_load_before_it_runs_away);
+    RUN_TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d);
+    RUN_TEST(a_load_that_drives_is_braked_by_current_control);
+    RUN_TEST(a_reversal_under_load_passes_through_braking);
+    RUN_TEST(a_caught_rotor_settles_before_the_change);
     RUN_TEST(a_drive_without_sensor_starts_as_ever_and_changes_over);
     RUN_TEST(a_drive_with_sensor_needs_no_start);
     RUN_TEST(a_turning_rotor_is_taken_over_as_it_turns);

@@ -262,6 +262,8 @@ static inline voltage_drive_cfg_t example_voltage_drive_cfg(void)
         .enabled = 1U,
         /* φ·2·Ω_b/U_b = 1.68861; times 8/s·1 ms 0.0135089 */
         .pi = {.kp = 27666, .ki = 28331, .kp_shift = 14U, .ki_shift = 10U},
+        .speed_min = 3435973, /* 240 rpm */
+        .settle_periods = 100U,
         .compensator =
             {
                 .gain = 16777, /* 0.001·2^16, times 2^8 */

@@ -168,6 +168,8 @@ static const field_t FIELDS[] = {
     FIELD(slow_ticks, 6, 100),
     FIELD(voltage_drive.enabled, 0, 1),
     PI(voltage_drive.pi),
+    FIELD(voltage_drive.speed_min, 0, 0x20000000),
+    FIELD(voltage_drive.settle_periods, 1, 10000),
     FIELD(voltage_drive.compensator.gain, 0, 32767),
     FIELD(voltage_drive.compensator.gain_shift, 0, 15),
     FIELD(voltage_drive.compensator.lead_max, 0, 0x40000000),

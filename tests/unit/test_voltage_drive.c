@@ -16,6 +16,8 @@
 #define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
 #define RAD_S_PER_RPM (2.0 * EXAMPLE_PI / 30.0)
 #define PATIENCE_TICKS (40000U)
+#define SETTLED_TICKS \
+    (10000U) /* 0.6 s of ramp to 600 rpm, the 0.1 s of the change-over, and their transients */
 #define POLE_PAIRS (2.0)
 
 static drive_cfg_t cfg;
@@ -119,12 +121,12 @@ static void test_a_sensor_is_followed_in_every_state_from_any_angle(void)
     }
 }
 
-static void test_run_begins_at_once_and_without_regulators(void)
+static void test_run_begins_at_once_and_with_current_control(void)
 {
     run_at(600.0);
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_driven);
     TEST_ASSERT_FALSE(out.gate_enable);
     tick();
     TEST_ASSERT_TRUE(out.gate_enable);
@@ -145,7 +147,7 @@ static void test_both_directions_reach_their_speed_without_i_d(void)
     }
 }
 
-/* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then U is the EMF. */
+/* One PWM period without voltage lets the EMF drive e·T/L: 0.42 A at 600 rpm, then the EMF is fed forward. */
 static void test_a_turning_rotor_is_taken_as_it_is(void)
 {
     begin_with_sensor(2.0, 600.0);
@@ -247,6 +249,54 @@ static void test_a_position_is_for_current_control_and_a_speed_again_for_the_vol
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
 }
 
+static void test_no_change_before_the_speed_is_reached(void)
+{
+    run_at(600.0);
+    while (!drive.voltage_driven) {
+        TEST_ASSERT_TRUE(drive.tick < PATIENCE_TICKS);
+        tick();
+    }
+    /* 1/16 of it may be missing, less what the ramp of 1000 rpm/s has made good in the 0.1 s since. */
+    TEST_ASSERT_TRUE(true_rpm() > (600.0 * 15.0 / 16.0));
+}
+
+static void test_below_its_lowest_speed_current_control_stays(void)
+{
+    run_at(230.0); /* of 240 */
+    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
+        tick();
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
+}
+
+/* With 1° of lag and hardly any braking current within it. */
+static void test_a_load_that_drives_is_held_by_current_control(void)
+{
+    cfg.voltage_drive.compensator.brake_max = 11930465;
+    cfg.crc = config_guard_crc(&cfg);
+    run_at(600.0);
+    ticks(SETTLED_TICKS);
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
+        measure();
+        drive_step(&drive, &in, &out);
+        example_motor_tick(&motor, &out, -3.0);
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
+}
+
+static void test_more_than_the_torque_range_gives_back_at_once(void)
+{
+    run_at(600.0);
+    ticks(SETTLED_TICKS);
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+    drive.signals.current_ref.q = drive.torque_range.upper + 2000;
+    ticks(cfg.slow_ticks);
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+}
+
 static void test_a_drive_that_is_not_asked_to_never_changes_over(void)
 {
     begin_with_sensor(0.0, 0.0);
@@ -272,7 +322,7 @@ static void test_protection_stays_in_force(void)
     for (uint32_t k = 0U; k < 4U; k++) {
         begin_with_sensor(0.0, 0.0);
         run_at(600.0);
-        ticks(5000U);
+        ticks(SETTLED_TICKS);
         TEST_ASSERT_TRUE(drive.voltage_driven);
         measure();
         make[k](&in);
@@ -316,13 +366,17 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_sensor_is_followed_in_every_state_from_any_angle);
-    RUN_TEST(test_run_begins_at_once_and_without_regulators);
+    RUN_TEST(test_run_begins_at_once_and_with_current_control);
     RUN_TEST(test_both_directions_reach_their_speed_without_i_d);
     RUN_TEST(test_a_turning_rotor_is_taken_as_it_is);
     RUN_TEST(test_a_second_run_starts_afresh_where_the_rotor_is);
     RUN_TEST(test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_on);
     RUN_TEST(test_a_slow_reference_gives_back_to_current_control_which_holds);
     RUN_TEST(test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage);
+    RUN_TEST(test_no_change_before_the_speed_is_reached);
+    RUN_TEST(test_below_its_lowest_speed_current_control_stays);
+    RUN_TEST(test_a_load_that_drives_is_held_by_current_control);
+    RUN_TEST(test_more_than_the_torque_range_gives_back_at_once);
     RUN_TEST(test_a_drive_that_is_not_asked_to_never_changes_over);
     RUN_TEST(test_protection_stays_in_force);
     RUN_TEST(test_the_voltage_stays_within_the_circle_whatever_the_frame);
