@@ -6,6 +6,7 @@
 
 #include "drive.h"
 #include "hal.h"
+#include "recorder.h"
 
 typedef struct {
     drive_t drive;
@@ -13,6 +14,7 @@ typedef struct {
     hal_t *hal;
     drive_in_t in; /* the frames of the last tick, for traces and recordings */
     drive_out_t out;
+    recorder_t *recorder; /* NULL: none */
 } app_t;
 
 /*
@@ -21,7 +23,10 @@ typedef struct {
  */
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
 
-/* The control interrupt: sample, step, apply. Call once a PWM period, never re-entered. */
+/* Have each tick recorded. Call once, before the control interrupt is enabled. */
+void app_record(app_t *app, recorder_t *recorder);
+
+/* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */
 void control_isr(app_t *app);
 
 #endif

@@ -1,5 +1,7 @@
 #include "app.h"
 
+#include <stddef.h>
+
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
 {
     hal_open_gates(hal);
@@ -7,13 +9,23 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->command = (drive_command_t){0};
     app->in = (drive_in_t){0};
     app->out = (drive_out_t){0};
+    app->recorder = NULL;
     return drive_init(&app->drive, cfg);
 }
 
+void app_record(app_t *app, recorder_t *recorder)
+{
+    app->recorder = recorder;
+}
+
+/* What was found is applied before it is recorded: its time is short. */
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
     app->in.command = app->command;
     drive_step(&app->drive, &app->in, &app->out);
     hal_apply(app->hal, &app->out);
+    if (app->recorder != NULL) {
+        recorder_step(app->recorder, &app->drive, &app->in, &app->out);
+    }
 }

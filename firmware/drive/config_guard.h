@@ -1,9 +1,9 @@
 /*
  * Guard of the configuration: a CRC stored with it, checked at start and, a word at a time, for ever.
  *
- * CRC-32 (IEEE 802.3, reflected) over the bytes of drive_cfg_t before its field crc. It finds every error
- * of up to three bits at this length and every burst of up to 32, which Fletcher's sums do not: in
- * those two flips of a highest bit can cancel. By a table of 16 words a word costs about 60 instructions.
+ * CRC-32 (crc32.h) over the bytes of drive_cfg_t before its field crc. It finds every error of up to three
+ * bits at this length and every burst of up to 32, which Fletcher's sums do not: in those two flips of a
+ * highest bit can cancel.
  *
  * All machines that share a configuration are little-endian and have all its fields in 32 bits, so its
  * bytes are the same on each.

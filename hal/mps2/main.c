@@ -17,8 +17,13 @@
 /* Ticks that are read, run and written together: the RAM of the smallest board is small. */
 #define BLOCK_TICKS (64U)
 
+/* The flight recorder's: as few as it takes, for it is here to be counted. */
+#define SEGMENT_ENTRIES RECORDER_ENTRIES_MIN
+#define POST_TICKS (8U)
+
 static hal_t hardware;
 static app_t app;
+static recorder_t recorder;
 static uint8_t frames[BLOCK_TICKS * RECORDING_FRAME_BYTES];
 static uint8_t results[BLOCK_TICKS * RECORDING_RESULT_BYTES];
 
@@ -58,6 +63,7 @@ static void run_block(uint32_t ticks)
         hal_mps2_feed(&hardware, &in);
         app.command = in.command;
         control_interrupt();
+        recorder_service(&recorder, &app.drive);
         recording_put_result(&results[k * RECORDING_RESULT_BYTES], &hardware.applied, &app.drive);
     }
 }
@@ -98,6 +104,7 @@ int main(void)
 {
     static const char from_name[] = "frames.nfr";
     static const char to_name[] = "results.nfr";
+    static recorder_entry_t recorded[RECORDER_SEGMENTS * SEGMENT_ENTRIES];
     const int32_t from = semihost_open(from_name, sizeof(from_name) - 1U, SEMIHOST_READ);
     const int32_t to = semihost_open(to_name, sizeof(to_name) - 1U, SEMIHOST_WRITE);
     uint32_t ticks;
@@ -105,6 +112,9 @@ int main(void)
     need(from >= 0, "frames.nfr cannot be read\n");
     need(to >= 0, "results.nfr cannot be written\n");
     need(app_init(&app, &hardware, &DRIVE_CONFIG) == NULL, "the drive refuses its configuration\n");
+    need(recorder_init(&recorder, recorded, SEGMENT_ENTRIES, POST_TICKS) == NULL,
+         "the recorder refuses its size\n");
+    app_record(&app, &recorder);
     ticks = begin(from, to, recording_config_hash(&DRIVE_CONFIG));
     replay(from, to, ticks);
     need(semihost_close(to), "results.nfr cannot be written\n");

@@ -8,7 +8,7 @@
  *     header, 16 bytes    magic 4, version 2, bytes of a record 2, configuration hash 4, ticks 4
  *     frame,  18 bytes    adc_ia 2, adc_ib 2, adc_bus 2, adc_temperature 2, angle 2, flags 2, target 4,
  *                         mode 1, request 1
- *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, state hash 4
+ *     result, 12 bytes    compare 3 × 2, gate_enable 1, state 1, drive_words_hash() 4
  *
  * Pure functions; none can fail but the check of a header.
  */
@@ -21,7 +21,7 @@
 
 #define RECORDING_FRAMES (0x5246464EU)  /* magic "NFFR" */
 #define RECORDING_RESULTS (0x5352464EU) /* magic "NFRS" */
-#define RECORDING_VERSION (3U)
+#define RECORDING_VERSION (4U)
 
 #define RECORDING_HEADER_BYTES (16U)
 #define RECORDING_FRAME_BYTES (18U)
@@ -49,12 +49,6 @@ drive_in_t recording_get_frame(const uint8_t *from);
 
 /* The output frame of a tick and the drive after it. */
 void recording_put_result(uint8_t *to, const drive_out_t *out, const drive_t *drive);
-
-/*
- * FNV-1a, 32 bits, over every field of the state; 64-bit fields low word first. Not over the pointer
- * to the configuration and not over padding: those are the machine's.
- */
-uint32_t recording_state_hash(const drive_t *drive);
 
 /* FNV-1a, 32 bits, over the configuration: 32-bit fields without padding. */
 uint32_t recording_config_hash(const drive_cfg_t *cfg);

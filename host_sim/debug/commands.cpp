@@ -6,7 +6,7 @@
 #include "suggest.h"
 
 extern "C" {
-#include "recording.h"
+#include "drive_words.h"
 }
 
 #include <algorithm>
@@ -278,7 +278,7 @@ std::string hash(const Session &session, const std::string &rest)
 {
     no_arguments(rest);
     return fmt::format("tick {}  drive {:08x}\n", session.timeline.now(),
-                       recording_state_hash(&session.timeline.run().sim().drive()));
+                       drive_words_hash(&session.timeline.run().sim().drive()));
 }
 
 std::string signals(const Session &session, const std::string &rest)
@@ -381,7 +381,7 @@ const std::vector<Command> &commands()
         {"signals", "[PART]", "all signals with PART in their names", "Without PART: all.",
          signals},
         {"hash", "", "of the drive's whole state",
-         "Equal hashes: the same state. It is that of the recordings replayed on targets.", hash},
+         "Equal hashes: the same state. It is that of recordings and of targets.", hash},
         {"help", "[COMMAND]", "this list, or more of one", "You have found it.", help},
         {"quit", "", "end the session", "So does the end of the input.", quit},
     };

@@ -3,7 +3,7 @@
 #include "timeline.h"
 
 extern "C" {
-#include "recording.h"
+#include "drive_words.h"
 }
 
 #include <algorithm>
@@ -34,7 +34,7 @@ struct Mark {
     plant_view_t motor;
 
     explicit Mark(const Timeline &timeline)
-        : drive(recording_state_hash(&timeline.run().sim().drive())), motor(timeline.tick().truth)
+        : drive(drive_words_hash(&timeline.run().sim().drive())), motor(timeline.tick().truth)
     {
     }
     bool operator==(const Mark &other) const
@@ -86,8 +86,8 @@ static void test_a_run_is_that_of_the_scenario()
         run.advance();
     }
     (void)run.control();
-    TEST_ASSERT_EQUAL_HEX32(recording_state_hash(&run.sim().drive()),
-                            recording_state_hash(&timeline.run().sim().drive()));
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&run.sim().drive()),
+                            drive_words_hash(&timeline.run().sim().drive()));
 }
 
 static void test_the_ends_of_a_run_stop()

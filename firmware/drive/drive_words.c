@@ -1,0 +1,134 @@
+#include "drive_words.h"
+
+#include <stddef.h>
+
+#define WORD_BYTES (4U)
+#define FNV_BASIS (2166136261U)
+#define FNV_PRIME (16777619U)
+
+/* A piece of drive_t without padding: whole words, or one byte that makes a word. */
+typedef struct {
+    uint32_t offset;
+    uint32_t bytes;
+} piece_t;
+
+#define OFFSET(member) ((uint32_t)offsetof(drive_t, member))
+#define BYTE(member) {OFFSET(member), 1U}
+#define LONG(member) {OFFSET(member), 2U * WORD_BYTES}
+/* From a member to a word, with all in between. */
+#define WORDS(first, last) {OFFSET(first), (OFFSET(last) + WORD_BYTES) - OFFSET(first)}
+
+static const piece_t pieces[] = {
+    LONG(position),
+    WORDS(state, slow_count),
+    BYTE(voltage_driven),
+    WORDS(current_loop, speed_loop.reference),
+    WORDS(position_loop, position_loop.profile_speed),
+    BYTE(mode),
+    WORDS(offset_samples, model.flux_q30),
+    BYTE(identified),
+    WORDS(frame, catch_spin.first.beta),
+    BYTE(catch_spin.gates),
+    WORDS(catch_spin.speed, align.tick),
+    BYTE(align.backwards),
+    WORDS(align.current_ref, fault.tick),
+};
+
+#define PIECES ((uint32_t)(sizeof(pieces) / sizeof(pieces[0])))
+
+static uint32_t words_of(const piece_t *piece)
+{
+    return (piece->bytes + WORD_BYTES - 1U) / WORD_BYTES;
+}
+
+/* The piece with the word `at`, which becomes one of the piece's; NULL beyond the last. */
+static const piece_t *find(uint32_t *at)
+{
+    const piece_t *found = NULL;
+
+    for (uint32_t k = 0U; (k < PIECES) && (found == NULL); k++) {
+        const uint32_t words = words_of(&pieces[k]);
+
+        if (*at < words) {
+            found = &pieces[k];
+        } else {
+            *at -= words;
+        }
+    }
+    return found;
+}
+
+static uint32_t bytes_of(const piece_t *piece)
+{
+    return (piece->bytes < WORD_BYTES) ? piece->bytes : WORD_BYTES;
+}
+
+static uint32_t load(const uint8_t *from, uint32_t bytes)
+{
+    uint32_t word = 0U;
+
+    for (uint32_t k = 0U; k < bytes; k++) {
+        word |= (uint32_t)from[k] << (8U * k);
+    }
+    return word;
+}
+
+uint32_t drive_words_count(void)
+{
+    uint32_t count = 0U;
+
+    for (uint32_t k = 0U; k < PIECES; k++) {
+        count += words_of(&pieces[k]);
+    }
+    return count;
+}
+
+uint32_t drive_words_get(const drive_t *drive, uint32_t at)
+{
+    const uint8_t *const bytes = (const uint8_t *)drive;
+    uint32_t in_piece = at;
+    const piece_t *const piece = find(&in_piece);
+
+    return (piece == NULL) ? 0U
+                           : load(&bytes[piece->offset + (in_piece * WORD_BYTES)], bytes_of(piece));
+}
+
+void drive_words_set(drive_t *drive, uint32_t at, uint32_t word)
+{
+    uint8_t *const bytes = (uint8_t *)drive;
+    uint32_t in_piece = at;
+    const piece_t *const piece = find(&in_piece);
+
+    if (piece != NULL) {
+        for (uint32_t k = 0U; k < bytes_of(piece); k++) {
+            const uint32_t byte = (word >> (8U * k)) & 0xFFU;
+
+            bytes[piece->offset + (in_piece * WORD_BYTES) + k] = (uint8_t)byte;
+        }
+    }
+}
+
+static uint32_t mix(uint32_t before, uint32_t word)
+{
+    uint32_t hash = before;
+
+    for (uint32_t k = 0U; k < WORD_BYTES; k++) {
+        hash = (hash ^ ((word >> (8U * k)) & 0xFFU)) * FNV_PRIME;
+    }
+    return hash;
+}
+
+uint32_t drive_words_hash(const drive_t *drive)
+{
+    const uint8_t *const bytes = (const uint8_t *)drive;
+    uint32_t hash = FNV_BASIS;
+
+    for (uint32_t k = 0U; k < PIECES; k++) {
+        const piece_t *const piece = &pieces[k];
+
+        for (uint32_t at = 0U; at < piece->bytes; at += WORD_BYTES) {
+            hash = mix(hash, load(&bytes[piece->offset + at], bytes_of(piece)));
+        }
+    }
+    return hash;
+}

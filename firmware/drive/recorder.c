@@ -1,0 +1,323 @@
+#include "recorder.h"
+
+#include <stddef.h>
+
+#define NONE (RECORDER_SEGMENTS) /* no segment */
+#define END (RECORDER_SEGMENTS)  /* the state after the last frame */
+#define HALF_MASK (0xFFFFU)
+#define BYTE_MASK (0xFFU)
+#define COMPARE_MASK (0x7FFFU)
+#define CHANGE_MARK (0x8000U)
+#define GATE_BIT (15U)
+
+static uint32_t pair(uint32_t lower, uint32_t upper)
+{
+    return lower | (upper << 16U);
+}
+
+static uint32_t slow_part(const drive_in_t *in)
+{
+    const uint32_t command = in->command.mode | ((uint32_t)in->command.request << 8U);
+
+    return pair(command, in->adc_temperature);
+}
+
+static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
+{
+    return &recorder->entries[segment * recorder->segment_entries];
+}
+
+/* A tick takes two entries at most. */
+static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
+{
+    return &recorder->entries[((segment + 1U) * recorder->segment_entries) - 1U];
+}
+
+/* Bit by bit in place of comparing: one branch. */
+static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
+{
+    const uint32_t target = (uint32_t)in->command.target;
+
+    return ((target ^ recorder->target) | (slow_part(in) ^ recorder->slow)) != 0U;
+}
+
+static recorder_entry_t *put_change(recorder_t *recorder, recorder_entry_t *at,
+                                    const drive_in_t *in)
+{
+    recorder->target = (uint32_t)in->command.target;
+    recorder->slow = slow_part(in);
+    *at = (recorder_entry_t){{recorder->target, recorder->slow, CHANGE_MARK, 0U}};
+    return &at[1];
+}
+
+static recorder_entry_t *put_frame(recorder_entry_t *at, const drive_in_t *in,
+                                   const drive_out_t *out)
+{
+    const uint32_t gate = out->gate_enable ? 1U : 0U;
+
+    at->word[0] = pair(in->adc_ia, in->adc_ib);
+    at->word[1] = pair(in->adc_bus, in->flags);
+    at->word[2] = pair(out->compare.phase[0], out->compare.phase[1]);
+    at->word[3] = pair(out->compare.phase[2] | (gate << GATE_BIT), in->angle);
+    return &at[1];
+}
+
+/* The current segment ends here. */
+static void leave_segment(recorder_t *recorder)
+{
+    if (recorder->current != NONE) {
+        recorder->segments[recorder->current].end = recorder->at;
+    }
+}
+
+static void enter_segment(recorder_t *recorder, const drive_in_t *in)
+{
+    const uint32_t next = recorder->next;
+
+    recorder->segments[next].follows = (recorder->current != NONE) && !recorder->gap;
+    recorder->gap = false;
+    recorder->current = next;
+    recorder->stop = stop_of(recorder, next);
+    recorder->at = put_change(recorder, first_of(recorder, next), in);
+}
+
+/* Frozen, or there is an offer, or no room: where this tick's entries go, NULL if nowhere. */
+static recorder_entry_t *turn_over(recorder_t *recorder, uint32_t tick, const drive_in_t *in)
+{
+    const bool fits = recorder->offered && (recorder->next_tick == tick);
+    recorder_entry_t *at = NULL;
+
+    if (fits && (recorder->next == END)) {
+        leave_segment(recorder);
+        recorder->frozen = true;
+    } else if (fits) {
+        leave_segment(recorder);
+        enter_segment(recorder, in);
+        at = recorder->at;
+    } else if (!recorder->frozen && (recorder->current != NONE)) {
+        recorder->stop = stop_of(recorder, recorder->current);
+        at = (recorder->at < recorder->stop) ? recorder->at : NULL;
+        recorder->gap = recorder->gap || (at == NULL);
+    } else {
+        /* nothing to record to */
+    }
+    recorder->offered = false;
+    return at;
+}
+
+void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t *in,
+                   const drive_out_t *out)
+{
+    recorder_entry_t *at = recorder->at;
+
+    if (at >= recorder->stop) {
+        at = turn_over(recorder, drive->tick - 1U, in);
+    }
+    if (at != NULL) {
+        if (has_changed(recorder, in)) {
+            at = put_change(recorder, at, in);
+        }
+        recorder->at = put_frame(at, in, out);
+    }
+}
+
+/* As at the start, with the same memory. */
+static void begin_anew(recorder_t *recorder)
+{
+    for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
+        recorder->segments[k] = (recorder_segment_t){0};
+    }
+    recorder->at = recorder->entries;
+    recorder->stop = recorder->entries;
+    recorder->current = NONE;
+    recorder->offered = false;
+    recorder->gap = false;
+    recorder->triggered = false;
+    recorder->frozen = false;
+}
+
+const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint32_t segment_entries,
+                          uint32_t post_ticks)
+{
+    const char *bad = NULL;
+
+    *recorder = (recorder_t){
+        .entries = entries, .segment_entries = segment_entries, .post_ticks = post_ticks};
+    begin_anew(recorder);
+    if (segment_entries < RECORDER_ENTRIES_MIN) {
+        bad = "segment_entries";
+    } else if (post_ticks > RECORDER_POST_TICKS_MAX) {
+        bad = "post_ticks";
+    } else {
+        /* as it should be */
+    }
+    return bad;
+}
+
+/* Copies the state, and offers the copy when no tick came meanwhile. The stop is written last: it is the signal. */
+static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t next)
+{
+    const uint32_t tick = drive->tick;
+
+    if (next != END) {
+        recorder->segments[next] = (recorder_segment_t){0};
+    }
+    recorder->states[next] = *drive;
+    if (drive->tick == tick) {
+        recorder->next = next;
+        recorder->next_tick = tick;
+        recorder->offered = true;
+        recorder->stop = recorder->entries;
+    }
+}
+
+static bool is_nearly_full(const recorder_t *recorder)
+{
+    const uint32_t current = recorder->current;
+
+    return (current == NONE) ||
+           (recorder->at >
+            &first_of(recorder, current)[recorder->segment_entries - 1U - RECORDER_MARGIN]);
+}
+
+static uint32_t segment_after(uint32_t segment)
+{
+    return (segment >= (RECORDER_SEGMENTS - 1U)) ? 0U : (segment + 1U);
+}
+
+static void trigger(recorder_t *recorder, uint32_t tick)
+{
+    recorder->triggered = true;
+    recorder->trigger = tick;
+}
+
+/* post_ticks were recorded after that of the trigger. */
+static bool is_over(const recorder_t *recorder, uint32_t tick)
+{
+    return recorder->triggered && (recorder->current != NONE) &&
+           ((tick - recorder->trigger) > recorder->post_ticks);
+}
+
+void recorder_service(recorder_t *recorder, const drive_t *drive)
+{
+    const volatile drive_t *const live = drive;
+    const bool failed = live->state == DRIVE_STATE_FAULT;
+
+    if (failed && !recorder->triggered) {
+        trigger(recorder, live->fault.tick);
+    }
+    if (recorder->frozen) {
+        if (!failed && !recorder->held) {
+            begin_anew(recorder);
+        }
+    } else if (recorder->offered) {
+        /* the next tick decides */
+    } else if (is_over(recorder, live->tick)) {
+        offer(recorder, live, END);
+    } else if (is_nearly_full(recorder)) {
+        offer(recorder, live, segment_after(recorder->current));
+    } else {
+        /* there is room */
+    }
+}
+
+void recorder_hold(recorder_t *recorder, const drive_t *drive)
+{
+    const volatile drive_t *const live = drive;
+
+    recorder->held = true;
+    if (!recorder->triggered) {
+        trigger(recorder, (live->tick - 1U) - recorder->post_ticks);
+    }
+}
+
+void recorder_release(recorder_t *recorder)
+{
+    recorder->held = false;
+}
+
+static uint32_t segment_before(uint32_t segment)
+{
+    return (segment == 0U) ? (RECORDER_SEGMENTS - 1U) : (segment - 1U);
+}
+
+static uint32_t count_entries(const recorder_t *recorder, uint32_t segment)
+{
+    const recorder_entry_t *const first = first_of(recorder, segment);
+    uint32_t count = 0U;
+
+    while (&first[count] < recorder->segments[segment].end) {
+        count++;
+    }
+    return count;
+}
+
+recorder_history_t recorder_history(const recorder_t *recorder)
+{
+    recorder_history_t history = {.first = recorder->current, .entries = 0U};
+
+    if (recorder->frozen) {
+        const recorder_segment_t *const segments = recorder->segments;
+        uint32_t count = 1U;
+
+        while (segments[history.first].follows && (count < RECORDER_SEGMENTS)) {
+            history.first = segment_before(history.first);
+            count++;
+        }
+        for (uint32_t k = 0U; k < count; k++) {
+            history.of_segment[k] =
+                count_entries(recorder, (history.first + k) % RECORDER_SEGMENTS);
+            history.entries += history.of_segment[k];
+        }
+    }
+    return history;
+}
+
+const recorder_entry_t *recorder_entry(const recorder_t *recorder,
+                                       const recorder_history_t *history, uint32_t at)
+{
+    uint32_t segment = 0U;
+    uint32_t left = at;
+
+    while (left >= history->of_segment[segment]) {
+        left -= history->of_segment[segment];
+        segment++;
+    }
+    return &first_of(recorder, (history->first + segment) % RECORDER_SEGMENTS)[left];
+}
+
+const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_history_t *history)
+{
+    return &recorder->states[history->first];
+}
+
+const drive_t *recorder_end_state(const recorder_t *recorder)
+{
+    return &recorder->states[END];
+}
+
+bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)
+{
+    const uint32_t *const word = entry->word;
+    const bool is_frame = (word[2] & CHANGE_MARK) == 0U;
+    drive_in_t *const in = &frame->in;
+    drive_out_t *const out = &frame->out;
+
+    if (is_frame) {
+        in->adc_ia = (uint16_t)(word[0] & HALF_MASK);
+        in->adc_ib = (uint16_t)(word[0] >> 16U);
+        in->adc_bus = (uint16_t)(word[1] & HALF_MASK);
+        in->flags = (uint16_t)(word[1] >> 16U);
+        out->compare.phase[0] = (uint16_t)(word[2] & HALF_MASK);
+        out->compare.phase[1] = (uint16_t)(word[2] >> 16U);
+        out->compare.phase[2] = (uint16_t)(word[3] & COMPARE_MASK);
+        out->gate_enable = ((word[3] >> GATE_BIT) & 1U) != 0U;
+        in->angle = (uint16_t)(word[3] >> 16U);
+    } else {
+        in->command.target = (int32_t)word[0];
+        in->command.mode = (uint8_t)(word[1] & BYTE_MASK);
+        in->command.request = (uint8_t)((word[1] >> 8U) & BYTE_MASK);
+        in->adc_temperature = (uint16_t)(word[1] >> 16U);
+    }
+    return is_frame;
+}

@@ -1,0 +1,152 @@
+#include "recorder_dump.h"
+
+#include "crc32.h"
+#include "drive_words.h"
+
+#include <stddef.h>
+
+#define WORD_BYTES (4U)
+#define CONFIG_WORDS ((uint32_t)(sizeof(drive_cfg_t) / WORD_BYTES))
+#define ENTRY_WORDS ((uint32_t)(sizeof(recorder_entry_t) / WORD_BYTES))
+#define LINE_BYTES ((RECORDER_LINE_WORDS + 2U) * WORD_BYTES) /* with number and CRC */
+
+_Static_assert((LINE_BYTES % 3U) == 0U, "a line of base64 without padding");
+_Static_assert((sizeof(drive_cfg_t) % WORD_BYTES) == 0U, "a configuration of words");
+
+static uint32_t word_at(const uint8_t *from)
+{
+    return from[0] | ((uint32_t)from[1] << 8U) | ((uint32_t)from[2] << 16U) |
+           ((uint32_t)from[3] << 24U);
+}
+
+static void store(uint8_t *to, uint32_t word)
+{
+    for (uint32_t k = 0U; k < WORD_BYTES; k++) {
+        to[k] = (uint8_t)((word >> (8U * k)) & 0xFFU);
+    }
+}
+
+/* How the recording ends. */
+static void describe_end(recorder_header_t *header, const drive_t *end)
+{
+    const bool failed = end->state == DRIVE_STATE_FAULT;
+
+    header->end_tick = end->tick;
+    header->end_hash = drive_words_hash(end);
+    header->fault_id = failed ? (uint32_t)end->fault.id : (uint32_t)FAULT_NONE;
+    header->fault_value = failed ? (uint32_t)end->fault.value : 0U;
+    header->fault_limit = failed ? (uint32_t)end->fault.limit : 0U;
+    header->fault_tick = failed ? end->fault.tick : 0U;
+}
+
+void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, const drive_cfg_t *cfg,
+                         const recorder_about_t *about)
+{
+    recorder_header_t *const header = &dump->header;
+
+    dump->recorder = recorder;
+    dump->cfg = cfg;
+    dump->history = recorder_history(recorder);
+    dump->next = 0U;
+    dump->line = 0U;
+    dump->crc = CRC32_START;
+    header->magic = RECORDER_MAGIC;
+    header->version = RECORDER_VERSION;
+    header->config_words = CONFIG_WORDS;
+    header->state_words = drive_words_count();
+    header->entries = dump->history.entries;
+    header->words = RECORDER_HEADER_WORDS + CONFIG_WORDS + header->state_words +
+                    (header->entries * ENTRY_WORDS) + 1U;
+    header->first_tick = recorder_begin_state(recorder, &dump->history)->tick;
+    describe_end(header, recorder_end_state(recorder));
+    header->about = *about;
+}
+
+uint32_t recorder_dump_lines(const recorder_dump_t *dump)
+{
+    return ((dump->header.words + RECORDER_LINE_WORDS) - 1U) / RECORDER_LINE_WORDS;
+}
+
+/* Word `at` of the entries. */
+static uint32_t entry_word(const recorder_dump_t *dump, uint32_t at)
+{
+    const recorder_entry_t *const entry =
+        recorder_entry(dump->recorder, &dump->history, at / ENTRY_WORDS);
+
+    return entry->word[at % ENTRY_WORDS];
+}
+
+/* Any word but the last one. */
+static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
+{
+    const uint32_t config = RECORDER_HEADER_WORDS;
+    const uint32_t state = config + CONFIG_WORDS;
+    const uint32_t entries = state + dump->header.state_words;
+    uint32_t word;
+
+    if (at < config) {
+        word = word_at(&((const uint8_t *)&dump->header)[at * WORD_BYTES]);
+    } else if (at < state) {
+        word = word_at(&((const uint8_t *)dump->cfg)[(at - config) * WORD_BYTES]);
+    } else if (at < entries) {
+        word = drive_words_get(recorder_begin_state(dump->recorder, &dump->history), at - state);
+    } else {
+        word = entry_word(dump, at - entries);
+    }
+    return word;
+}
+
+/* The next word to `to`; zero behind the end. */
+static void put_next(recorder_dump_t *dump, uint8_t *to)
+{
+    const uint32_t last = dump->header.words - 1U;
+
+    if (dump->next < last) {
+        store(to, word_of(dump, dump->next));
+        dump->crc = crc32_step(dump->crc, to);
+    } else {
+        store(to, (dump->next == last) ? ~dump->crc : 0U);
+    }
+    dump->next++;
+}
+
+/* LINE_BYTES as base64 (RFC 4648). */
+static void encode(const uint8_t *bytes, char *to)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char *at = to;
+
+    for (uint32_t k = 0U; k < LINE_BYTES; k += 3U) {
+        const uint32_t group =
+            ((uint32_t)bytes[k] << 16U) | ((uint32_t)bytes[k + 1U] << 8U) | bytes[k + 2U];
+
+        for (uint32_t digit = 0U; digit < 4U; digit++) {
+            *at = digits[(group >> (18U - (6U * digit))) & 0x3FU];
+            at = &at[1];
+        }
+    }
+    *at = '\0';
+}
+
+bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTERS + 1U])
+{
+    const bool is_left = dump->next < dump->header.words;
+
+    if (is_left) {
+        uint8_t bytes[LINE_BYTES];
+        uint32_t crc = CRC32_START;
+
+        store(bytes, dump->line);
+        for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
+            put_next(dump, &bytes[(k + 1U) * WORD_BYTES]);
+        }
+        for (uint32_t k = 0U; k <= RECORDER_LINE_WORDS; k++) {
+            crc = crc32_step(crc, &bytes[k * WORD_BYTES]);
+        }
+        store(&bytes[(RECORDER_LINE_WORDS + 1U) * WORD_BYTES], ~crc);
+        line[0] = RECORDER_LINE_MARK;
+        encode(bytes, &line[1]);
+        dump->line++;
+    }
+    return is_left;
+}

@@ -1,0 +1,87 @@
+/*
+ * A frozen recording as text: one line after the other, to be sent whenever there is room.
+ *
+ * The recording is a file of 32-bit words
+ *
+ *     header           RECORDER_HEADER_WORDS, see recorder_header_t
+ *     configuration    drive_cfg_t, its last word is its CRC-32
+ *     state            drive_words_get(), before the first frame
+ *     entries          recorder_entry_t, 4 words each
+ *     end              CRC-32 of all words before it
+ *
+ * and each line holds RECORDER_LINE_WORDS of them, the last one with zeros behind the end: a '~', then in base64
+ * the line's number, its words, and the CRC-32 of both; bytes of a word lowest first. A line of anything else has
+ * no '~' at its beginning, so other text may come in between.
+ *
+ * Context: background. It reads only what is frozen; the caller holds the recording until the last line.
+ */
+#ifndef RECORDER_DUMP_H
+#define RECORDER_DUMP_H
+
+#include "recorder.h"
+
+#include <stdint.h>
+
+#define RECORDER_MAGIC (0x4452464EU) /* "NFRD" */
+#define RECORDER_VERSION (1U)
+#define RECORDER_LINE_MARK ('~')
+#define RECORDER_LINE_WORDS (13U)
+#define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U)) /* less its end */
+
+#define RECORDER_BUILD_WORDS (5U) /* 20 bytes: a GNU build-id */
+#define RECORDER_NAME_WORDS (24U)
+
+/* What the frames do not say. The scales give the integers their units; none acts on the replay. */
+typedef struct {
+    uint32_t tick_ns;
+    uint32_t current_full_scale_ma; /* ± */
+    uint32_t bus_full_scale_mv;
+    uint32_t step_per_rpm_q16; /* advance of the electrical angle in a tick, 2^32 = one turn */
+    uint32_t build[RECORDER_BUILD_WORDS]; /* of the image; zeros: the simulator */
+    uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, zeros behind */
+} recorder_about_t;
+
+/* All its members are words, in this order. */
+typedef struct {
+    uint32_t magic;
+    uint32_t version;
+    uint32_t words;        /* of the file */
+    uint32_t config_words; /* a recording of other sizes is of another firmware */
+    uint32_t state_words;
+    uint32_t entries;
+    uint32_t first_tick; /* of the frames */
+    uint32_t end_tick;   /* the one after the last */
+    uint32_t end_hash;   /* drive_words_hash() then */
+    uint32_t fault_id;   /* of FAULT then, else 0 */
+    uint32_t fault_value;
+    uint32_t fault_limit;
+    uint32_t fault_tick;
+    recorder_about_t about;
+} recorder_header_t;
+
+#define RECORDER_HEADER_WORDS ((uint32_t)(sizeof(recorder_header_t) / sizeof(uint32_t)))
+
+typedef struct {
+    const recorder_t *recorder;
+    const drive_cfg_t *cfg;
+    recorder_history_t history;
+    recorder_header_t header;
+    uint32_t next; /* word */
+    uint32_t line;
+    uint32_t crc; /* of the words before `next` */
+} recorder_dump_t;
+
+/* Begin with the first line. The recorder is frozen and held; `about` is copied. */
+void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, const drive_cfg_t *cfg,
+                         const recorder_about_t *about);
+
+/* How many lines there are in all. */
+uint32_t recorder_dump_lines(const recorder_dump_t *dump);
+
+/*
+ * The next line: RECORDER_LINE_CHARACTERS, and a 0 behind them. False, and nothing written, when there is none left.
+ * Some 20000 instructions.
+ */
+bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTERS + 1U]);
+
+#endif

@@ -1,0 +1,138 @@
+/*
+ * The state as words: none is missed, none is the machine's, and each goes back to where it came from.
+ */
+#include "drive_words.h"
+#include "unity.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/*
+ * Bytes of drive_t on a 64-bit PC that belong to the machine: the pointer to the configuration, the rest of the
+ * words of the mode and of four flags, and where 64-bit fields ask for alignment a word: before the position loop, in
+ * it, before the frame, at the end.
+ */
+#define FLAGS_AND_BYTES (5U)
+#define BYTE_PADDING (FLAGS_AND_BYTES * 3U)
+#define WORD (4U)
+#define PROFILE_BYTES (8U + 4U)
+#define BEFORE_POSITION_LOOP \
+    (offsetof(drive_t, position_loop) - offsetof(drive_t, speed_loop) - sizeof(speed_loop_t))
+#define IN_POSITION_LOOP (sizeof(position_loop_t) - PROFILE_BYTES)
+#define BEFORE_FRAME (offsetof(drive_t, frame) - offsetof(drive_t, identified) - WORD)
+#define AT_THE_END (sizeof(drive_t) - offsetof(drive_t, fault) - sizeof(fault_t))
+#define ALIGNMENT (BEFORE_POSITION_LOOP + IN_POSITION_LOOP + BEFORE_FRAME + AT_THE_END)
+#define MACHINE_BYTES (sizeof(void *) + BYTE_PADDING + ALIGNMENT)
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* A field that is added to the state and not to its words is found here. */
+static void test_hash_sees_every_byte(void)
+{
+    drive_t drive;
+    uint8_t bytes[sizeof(drive)];
+    uint32_t unseen = 0U;
+    uint32_t hash;
+
+    (void)memset(&drive, 0, sizeof(drive));
+    hash = drive_words_hash(&drive);
+    for (size_t k = 0U; k < sizeof(drive); k++) {
+        (void)memset(bytes, 0, sizeof(bytes));
+        bytes[k] = 1U;
+        (void)memcpy(&drive, bytes, sizeof(drive));
+        if (drive_words_hash(&drive) == hash) {
+            unseen++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(MACHINE_BYTES, unseen);
+}
+
+/* FNV-1a by its definition, over a state of zeros; bytes go in as words. */
+static void test_hash_is_fnv_1a(void)
+{
+    drive_t drive;
+    uint32_t expected = 2166136261U;
+
+    (void)memset(&drive, 0, sizeof(drive));
+    for (size_t k = 0U; k < (sizeof(drive) - sizeof(void *) - ALIGNMENT); k++) {
+        expected *= 16777619U;
+    }
+    TEST_ASSERT_EQUAL_HEX32(expected, drive_words_hash(&drive));
+}
+
+static void test_number_of_words_is_that_of_the_states_bytes(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(sizeof(drive_t) - sizeof(void *) - ALIGNMENT,
+                             WORD * drive_words_count());
+}
+
+/* Bytes of 1, so that a flag is one. */
+static void test_state_of_a_states_words_has_its_hash(void)
+{
+    drive_t from;
+    drive_t to;
+    uint32_t words = 0U;
+
+    (void)memset(&from, 1, sizeof(from));
+    (void)memset(&to, 0, sizeof(to));
+    TEST_ASSERT_NOT_EQUAL(drive_words_hash(&from), drive_words_hash(&to));
+    for (uint32_t at = 0U; at < drive_words_count(); at++) {
+        const uint32_t word = drive_words_get(&from, at);
+
+        words += (word == 0x01010101U) ? 1U : 0U;
+        drive_words_set(&to, at, word);
+        TEST_ASSERT_EQUAL_HEX32(word, drive_words_get(&to, at));
+    }
+    TEST_ASSERT_EQUAL_UINT32(drive_words_count() - FLAGS_AND_BYTES, words);
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&from), drive_words_hash(&to));
+    TEST_ASSERT_NULL(to.cfg);
+}
+
+static void test_hash_is_over_the_words_in_their_order(void)
+{
+    uint32_t expected = 2166136261U;
+    drive_t drive;
+
+    (void)memset(&drive, 0, sizeof(drive));
+    for (uint32_t at = 0U; at < drive_words_count(); at++) {
+        drive_words_set(&drive, at, at & 1U);
+    }
+    for (uint32_t at = 0U; at < drive_words_count(); at++) {
+        const uint32_t word = drive_words_get(&drive, at);
+
+        for (uint32_t k = 0U; k < WORD; k++) {
+            expected = (expected ^ ((word >> (8U * k)) & 0xFFU)) * 16777619U;
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(expected, drive_words_hash(&drive));
+}
+
+static void test_beyond_the_last_word_there_is_nothing(void)
+{
+    drive_t drive;
+    uint32_t hash;
+
+    (void)memset(&drive, 1, sizeof(drive));
+    hash = drive_words_hash(&drive);
+    drive_words_set(&drive, drive_words_count(), 7U);
+    TEST_ASSERT_EQUAL_HEX32(0U, drive_words_get(&drive, drive_words_count()));
+    TEST_ASSERT_EQUAL_HEX32(hash, drive_words_hash(&drive));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_hash_sees_every_byte);
+    RUN_TEST(test_hash_is_fnv_1a);
+    RUN_TEST(test_number_of_words_is_that_of_the_states_bytes);
+    RUN_TEST(test_state_of_a_states_words_has_its_hash);
+    RUN_TEST(test_hash_is_over_the_words_in_their_order);
+    RUN_TEST(test_beyond_the_last_word_there_is_nothing);
+    return UNITY_END();
+}

@@ -1,0 +1,354 @@
+/* Flight recorder: what it keeps is the run, however interrupt and background meet. */
+#include "drive_words.h"
+#include "recorded_run.h"
+#include "recorder.h"
+#include "unity.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+#define LONG_RUN (5000U)
+
+static recorded_run_t run;
+
+void setUp(void)
+{
+    recorded_run_start(&run);
+}
+
+void tearDown(void)
+{
+}
+
+/* Runs the history again; how many ticks it has. */
+static uint32_t replay(void)
+{
+    const recorder_history_t history = recorder_history(&run.recorder);
+    drive_t drive = *recorder_begin_state(&run.recorder, &history);
+    recorder_frame_t frame = {0};
+    uint32_t ticks = 0U;
+
+    drive.cfg = &run.cfg;
+    for (uint32_t at = 0U; at < history.entries; at++) {
+        const recorder_entry_t *const entry = recorder_entry(&run.recorder, &history, at);
+
+        if (recorder_unpack(entry, &frame)) {
+            drive_out_t out = {0};
+
+            drive_step(&drive, &frame.in, &out);
+            TEST_ASSERT_EQUAL_UINT16_ARRAY(out.compare.phase, frame.out.compare.phase, 3U);
+            TEST_ASSERT_EQUAL_INT(out.gate_enable, frame.out.gate_enable);
+            ticks++;
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(recorder_end_state(&run.recorder)),
+                            drive_words_hash(&drive));
+    return ticks;
+}
+
+static void fail_and_freeze(void)
+{
+    recorded_run_fail(&run);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, run.drive.state);
+    recorded_run_ticks(&run, RUN_POST_TICKS + 1U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+}
+
+static void test_history_is_the_run(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_TRUE(run.out.gate_enable);
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+/* The margin is left over in each segment, and a change begins it. */
+static void test_all_but_one_segments_of_history_are_there_whenever_it_ends(void)
+{
+    const uint32_t least = (RECORDER_SEGMENTS - 1U) * (RUN_SEGMENT_ENTRIES - RECORDER_MARGIN - 1U);
+
+    for (uint32_t k = 0U; k < (2U * RUN_SEGMENT_ENTRIES); k += 7U) {
+        setUp();
+        recorded_run_ticks(&run, LONG_RUN + k);
+        fail_and_freeze();
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(least, replay());
+    }
+}
+
+static void test_freezes_after_the_fault_and_the_ticks_behind_it(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    recorded_run_fail(&run);
+    recorded_run_ticks(&run, RUN_POST_TICKS);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+    recorded_run_ticks(&run, 1U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(run.drive.fault.tick + RUN_POST_TICKS + 1U,
+                             recorder_end_state(&run.recorder)->tick);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_EQUAL_UINT32(run.drive.fault.tick + RUN_POST_TICKS + 1U,
+                             recorder_end_state(&run.recorder)->tick);
+}
+
+/* A fault is seen even if it is there before anything was recorded, or comes again at once. */
+static void test_fault_in_the_first_tick_is_recorded(void)
+{
+    run.in.adc_bus = 4095U;
+    recorded_run_interrupt(&run);
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, run.drive.state);
+    recorded_run_ticks(&run, RUN_POST_TICKS + 3U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+static void clear(void)
+{
+    run.in.command.request = DRIVE_REQUEST_CLEAR;
+    recorded_run_ticks(&run, 2U);
+    run.in.command.request = DRIVE_REQUEST_RUN;
+}
+
+static void test_clear_begins_anew(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    clear();
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(LONG_RUN, recorder_end_state(&run.recorder)->tick);
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+static void test_what_is_held_stays_until_it_is_released(void)
+{
+    uint32_t ticks = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    ticks = replay();
+    recorder_hold(&run.recorder, &run.drive);
+    clear();
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(ticks, replay());
+    recorder_release(&run.recorder);
+    recorded_run_ticks(&run, 1U);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+}
+
+static void test_holding_freezes_without_a_fault(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    recorder_hold(&run.recorder, &run.drive);
+    recorded_run_ticks(&run, 2U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, recorder_end_state(&run.recorder)->state);
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+/* After a fault the ticks behind it belong to the recording. */
+static void test_holding_does_not_cut_off_what_follows_a_fault(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    recorded_run_fail(&run);
+    recorder_hold(&run.recorder, &run.drive);
+    recorded_run_ticks(&run, RUN_POST_TICKS + 1U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(run.drive.fault.tick + RUN_POST_TICKS + 1U,
+                             recorder_end_state(&run.recorder)->tick);
+}
+
+/* The background comes in every other tick, at random: within the margin it does. */
+static void test_history_is_the_run_with_a_background_that_comes_irregularly(void)
+{
+    seeded_t chance = {99U};
+
+    for (uint32_t round = 0U; round < 20U; round++) {
+        setUp();
+        for (uint32_t k = 0U; k < LONG_RUN; k++) {
+            const bool away = seeded_in(&chance, 0, 1) != 0;
+
+            recorded_run_noise(&run);
+            recorded_run_interrupt(&run);
+            if (!away) {
+                recorder_service(&run.recorder, &run.drive);
+            }
+        }
+        fail_and_freeze();
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(2U * (RUN_SEGMENT_ENTRIES - RECORDER_MARGIN), replay());
+    }
+}
+
+/* The next tick of the drive goes unrecorded, as if it had come while the state was copied. */
+static void test_snapshot_of_another_tick_is_rejected(void)
+{
+    const uint32_t current = run.recorder.current;
+
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_TRUE(run.recorder.offered);
+    recorded_run_noise(&run);
+    drive_step(&run.drive, &run.in, &run.out);
+    recorded_run_interrupt(&run);
+    TEST_ASSERT_FALSE(run.recorder.offered);
+    TEST_ASSERT_EQUAL_UINT32(current, run.recorder.current);
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+static void test_offer_that_came_too_late_does_not_end_a_segment(void)
+{
+    uint32_t current = 0U;
+
+    recorded_run_ticks(&run, 2U);
+    current = run.recorder.current;
+    while (!run.recorder.offered) {
+        recorded_run_ticks(&run, 1U);
+    }
+    drive_step(&run.drive, &run.in, &run.out);
+    recorded_run_interrupt(&run);
+    TEST_ASSERT_EQUAL_UINT32(current, run.recorder.current);
+    TEST_ASSERT_FALSE(run.recorder.offered);
+}
+
+/* Without a background the segment fills up; what follows begins after the gap. */
+static void test_history_begins_behind_a_gap(void)
+{
+    uint32_t first = 0U;
+    recorder_history_t history;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    for (uint32_t k = 0U; k < RUN_SEGMENT_ENTRIES; k++) {
+        recorded_run_noise(&run);
+        recorded_run_interrupt(&run);
+    }
+    first = run.drive.tick;
+    recorded_run_ticks(&run, 30U);
+    fail_and_freeze();
+    history = recorder_history(&run.recorder);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(first, recorder_begin_state(&run.recorder, &history)->tick);
+    TEST_ASSERT_GREATER_THAN_UINT32(30U, replay());
+}
+
+static void test_commands_and_temperature_change_in_the_tick_in_which_they_did(void)
+{
+    seeded_t chance = {7U};
+
+    for (uint32_t k = 0U; k < LONG_RUN; k++) {
+        recorded_run_noise(&run);
+        run.in.adc_temperature = (uint16_t)(700 + seeded_in(&chance, 0, 1));
+        run.in.angle = (uint16_t)seeded_in(&chance, 0, 1);
+        run.in.command.target = seeded_in(&chance, -2, 2) * 1000000;
+        run.in.command.mode = (uint8_t)seeded_in(&chance, 0, 255);
+        recorded_run_interrupt(&run);
+        recorder_service(&run.recorder, &run.drive);
+    }
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+static recorder_frame_t recorded(const drive_in_t *in, const drive_out_t *out)
+{
+    recorder_frame_t frame;
+
+    setUp();
+    (void)memset(&frame, 0x55, sizeof(frame));
+    recorder_service(&run.recorder, &run.drive);
+    run.drive.tick++;
+    recorder_step(&run.recorder, &run.drive, in, out);
+    TEST_ASSERT_FALSE(recorder_unpack(&run.entries[0], &frame));
+    TEST_ASSERT_TRUE(recorder_unpack(&run.entries[1], &frame));
+    return frame;
+}
+
+static void assert_comes_back(const drive_in_t *in, const drive_out_t *out)
+{
+    const recorder_frame_t back = recorded(in, out);
+
+    TEST_ASSERT_EQUAL_HEX16(in->adc_ia, back.in.adc_ia);
+    TEST_ASSERT_EQUAL_HEX16(in->adc_ib, back.in.adc_ib);
+    TEST_ASSERT_EQUAL_HEX16(in->adc_bus, back.in.adc_bus);
+    TEST_ASSERT_EQUAL_HEX16(in->flags, back.in.flags);
+    TEST_ASSERT_EQUAL_HEX16(in->adc_temperature, back.in.adc_temperature);
+    TEST_ASSERT_EQUAL_HEX16(in->angle, back.in.angle);
+    TEST_ASSERT_EQUAL_INT32(in->command.target, back.in.command.target);
+    TEST_ASSERT_EQUAL_HEX8(in->command.mode, back.in.command.mode);
+    TEST_ASSERT_EQUAL_HEX8(in->command.request, back.in.command.request);
+    TEST_ASSERT_EQUAL_HEX16_ARRAY(out->compare.phase, back.out.compare.phase, 3U);
+    TEST_ASSERT_EQUAL_INT(out->gate_enable, back.out.gate_enable);
+}
+
+static void test_every_bit_of_a_frame_comes_back(void)
+{
+    const drive_in_t none = {0};
+    const drive_in_t all = {0xFFFFU, 0xFFFFU, 0xFFFFU, 0xFFFFU, {-1, 0xFFU, 0xFFU},
+                            0xFFFFU, 0xFFFFU};
+    const drive_in_t mixed = {0x0102U, 0x0304U, 0x0506U, 0x0708U, {0x090A0B0C, 0x0DU, 0x0EU},
+                              0x0F10U, 0x1112U};
+    const drive_out_t out_none = {{{0U, 0U, 0U}}, false};
+    const drive_out_t out_all = {{{0x7FFFU, 0x7FFFU, 0x7FFFU}}, true};
+    const drive_out_t out_mixed = {{{0x1314U, 0x1516U, 0x1718U}}, true};
+
+    assert_comes_back(&none, &out_all);
+    assert_comes_back(&all, &out_none);
+    assert_comes_back(&mixed, &out_mixed);
+}
+
+static void test_nothing_frozen_has_no_history(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+}
+
+static void test_drive_does_the_same_with_and_without_a_recorder(void)
+{
+    drive_t alone;
+    drive_out_t out = {0};
+
+    TEST_ASSERT_NULL(drive_init(&alone, &run.cfg));
+    for (uint32_t k = 0U; k < LONG_RUN; k++) {
+        recorded_run_ticks(&run, 1U);
+        drive_step(&alone, &run.in, &out);
+    }
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&alone), drive_words_hash(&run.drive));
+}
+
+static void test_init_names_what_is_out_of_range(void)
+{
+    recorder_t recorder;
+
+    TEST_ASSERT_NULL(recorder_init(&recorder, run.entries, RECORDER_ENTRIES_MIN, 0U));
+    TEST_ASSERT_NULL(
+        recorder_init(&recorder, run.entries, RUN_SEGMENT_ENTRIES, RECORDER_POST_TICKS_MAX));
+    TEST_ASSERT_EQUAL_STRING("segment_entries",
+                             recorder_init(&recorder, run.entries, RECORDER_ENTRIES_MIN - 1U, 0U));
+    TEST_ASSERT_EQUAL_STRING(
+        "post_ticks",
+        recorder_init(&recorder, run.entries, RUN_SEGMENT_ENTRIES, RECORDER_POST_TICKS_MAX + 1U));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_history_is_the_run);
+    RUN_TEST(test_all_but_one_segments_of_history_are_there_whenever_it_ends);
+    RUN_TEST(test_freezes_after_the_fault_and_the_ticks_behind_it);
+    RUN_TEST(test_fault_in_the_first_tick_is_recorded);
+    RUN_TEST(test_clear_begins_anew);
+    RUN_TEST(test_what_is_held_stays_until_it_is_released);
+    RUN_TEST(test_holding_freezes_without_a_fault);
+    RUN_TEST(test_holding_does_not_cut_off_what_follows_a_fault);
+    RUN_TEST(test_history_is_the_run_with_a_background_that_comes_irregularly);
+    RUN_TEST(test_snapshot_of_another_tick_is_rejected);
+    RUN_TEST(test_offer_that_came_too_late_does_not_end_a_segment);
+    RUN_TEST(test_history_begins_behind_a_gap);
+    RUN_TEST(test_commands_and_temperature_change_in_the_tick_in_which_they_did);
+    RUN_TEST(test_every_bit_of_a_frame_comes_back);
+    RUN_TEST(test_nothing_frozen_has_no_history);
+    RUN_TEST(test_drive_does_the_same_with_and_without_a_recorder);
+    RUN_TEST(test_init_names_what_is_out_of_range);
+    return UNITY_END();
+}
