@@ -26,6 +26,18 @@ static void store(uint8_t *to, uint32_t word)
     }
 }
 
+void recorder_about_name(recorder_about_t *about, const char *name)
+{
+    uint32_t k = 0U;
+
+    while ((k < (RECORDER_NAME_WORDS * WORD_BYTES)) && (name[k] != '\0')) {
+        const uint32_t character = (uint8_t)name[k];
+
+        about->name[k / WORD_BYTES] |= character << (8U * (k % WORD_BYTES));
+        k++;
+    }
+}
+
 /* How the recording ends. */
 static void describe_end(recorder_header_t *header, const drive_t *end)
 {

@@ -41,6 +41,9 @@ typedef struct {
     uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, zeros behind */
 } recorder_about_t;
 
+/* Puts a text where zeros are; what does not fit is cut off. */
+void recorder_about_name(recorder_about_t *about, const char *name);
+
 /* All its members are words, in this order. */
 typedef struct {
     uint32_t magic;

@@ -25,7 +25,7 @@ function(nf_add_image target)
     target_link_options(${target} PRIVATE
         -nostartfiles --specs=nano.specs -T ${script} -L ${NF_CORTEX_M}
         -fcallgraph-info=su
-        -Wl,--gc-sections -Wl,--fatal-warnings -Wl,--no-enum-size-warning -Wl,-Map=${map})
+        -Wl,--gc-sections -Wl,--build-id=sha1 -Wl,--fatal-warnings -Wl,--no-enum-size-warning -Wl,-Map=${map})
     set_target_properties(${target} PROPERTIES
         SUFFIX .elf
         RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}

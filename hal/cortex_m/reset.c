@@ -1,7 +1,5 @@
 #include "reset.h"
 
-#include <stdint.h>
-
 /* What has to be done to the RAM; made by sections.ld, which alone knows it. */
 typedef struct {
     const uint32_t *data_load;

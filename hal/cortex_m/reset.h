@@ -11,7 +11,17 @@
 #ifndef RESET_H
 #define RESET_H
 
+#include <stdint.h>
+
 typedef void (*vector_t)(void);
+
+/*
+ * The image's GNU build-id as the linker writes it: four words of a note's header, then 20 bytes.
+ * `readelf -n` shows them.
+ */
+#define BUILD_ID_NOTE_WORDS (9U)
+#define BUILD_ID_FIRST_WORD (4U)
+extern const uint32_t build_id_note[BUILD_ID_NOTE_WORDS];
 
 /* Exceptions 1 to 15; sections.ld puts the stack pointer before them. */
 #define CORE_VECTORS (15U)

@@ -13,6 +13,7 @@ _Static_assert(HAL_ADC_SAMPLING_NS <= 1100U,
 
 const board_t BOARD = {
     .timer_counts = HAL_TIMER_COUNTS,
+    .tick_ns = (HAL_TIMER_COUNTS * 2000U) / (BOARD_CLOCK_HZ / 1000000U),
     .dead_time_ticks = HAL_DEAD_TIME_TICKS,
     .adc_sampling_ns = HAL_ADC_SAMPLING_NS,
     .amplifier_zero = HAL_AMPLIFIER_ZERO,

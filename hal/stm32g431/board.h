@@ -10,8 +10,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/*
+ * The flight recorder's share of the RAM: entries of 16 bytes in each of its segments, at least three of which are
+ * history at any time; and the ticks that it goes on for after a fault.
+ */
+#define BOARD_RECORDER_ENTRIES (352U)
+#define BOARD_RECORDER_POST_TICKS (64U)
+
 typedef struct {
     uint32_t timer_counts;          /* of half a PWM period */
+    uint32_t tick_ns;               /* a PWM period */
     uint32_t dead_time_ticks;       /* of the timer's clock */
     uint32_t adc_sampling_ns;       /* sample switch closed at least as long, shunts */
     uint32_t amplifier_zero;        /* converter counts without current */

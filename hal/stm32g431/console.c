@@ -2,6 +2,7 @@
 
 #include "board.h"
 #include "fault_text.h"
+#include "reset.h"
 #include "sensing.h"
 #include "uart.h"
 
@@ -177,6 +178,64 @@ static void set_speed(console_t *console, const char *argument)
     }
 }
 
+/* The recorder freezes in the next ticks, if it has not done so after a fault. */
+static void ask_for_dump(console_t *console)
+{
+    app_t *const app = console->app;
+
+    if (console->dump_phase != CONSOLE_DUMP_NONE) {
+        console_say(console, "error: a dump is under way");
+    } else if (app->recorder == NULL) {
+        console_say(console, "error: there is no recorder");
+    } else {
+        recorder_hold(app->recorder, &app->drive);
+        console->dump_phase = CONSOLE_DUMP_ASKED;
+        console_say(console, "ok");
+    }
+}
+
+static void start_dump(console_t *console)
+{
+    const app_t *const app = console->app;
+    recorder_about_t about = {
+        .tick_ns = BOARD.tick_ns,
+        .current_full_scale_ma = BOARD.current_full_scale_ma,
+        .bus_full_scale_mv = BOARD.bus_full_scale_mv,
+        .step_per_rpm_q16 = BOARD.step_per_rpm_q16,
+    };
+
+    recorder_about_name(&about, BOARD_NAME);
+    for (uint32_t k = 0U; k < RECORDER_BUILD_WORDS; k++) {
+        about.build[k] = build_id_note[BUILD_ID_FIRST_WORD + k];
+    }
+    recorder_dump_start(&console->dump, app->recorder, app->drive.cfg, &about);
+    console->dump_phase = CONSOLE_DUMP_SENT;
+}
+
+/* A line of the dump once all before it is sent: other lines come in between. */
+static void send_dump(console_t *console)
+{
+    char line[RECORDER_LINE_CHARACTERS + 1U];
+
+    if (recorder_dump_line(&console->dump, line)) {
+        console_say(console, line);
+    } else {
+        recorder_release(console->app->recorder);
+        console->dump_phase = CONSOLE_DUMP_NONE;
+        console_say(console, "dump ends");
+    }
+}
+
+static void go_on_dumping(console_t *console)
+{
+    if ((console->dump_phase == CONSOLE_DUMP_ASKED) && console->app->recorder->frozen) {
+        start_dump(console);
+    }
+    if ((console->dump_phase == CONSOLE_DUMP_SENT) && (console->out.length == 0U)) {
+        send_dump(console);
+    }
+}
+
 static bool same(const char *line, const char *command)
 {
     const char *const rest = text_after(line, command);
@@ -199,8 +258,10 @@ static void do_line(console_t *console)
         clear_fault(console);
     } else if (same(line, "status")) {
         show_status(console);
+    } else if (same(line, "dump")) {
+        ask_for_dump(console);
     } else {
-        console_say(console, "error: the commands are run, stop, clear, speed RPM, status");
+        console_say(console, "error: the commands are run, stop, clear, speed RPM, status, dump");
     }
 }
 
@@ -271,6 +332,7 @@ void console_step(console_t *console)
     }
     finish_clear(console);
     announce(console);
+    go_on_dumping(console);
     send(console);
 }
 

@@ -1,7 +1,7 @@
 /*
  * The console: one command a line, one line as answer; and the status when the drive changes its state.
  *
- *     run  stop  clear  speed RPM  status
+ *     run  stop  clear  speed RPM  status  dump
  *
  * Runs in the background. It writes app_t.command and reads the drive; both may be interrupted by the
  * control tick at any instruction, each field is one aligned access.
@@ -11,14 +11,21 @@
 
 #include "app.h"
 #include "hal_g431.h"
+#include "recorder_dump.h"
 #include "text.h"
 
 #include <stdint.h>
 
 #define CONSOLE_LINE_MAX (31U)
 
+typedef enum {
+    CONSOLE_DUMP_NONE = 0,
+    CONSOLE_DUMP_ASKED, /* the recording is held, and will be frozen */
+    CONSOLE_DUMP_SENT   /* line by line */
+} console_dump_t;
+
 typedef struct {
-    app_t *app;
+    app_t *app; /* with a recorder once a dump is asked for */
     const hal_t *hal;
     drive_state_t announced;
     int32_t speed_rpm; /* asked for last */
@@ -27,6 +34,8 @@ typedef struct {
     uint32_t length; /* of the line so far */
     text_t out;      /* to be sent */
     uint32_t sent;
+    console_dump_t dump_phase;
+    recorder_dump_t dump;
 } console_t;
 
 void console_init(console_t *console, app_t *app, const hal_t *hal);

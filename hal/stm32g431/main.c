@@ -23,6 +23,7 @@
 static app_t app;
 static hal_t hardware;
 static console_t console;
+static recorder_t recorder;
 
 void board_safe_state(void)
 {
@@ -76,6 +77,7 @@ static void background(void)
             watch_temperature(tick);
             led_show(app.drive.state, tick);
         }
+        recorder_service(&recorder, &app.drive);
         console_step(&console);
         cpu_wait();
     }
@@ -83,10 +85,15 @@ static void background(void)
 
 static const char *bring_up(void)
 {
+    static recorder_entry_t ring[RECORDER_SEGMENTS * BOARD_RECORDER_ENTRIES];
     const char *why = hal_g431_init(&hardware);
 
     if (why == NULL) {
         why = app_init(&app, &hardware, &DRIVE_CONFIG);
+    }
+    if (why == NULL) {
+        why = recorder_init(&recorder, ring, BOARD_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
+        app_record(&app, &recorder);
     }
     if (why == NULL) {
         why = hal_g431_start();
