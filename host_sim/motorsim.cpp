@@ -1,14 +1,18 @@
-// The simulator's command line: run scenarios, step through them, list what there is, measure speed.
-// Exit status: 0 all limits hold, 1 one does not, 2 wrong usage, wrong file or a file not written.
+// The simulator's command line: run scenarios, step through them and through recordings, list what there is, measure
+// speed.
+// Exit status: 0 all limits hold or a recording is what it was, 1 not so, 2 wrong usage, wrong file or a file not written.
 #include "bench.h"
 #include "commands.h"
 #include "console.h"
 #include "data_list.h"
+#include "reader.h"
+#include "replay.h"
 #include "report.h"
 #include "scenario.h"
 #include "table.h"
 #include "trace.h"
 #include "vcd.h"
+#include "writer.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -19,6 +23,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <unistd.h>
@@ -43,9 +48,12 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim run ./mine.toml --json - | jq .angle_error_max_deg
   motorsim run s2 --vcd s2.vcd --vcd-from 0.5 --vcd-to 0.51   every gate edge of 10 ms
   motorsim debug s1_robust                   step through a run, forwards and backwards
+  motorsim run s1 --record s1.log            with the flight recorder, as the firmware sends it
+  motorsim replay field.log                  run a recording again, check each tick; --debug steps
   motorsim bench                             simulation speed on this machine
 
-Exit status: 0 all limits of the scenario hold, 1 one does not, 2 wrong usage or input.)";
+Exit status: 0 all limits of the scenario hold, or the recording comes out as it was; 1 one does not, or it departs;
+2 wrong usage or input.)";
 
 // What is simulated.
 struct Choice {
@@ -58,12 +66,19 @@ struct RunArguments : Choice {
     std::string trace;
     bool trace_prelude = false;
     std::string json;
+    std::string record;
     std::string vcd;
     std::optional<double> vcd_from_s;
     std::optional<double> vcd_to_s;
 };
 
 struct DebugArguments : Choice {
+    std::string script;
+};
+
+struct ReplayArguments {
+    std::string file;
+    bool debug = false;
     std::string script;
 };
 
@@ -108,12 +123,18 @@ void apart(const char *option_a, const std::string &a, const char *option_b, con
 // Nothing is written over what was read, nor twice to the same file.
 void check_outputs(const RunArguments &arguments, const nf::Config &config)
 {
-    nf::check_output(config, "--trace", arguments.trace);
-    nf::check_output(config, "--json", arguments.json);
-    nf::check_output(config, "--vcd", arguments.vcd);
-    apart("--trace", arguments.trace, "--json", arguments.json);
-    apart("--trace", arguments.trace, "--vcd", arguments.vcd);
-    apart("--json", arguments.json, "--vcd", arguments.vcd);
+    const std::vector<std::pair<const char *, std::string>> outputs = {
+        {"--trace", arguments.trace},
+        {"--json", arguments.json},
+        {"--vcd", arguments.vcd},
+        {"--record", arguments.record},
+    };
+    for (auto a = outputs.begin(); a != outputs.end(); ++a) {
+        nf::check_output(config, a->first, a->second);
+        for (auto b = outputs.begin(); b != a; ++b) {
+            apart(b->first, b->second, a->first, a->second);
+        }
+    }
 }
 
 void write_text(const std::string &path, const std::string &text)
@@ -158,11 +179,15 @@ public:
                                            arguments.vcd_to_s.value_or(config.scenario.duration_s)};
             vcd_ = std::make_unique<nf::Vcd>(arguments.vcd, window);
         }
+        if (!arguments.record.empty()) {
+            record_ = std::make_unique<nf::replay::Writer>(config);
+            record_path_ = arguments.record;
+        }
     }
 
     bool any() const
     {
-        return trace_ != nullptr || vcd_ != nullptr;
+        return trace_ != nullptr || vcd_ != nullptr || record_ != nullptr;
     }
 
     void add(const nf::Tick &tick) override
@@ -172,6 +197,9 @@ public:
         }
         if (vcd_) {
             vcd_->add(tick);
+        }
+        if (record_) {
+            record_->add(tick);
         }
     }
 
@@ -183,11 +211,16 @@ public:
         if (vcd_) {
             vcd_->close();
         }
+        if (record_) {
+            write_text(record_path_, record_->text());
+        }
     }
 
 private:
     std::unique_ptr<nf::Trace> trace_;
     std::unique_ptr<nf::Vcd> vcd_;
+    std::unique_ptr<nf::replay::Writer> record_;
+    std::string record_path_;
 };
 
 void check_window(const RunArguments &arguments)
@@ -225,28 +258,58 @@ int run(const RunArguments &arguments)
     return broken.empty() ? LIMITS_HOLD : LIMIT_BROKEN;
 }
 
-int converse(const nf::Config &config, nf::debug::LineReader &reader)
+int converse(nf::debug::Session &session, nf::debug::LineReader &reader)
 {
-    nf::debug::Session session(config);
     return nf::debug::converse(session, reader, stdout) ? LIMITS_HOLD : BAD_INPUT;
 }
 
 // Commands of a file, of a pipe, or of a person.
+int converse(nf::debug::Session &session, const std::string &script)
+{
+    if (!script.empty()) {
+        const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(
+            std::fopen(script.c_str(), "rb"), std::fclose);
+        if (!file) {
+            throw FileError(fmt::format("{}: cannot read: {}", script, std::strerror(errno)));
+        }
+        return converse(session, *nf::debug::stream_reader(file.get(), stdout));
+    }
+    const bool person = isatty(STDIN_FILENO) != 0;
+    return converse(session, person ? *nf::debug::terminal_reader(nf::debug::completions)
+                                    : *nf::debug::stream_reader(stdin, stdout));
+}
+
 int debug(const DebugArguments &arguments)
 {
     const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
-    if (!arguments.script.empty()) {
-        const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(
-            std::fopen(arguments.script.c_str(), "rb"), std::fclose);
-        if (!file) {
-            throw FileError(
-                fmt::format("{}: cannot read: {}", arguments.script, std::strerror(errno)));
-        }
-        return converse(config, *nf::debug::stream_reader(file.get(), stdout));
+    nf::debug::Session session(config);
+    return converse(session, arguments.script);
+}
+
+// The stepper on the tick that failed, or else on the last.
+int debug_recording(const nf::replay::Recording &recording, const ReplayArguments &arguments)
+{
+    nf::debug::Session session(recording.run,
+                               std::filesystem::path(arguments.file).filename().string());
+    const recorder_header_t &header = recording.header;
+    const uint32_t behind = header.fault_tick - header.first_tick;
+    const bool seen = header.fault_id != FAULT_NONE && behind < recording.run.frames.size();
+    session.timeline.go_to(seen ? behind : session.timeline.last());
+    return converse(session, arguments.script);
+}
+
+int replay(const ReplayArguments &arguments)
+{
+    if (!arguments.script.empty() && !arguments.debug) {
+        throw FileError("--script needs --debug");
     }
-    const bool person = isatty(STDIN_FILENO) != 0;
-    return converse(config, person ? *nf::debug::terminal_reader(nf::debug::completions)
-                                   : *nf::debug::stream_reader(stdin, stdout));
+    const nf::replay::Recording recording = nf::replay::read_file(arguments.file);
+    const nf::replay::Result result = nf::replay::replay(recording);
+    write_text("-", nf::replay::summary(recording, result));
+    if (arguments.debug) {
+        return debug_recording(recording, arguments);
+    }
+    return result.difference ? LIMIT_BROKEN : LIMITS_HOLD;
 }
 
 int signals(const Choice &choice)
@@ -314,6 +377,11 @@ void describe_run(CLI::App &command, RunArguments &arguments)
     command.add_option("--json", arguments.json, "write the metrics as JSON; - is standard output")
         ->check(not_a_file, "")
         ->type_name("FILE");
+    command
+        .add_option("--record", arguments.record,
+                    "write what the flight recorder holds after the first fault, or at the end")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
     command.add_option("--vcd", arguments.vcd, "write states, signals and gate edges as VCD")
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
@@ -323,15 +391,30 @@ void describe_run(CLI::App &command, RunArguments &arguments)
         ->type_name("TIME");
 }
 
-void describe_debug(CLI::App &command, DebugArguments &arguments)
+void describe_script(CLI::App &command, std::string &script)
 {
-    describe_choice(command, arguments);
     command
         .add_option(
-            "--script", arguments.script,
+            "--script", script,
             "commands from a file in place of the terminal or pipe; status 2 when one fails")
         ->check(not_a_file, "")
         ->type_name("FILE");
+}
+
+void describe_debug(CLI::App &command, DebugArguments &arguments)
+{
+    describe_choice(command, arguments);
+    describe_script(command, arguments.script);
+}
+
+void describe_replay(CLI::App &command, ReplayArguments &arguments)
+{
+    command
+        .add_option("file", arguments.file,
+                    "a recording: what the console's `dump` sent, as it was logged")
+        ->required();
+    command.add_flag("--debug", arguments.debug, "step through it, beginning at the fault");
+    describe_script(command, arguments.script);
 }
 
 void describe_bench(CLI::App &command, BenchArguments &arguments)
@@ -348,6 +431,7 @@ int parse_and_do(int argc, char **argv)
     CLI::App app{"Simulates a motor, its inverter and the drive's firmware, tick by tick."};
     RunArguments run_arguments;
     DebugArguments debug_arguments;
+    ReplayArguments replay_arguments;
     BenchArguments bench_arguments;
     Choice signals_choice;
     CLI::App *const run_command = app.add_subcommand("run", "run a scenario and judge it");
@@ -355,10 +439,13 @@ int parse_and_do(int argc, char **argv)
         app.add_subcommand("debug", "step through a scenario, forwards and backwards");
     CLI::App *const signals_command = app.add_subcommand(
         "signals", "the firmware's words with formats and scales, as JSON for debuggers");
+    CLI::App *const replay_command =
+        app.add_subcommand("replay", "run a flight recorder's recording again");
     CLI::App *const list_command = app.add_subcommand("list", "list scenarios and imperfections");
     CLI::App *const bench_command = app.add_subcommand("bench", "measure the simulation speed");
     describe_run(*run_command, run_arguments);
     describe_debug(*debug_command, debug_arguments);
+    describe_replay(*replay_command, replay_arguments);
     describe_bench(*bench_command, bench_arguments);
     describe_choice(*signals_command, signals_choice);
     app.footer(EXAMPLES);
@@ -375,6 +462,9 @@ int parse_and_do(int argc, char **argv)
     }
     if (*debug_command) {
         return debug(debug_arguments);
+    }
+    if (*replay_command) {
+        return replay(replay_arguments);
     }
     if (*bench_command) {
         return bench(bench_arguments);

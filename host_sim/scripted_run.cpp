@@ -1,6 +1,7 @@
 #include "scripted_run.h"
 
 #include <cmath>
+#include <limits>
 
 namespace nf
 {
@@ -18,14 +19,25 @@ std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
 } // namespace
 
 ScriptedRun::ScriptedRun(const Config &config)
-    : scenario_(config.scenario), sim_(config), zero_(ticks_in(scenario_.prelude_s)),
-      end_(zero_ + ticks_in(scenario_.duration_s)),
-      command_(scenario_.command, sim_.bases().control_period_s, zero_),
-      load_(scaled(scenario_.load, scenario_.load_scale), sim_.bases().control_period_s, zero_),
+    : mode_(config.scenario.mode), sim_(config), zero_(ticks_in(config.scenario.prelude_s)),
+      end_(zero_ + ticks_in(config.scenario.duration_s)),
+      command_(config.scenario.command, sim_.bases().control_period_s, zero_),
+      load_(scaled(config.scenario.load, config.scenario.load_scale), sim_.bases().control_period_s,
+            zero_),
       injection_(config, sim_.bases().control_period_s, zero_),
-      operator_(scenario_.requests, sim_.bases().control_period_s, zero_)
+      operator_(config.scenario.requests, sim_.bases().control_period_s, zero_)
 {
     send_command();
+}
+
+ScriptedRun::ScriptedRun(const RecordedRun &recorded)
+    : mode_(DriveMode::speed), frames_(recorded.frames), sim_(recorded.image), zero_(0),
+      end_(static_cast<int64_t>(frames_.size())),
+      command_({}, sim_.bases().control_period_s, zero_),
+      load_({}, sim_.bases().control_period_s, zero_),
+      injection_({}, sim_.bases().control_period_s, zero_),
+      operator_({}, sim_.bases().control_period_s, zero_)
+{
 }
 
 int64_t ScriptedRun::ticks_in(double seconds) const
@@ -35,7 +47,7 @@ int64_t ScriptedRun::ticks_in(double seconds) const
 
 void ScriptedRun::send_command()
 {
-    if (scenario_.mode == DriveMode::position) {
+    if (mode_ == DriveMode::position) {
         sim_.command_position_rad(command_.value());
     } else {
         sim_.command_speed_rpm(command_.value());
@@ -64,7 +76,7 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     operator_ = snapshot.user;
 }
 
-Tick ScriptedRun::control()
+void ScriptedRun::act()
 {
     new_command_ = command_.advance(tick_);
     if (new_command_) {
@@ -76,16 +88,51 @@ Tick ScriptedRun::control()
     }
     injection_.act(tick_, sim_);
     operator_.act(tick_, sim_);
+}
+
+void ScriptedRun::view_frame(Tick &tick) const
+{
+    constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
+    constexpr double Q16 = 65536.0;
+    constexpr double TWO_PI = 6.28318530717958647693;
+    const drive_command_t &command = frames_[static_cast<std::size_t>(tick_)].command;
+    tick.truth = {
+        tick.time_s, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, {UNKNOWN, UNKNOWN, UNKNOWN},
+        UNKNOWN,     UNKNOWN};
+    tick.mode = command.mode == DRIVE_MODE_POSITION ? DriveMode::position : DriveMode::speed;
+    tick.command = tick.mode == DriveMode::position
+                       ? command.target / Q16 * TWO_PI / sim_.bases().pole_pairs
+                       : sim_.bases().rpm_from_step(command.target);
+    tick.load_nm = UNKNOWN;
+}
+
+Tick ScriptedRun::view() const
+{
     Tick tick{};
     tick.sim = &sim_;
     tick.speed_estimate = drive_speed(&sim_.drive());
     tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
     tick.observer_speed = sim_.drive().observer.speed;
-    plant_view(&sim_.plant(), &tick.truth);
     tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
-    tick.mode = scenario_.mode;
-    tick.command = command_.value();
-    tick.load_nm = load_.value();
+    if (is_recorded()) {
+        view_frame(tick);
+    } else {
+        plant_view(&sim_.plant(), &tick.truth);
+        tick.mode = mode_;
+        tick.command = command_.value();
+        tick.load_nm = load_.value();
+    }
+    return tick;
+}
+
+Tick ScriptedRun::control()
+{
+    if (is_recorded()) {
+        sim_.feed(frames_[static_cast<std::size_t>(tick_)]);
+    } else {
+        act();
+    }
+    const Tick tick = view();
     sim_.control();
     return tick;
 }

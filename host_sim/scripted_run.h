@@ -1,5 +1,6 @@
 // A simulation and the script of its scenario: steps of command and load, requests and faults, each from
-// the tick nearest to its time.
+// the tick nearest to its time. Or the frames of a recording: then there is no motor, what is true is not known (NaN),
+// and command and requests are the frames'.
 //
 // Tick 0 is the first of the prelude. A tick is control(), then advance(). What a run has become lies in
 // its snapshot alone: the same snapshot goes on in the same way.
@@ -10,6 +11,8 @@
 #include "profile.h"
 #include "tick.h"
 
+#include <vector>
+
 namespace nf
 {
 
@@ -18,6 +21,8 @@ class ScriptedRun
 public:
     // Throws ConfigError. The configuration must outlive the run.
     explicit ScriptedRun(const Config &config);
+    // At least one frame.
+    explicit ScriptedRun(const RecordedRun &recorded);
 
     struct Snapshot {
         int64_t tick;
@@ -43,7 +48,12 @@ public:
         tick_++;
     }
 
-    // In place of the script's value, until its next step.
+    bool is_recorded() const
+    {
+        return !frames_.empty();
+    }
+
+    // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
     void set_load_nm(double torque_nm);
 
@@ -87,8 +97,12 @@ public:
 private:
     int64_t ticks_in(double seconds) const;
     void send_command();
+    void act();
+    Tick view() const;
+    void view_frame(Tick &tick) const;
 
-    const ScenarioSettings &scenario_;
+    DriveMode mode_;
+    std::vector<drive_in_t> frames_; // of a recording
     Simulation sim_;
     int64_t zero_;
     int64_t end_;

@@ -94,6 +94,16 @@ Simulation::Simulation(const Config &config)
     }
 }
 
+Simulation::Simulation(const DriveImage &image) : cfg_(image.cfg), bases_(image.bases)
+{
+    hal_host_init(&hal_, nullptr);
+    if (const char *const bad = app_init(&app_, &hal_, &cfg_)) {
+        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
+    }
+    app_.drive = image.state;
+    app_.drive.cfg = &cfg_;
+}
+
 void Simulation::restore(const State &state)
 {
     cfg_ = state.cfg;

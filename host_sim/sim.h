@@ -5,6 +5,7 @@
 #pragma once
 
 #include "config.h"
+#include "recorded_run.h"
 
 extern "C" {
 #include "app.h"
@@ -32,6 +33,8 @@ class Simulation
 public:
     // Throws ConfigError when the drive or the plant refuses the configuration.
     explicit Simulation(const Config &config);
+    // Without a motor: feed() says before each control() what is measured and wanted.
+    explicit Simulation(const DriveImage &image);
     // The drive keeps a pointer to its configuration.
     Simulation(const Simulation &) = delete;
     Simulation &operator=(const Simulation &) = delete;
@@ -65,6 +68,13 @@ public:
     void advance()
     {
         hal_host_step(&hal_);
+    }
+
+    // The next frame of a drive without a motor.
+    void feed(const drive_in_t &in)
+    {
+        hal_host_feed(&hal_, &in);
+        app_.command = in.command;
     }
 
     // Requests of the user, from the next control() on.

@@ -3,6 +3,8 @@
 
 #include "sim.h"
 
+#include <cmath>
+
 namespace nf
 {
 
@@ -18,11 +20,14 @@ struct Tick {
     double load_nm;
 };
 
-// θ − θ̂, electrical, within ±180°.
+// θ − θ̂, electrical, within ±180°; NaN where θ is not known.
 inline double angle_error_deg(const Tick &tick)
 {
     constexpr double STEPS_PER_RAD = 4294967296.0 / 6.28318530717958647693;
     constexpr double DEG_PER_STEP = 360.0 / 4294967296.0;
+    if (std::isnan(tick.truth.theta_el_rad)) {
+        return tick.truth.theta_el_rad;
+    }
     const auto truth = static_cast<int64_t>(tick.truth.theta_el_rad * STEPS_PER_RAD);
     const auto error = static_cast<uint64_t>(truth - tick.position_estimate_q32);
     return DEG_PER_STEP * static_cast<int32_t>(static_cast<uint32_t>(error & 0xFFFFFFFFU));

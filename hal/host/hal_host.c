@@ -1,5 +1,7 @@
 #include "hal_host.h"
 
+#include <stddef.h>
+
 void hal_host_init(hal_t *hal, plant_t *plant)
 {
     *hal = (hal_t){.plant = plant, .ticks = 0U};
@@ -7,8 +9,15 @@ void hal_host_init(hal_t *hal, plant_t *plant)
 
 void hal_host_step(hal_t *hal)
 {
-    plant_step(hal->plant);
+    if (hal->plant != NULL) {
+        plant_step(hal->plant);
+    }
     hal->ticks++;
+}
+
+void hal_host_feed(hal_t *hal, const drive_in_t *in)
+{
+    hal->fed = *in;
 }
 
 static uint16_t read_channel(const hal_host_channel_t *channel, uint16_t count)
@@ -16,24 +25,39 @@ static uint16_t read_channel(const hal_host_channel_t *channel, uint16_t count)
     return channel->forced ? channel->count : count;
 }
 
+/* What the power stage measures. */
+static void measure(const hal_t *hal, drive_in_t *in)
+{
+    plant_adc_t adc;
+
+    plant_sample(hal->plant, &adc);
+    in->adc_ia = adc.ia;
+    in->adc_ib = adc.ib;
+    in->adc_bus = adc.bus;
+    in->adc_temperature = adc.temperature;
+    in->angle = adc.angle;
+    in->flags = plant_take_trip(hal->plant) ? DRIVE_FLAG_BREAK : 0U;
+}
+
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
     const hal_host_faults_t *const faults = &hal->faults;
     const uint32_t late = hal->late ? DRIVE_FLAG_LATE : 0U;
-    const bool tripped = plant_take_trip(hal->plant);
-    const uint32_t broken = (faults->broken || tripped) ? DRIVE_FLAG_BREAK : 0U;
-    plant_adc_t adc;
+    const uint32_t broken = faults->broken ? DRIVE_FLAG_BREAK : 0U;
 
-    plant_sample(hal->plant, &adc);
-    in->adc_ia = read_channel(&faults->ia, adc.ia);
-    in->adc_ib = read_channel(&faults->ib, adc.ib);
-    in->adc_bus = read_channel(&faults->bus, adc.bus);
-    in->adc_temperature = read_channel(&faults->temperature, adc.temperature);
-    in->angle = read_channel(&faults->angle, adc.angle);
-    in->flags = (uint16_t)(late | broken);
+    *in = hal->fed;
+    if (hal->plant != NULL) {
+        measure(hal, in);
+    }
+    in->adc_ia = read_channel(&faults->ia, in->adc_ia);
+    in->adc_ib = read_channel(&faults->ib, in->adc_ib);
+    in->adc_bus = read_channel(&faults->bus, in->adc_bus);
+    in->adc_temperature = read_channel(&faults->temperature, in->adc_temperature);
+    in->angle = read_channel(&faults->angle, in->angle);
+    in->flags = (uint16_t)(in->flags | late | broken);
 }
 
-void hal_apply(hal_t *hal, const drive_out_t *out)
+static void drive_plant(hal_t *hal, const drive_out_t *out)
 {
     const bool late = hal->faults.late;
     const uint32_t rest = hal->plant->inverter.timer_counts / 2U;
@@ -43,14 +67,23 @@ void hal_apply(hal_t *hal, const drive_out_t *out)
         late ? rest : out->compare.phase[2],
     };
 
-    hal->late = late;
     plant_write_compare(hal->plant, compare);
     plant_set_gates(hal->plant, out->gate_enable && !hal->faults.broken);
 }
 
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    hal->late = hal->faults.late;
+    if (hal->plant != NULL) {
+        drive_plant(hal, out);
+    }
+}
+
 void hal_open_gates(hal_t *hal)
 {
-    plant_set_gates(hal->plant, false);
+    if (hal->plant != NULL) {
+        plant_set_gates(hal->plant, false);
+    }
 }
 
 uint32_t hal_ticks(const hal_t *hal)

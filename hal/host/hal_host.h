@@ -35,14 +35,18 @@ typedef struct {
 } hal_host_faults_t;
 
 struct hal {
-    plant_t *plant;
+    plant_t *plant; /* NULL: frames are fed */
+    drive_in_t fed;
     hal_host_faults_t faults; /* all false: none */
     bool late;                /* the last tick was */
     uint32_t ticks;           /* PWM periods since the binding */
 };
 
-/* Bind to a plant that plant_init() has accepted and that outlives the binding. */
+/* Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL. */
 void hal_host_init(hal_t *hal, plant_t *plant);
+
+/* Without a plant: what the next hal_sample() gives. */
+void hal_host_feed(hal_t *hal, const drive_in_t *in);
 
 /* Let one PWM period pass. Call after each control_isr(), never from within. */
 void hal_host_step(hal_t *hal);

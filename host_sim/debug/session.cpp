@@ -67,10 +67,14 @@ std::string Session::position_text() const
 {
     const Tick &tick = timeline.tick();
     const drive_t &drive = tick.sim->drive();
-    std::string text =
-        fmt::format("tick {}  t = {:.4f} s  {}  {:.1f} rpm, estimated {:.1f} rpm", timeline.now(),
-                    tick.time_s, state_text(drive), si_value(*find_signal("speed_rpm"), tick),
-                    si_value(*find_signal("speed_estimated_rpm"), tick));
+    const double estimated = si_value(*find_signal("speed_estimated_rpm"), tick);
+    const std::string speed =
+        timeline.run().is_recorded()
+            ? fmt::format("estimated {:.1f} rpm", estimated)
+            : fmt::format("{:.1f} rpm, estimated {:.1f} rpm",
+                          si_value(*find_signal("speed_rpm"), tick), estimated);
+    std::string text = fmt::format("tick {}  t = {:.4f} s  {}  {}", timeline.now(), tick.time_s,
+                                   state_text(drive), speed);
     if (drive.state == DRIVE_STATE_FAULT) {
         text += fmt::format("  {}", fault_text(drive.fault.id)->name);
     }

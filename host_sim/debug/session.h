@@ -28,6 +28,11 @@ public:
         : timeline(config), built(timeline.run().sim().cfg()), scenario(config.scenario.id)
     {
     }
+    // Of a recording, which is called by this name.
+    Session(const RecordedRun &recorded, const std::string &name)
+        : timeline(recorded), built(recorded.image.cfg), scenario(name)
+    {
+    }
 
     // Forwards until one of the breaks, the condition, or the last tick. The reason as a line.
     std::string run_until(const Value &condition, const std::string &text);

@@ -120,6 +120,14 @@ int64_t checked_raw(const Named &named, double value, const Simulation &sim)
     return static_cast<int64_t>(raw);
 }
 
+void refuse_in_recording(const SignalInfo &signal, const ScriptedRun &run)
+{
+    if (run.is_recorded()) {
+        throw std::runtime_error(fmt::format(
+            "{} is what it was: a recording has its commands in its frames", signal.name));
+    }
+}
+
 // States whose enumerators are the drive's own are no numbers to play with.
 Change change_of(const Named &named, double value, const ScriptedRun &run)
 {
@@ -133,6 +141,7 @@ Change change_of(const Named &named, double value, const ScriptedRun &run)
     }
     for (const Command &command : COMMANDS) {
         if (find_signal(command.name) == &signal) {
+            refuse_in_recording(signal, run);
             return {[set = command.set, value](ScriptedRun &r) { (r.*set)(value); }, {}};
         }
     }

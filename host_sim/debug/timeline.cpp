@@ -13,6 +13,11 @@ Timeline::Timeline(const Config &config) : run_(config)
     control();
 }
 
+Timeline::Timeline(const RecordedRun &recorded) : run_(recorded)
+{
+    control();
+}
+
 void Timeline::control()
 {
     keep_snapshot();

@@ -24,6 +24,7 @@ public:
 
     // At tick 0. Throws ConfigError. The configuration must outlive it.
     explicit Timeline(const Config &config);
+    explicit Timeline(const RecordedRun &recorded);
 
     int64_t now() const
     {

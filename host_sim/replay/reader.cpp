@@ -1,0 +1,142 @@
+#include "reader.h"
+
+#include "line_code.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace nf::replay
+{
+namespace
+{
+
+// A recording while its lines come in.
+class Assembly
+{
+public:
+    void add(std::string_view text, std::size_t place)
+    {
+        try {
+            put(decode_line(text), place);
+        } catch (const RecordingError &error) {
+            spoil(fmt::format("line {}: {}", place, error.what()));
+        }
+    }
+
+    Recording finish() const
+    {
+        if (whole_) {
+            return *whole_;
+        }
+        if (problem_.empty() && words_.empty()) {
+            throw RecordingError(fmt::format(
+                "there is no recording in it: no line begins with '{}'", RECORDER_LINE_MARK));
+        }
+        throw RecordingError(problem_.empty() ? cut_off() : problem_);
+    }
+
+private:
+    void spoil(const std::string &problem)
+    {
+        problem_ = problem_.empty() ? problem : problem_;
+    }
+
+    std::size_t lines() const
+    {
+        return words_.size() / RECORDER_LINE_WORDS;
+    }
+
+    // 0 before the word that says it.
+    uint64_t expected_words() const
+    {
+        constexpr std::size_t WORDS = offsetof(recorder_header_t, words) / sizeof(uint32_t);
+        return words_.empty() ? 0 : words_[WORDS];
+    }
+
+    std::string cut_off() const
+    {
+        const uint64_t all = (expected_words() + RECORDER_LINE_WORDS - 1) / RECORDER_LINE_WORDS;
+        return fmt::format("it ends after {} of {} lines: it is cut off", lines(), all);
+    }
+
+    void put(const Line &line, std::size_t place)
+    {
+        if (line.number == 0) { // a new one
+            words_.clear();
+            problem_.clear();
+        }
+        if (line.number != lines()) {
+            spoil(fmt::format("line {}: it is number {} of the recording, {} is missing", place,
+                              line.number, lines()));
+        }
+        if (problem_.empty()) {
+            words_.insert(words_.end(), line.words.begin(), line.words.end());
+            complete();
+        }
+    }
+
+    void complete()
+    {
+        if (words_[0] != RECORDER_MAGIC) {
+            (void)parse(words_); // says so
+        }
+        const uint64_t words = expected_words();
+        if (words < 1 || words > words_.size()) {
+            return;
+        }
+        words_.resize(words);
+        const uint32_t crc = crc_of(words_.data(), words_.size() - 1);
+        if (crc != words_.back()) {
+            throw RecordingError(fmt::format("the recording's CRC is 0x{:08x}, its words make "
+                                             "0x{:08x}: it is damaged",
+                                             words_.back(), crc));
+        }
+        whole_ = parse(words_);
+    }
+
+    std::vector<uint32_t> words_; // of the lines so far
+    std::string problem_;         // the first of this recording
+    std::optional<Recording> whole_;
+};
+
+} // namespace
+
+Recording read(std::string_view bytes)
+{
+    Assembly assembly;
+    std::size_t place = 0;
+    while (!bytes.empty()) {
+        const std::size_t end = bytes.find_first_of("\r\n");
+        const std::string_view line = bytes.substr(0, end);
+        const bool crlf = end != std::string_view::npos && bytes.substr(end, 2) == "\r\n";
+        place++;
+        if (!line.empty() && line[0] == RECORDER_LINE_MARK) {
+            assembly.add(line, place);
+        }
+        bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + (crlf ? 2 : 1));
+    }
+    return assembly.finish();
+}
+
+Recording read_file(const std::filesystem::path &path)
+{
+    std::ifstream file(path, std::ios::binary);
+    if (!file || std::filesystem::is_directory(path)) {
+        throw RecordingError(fmt::format("{}: cannot read: {}", path.string(),
+                                         std::strerror(errno == 0 ? EISDIR : errno)));
+    }
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    try {
+        return read(bytes);
+    } catch (const RecordingError &error) {
+        throw RecordingError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
+} // namespace nf::replay

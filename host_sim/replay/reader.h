@@ -1,0 +1,19 @@
+// A recording out of whatever a serial line was logged with.
+#pragma once
+
+#include "recording.h"
+
+#include <filesystem>
+#include <string_view>
+
+namespace nf::replay
+{
+
+// The last recording in it that is whole; text of a console may be before, behind and in between. Throws RecordingError
+// with what is wrong with the last one when none is, and nothing else, for whatever the bytes are.
+Recording read(std::string_view bytes);
+
+// Of a file. The message begins with its path.
+Recording read_file(const std::filesystem::path &path);
+
+} // namespace nf::replay

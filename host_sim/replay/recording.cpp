@@ -1,0 +1,281 @@
+#include "recording.h"
+
+extern "C" {
+#include "config_guard.h"
+#include "drive_words.h"
+}
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace nf::replay
+{
+namespace
+{
+
+constexpr std::size_t WORD_BYTES = sizeof(uint32_t);
+constexpr std::size_t CONFIG_WORDS = sizeof(drive_cfg_t) / WORD_BYTES;
+constexpr std::size_t ENTRY_WORDS = sizeof(recorder_entry_t) / WORD_BYTES;
+constexpr uint32_t SCALE_MAX = 1000000000;
+constexpr int POLE_PAIRS_MAX = 50;
+
+template <typename... Arguments>
+[[noreturn]] void refuse(fmt::format_string<Arguments...> format, Arguments &&...arguments)
+{
+    throw RecordingError(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+void check_sizes(const recorder_header_t &h, std::size_t words)
+{
+    if (h.version != RECORDER_VERSION) {
+        refuse("format version {}, this program reads {}", h.version, RECORDER_VERSION);
+    }
+    if (h.config_words != CONFIG_WORDS) {
+        refuse("of another firmware: its configuration has {} words, this one's {}", h.config_words,
+               CONFIG_WORDS);
+    }
+    if (h.state_words != drive_words_count()) {
+        refuse("of another firmware: its state has {} words, this one's {}", h.state_words,
+               drive_words_count());
+    }
+    const uint64_t expected = uint64_t{RECORDER_HEADER_WORDS} + CONFIG_WORDS + h.state_words +
+                              uint64_t{h.entries} * ENTRY_WORDS + 1;
+    if (h.words != expected) {
+        refuse("its header says {} words, its parts make {}", h.words, expected);
+    }
+    if (words != h.words) {
+        refuse("{} of {} words: it is cut off", words, h.words);
+    }
+}
+
+void check_scales(const recorder_about_t &about)
+{
+    for (const uint32_t scale : {about.tick_ns, about.current_full_scale_ma,
+                                 about.bus_full_scale_mv, about.step_per_rpm_q16}) {
+        if (scale < 1 || scale > SCALE_MAX) {
+            refuse("one of its scales is {}, allowed are 1 to {}", scale, SCALE_MAX);
+        }
+    }
+}
+
+recorder_header_t header_of(const std::vector<uint32_t> &words)
+{
+    recorder_header_t header{};
+    if (words.empty() || words[0] != RECORDER_MAGIC) {
+        refuse("no recording of a flight recorder: it begins with 0x{:08x}, not 0x{:08x}",
+               words.empty() ? 0 : words[0], RECORDER_MAGIC);
+    }
+    if (words.size() < RECORDER_HEADER_WORDS) {
+        refuse("{} of {} words of its header: it is cut off", words.size(), RECORDER_HEADER_WORDS);
+    }
+    std::memcpy(&header, words.data(), sizeof header);
+    check_sizes(header, words.size());
+    check_scales(header.about);
+    return header;
+}
+
+drive_cfg_t configuration_of(const uint32_t *words)
+{
+    drive_cfg_t cfg{};
+    std::memcpy(&cfg, words, sizeof cfg);
+    const uint32_t crc = config_guard_crc(&cfg);
+    if (crc != cfg.crc) {
+        refuse("the drive's configuration was damaged: its CRC is 0x{:08x}, its bytes make "
+               "0x{:08x}",
+               cfg.crc, crc);
+    }
+    if (const char *const bad = params_check(&cfg)) {
+        refuse("this firmware refuses the configuration: {}", bad);
+    }
+    return cfg;
+}
+
+// What is no number of its type must not be looked at as one.
+uint32_t bits_of(const void *member, std::size_t bytes)
+{
+    uint32_t bits = 0;
+    std::memcpy(&bits, member, bytes);
+    return bits;
+}
+
+struct Bounded {
+    const char *name;
+    const void *member;
+    std::size_t bytes;
+    uint32_t least;
+    uint32_t most;
+};
+
+// Of the state's words those that choose a way or a place; any other value is a number.
+void check_choices(const drive_t &s, const drive_cfg_t &cfg)
+{
+    const auto flag = [](const char *name, const bool &member) {
+        return Bounded{name, &member, sizeof(bool), 0, 1};
+    };
+    const auto word = [](const char *name, const auto &member, uint32_t least, uint32_t most) {
+        return Bounded{name, &member, WORD_BYTES, least, most};
+    };
+    const std::array<Bounded, 12> all = {{
+        word("state", s.state, 0, DRIVE_STATE_FAULT),
+        word("slow_count", s.slow_count, 1, cfg.slow_ticks),
+        flag("voltage_driven", s.voltage_driven),
+        flag("identified", s.identified),
+        word("catch_spin.phase", s.catch_spin.phase, 0, 3),
+        flag("catch_spin.gates", s.catch_spin.gates),
+        word("align.phase", s.align.phase, 0, ALIGN_DONE),
+        flag("align.backwards", s.align.backwards),
+        word("fault.id", s.fault.id, 0, FAULT_COUNT - 1),
+        word("supervision.suspect.id", s.supervision.suspect.id, 0, FAULT_COUNT - 1),
+        word("supervision.step", s.supervision.step, 0, SUPERVISION_STEPS - 1),
+        word("guard.at", s.guard.at, 0, sizeof(drive_cfg_t) - 2 * WORD_BYTES),
+    }};
+    for (const Bounded &one : all) {
+        const uint32_t value = bits_of(one.member, one.bytes);
+        if (value < one.least || value > one.most) {
+            refuse("the state's {} is {}, allowed are {} to {}", one.name, value, one.least,
+                   one.most);
+        }
+    }
+    if (s.guard.at % WORD_BYTES != 0) {
+        refuse("the state's guard.at is {}, no whole word", s.guard.at);
+    }
+}
+
+bool same_shifts(const current_loop_cfg_t &a, const current_loop_cfg_t &b)
+{
+    return a.pi_d.kp_shift == b.pi_d.kp_shift && a.pi_d.ki_shift == b.pi_d.ki_shift &&
+           a.pi_q.kp_shift == b.pi_q.kp_shift && a.pi_q.ki_shift == b.pi_q.ki_shift;
+}
+
+// The drive corrects the model's factors, never its shifts.
+void check_model(const model_t &model, const drive_cfg_t &cfg)
+{
+    const nn_observer_cfg_t &a = model.observer;
+    const nn_observer_cfg_t &b = cfg.observer;
+    const bool observer = a.weight_shift == b.weight_shift && a.current_shift == b.current_shift &&
+                          a.rate_shift == b.rate_shift &&
+                          a.proportional_shift == b.proportional_shift;
+    if (!observer || !same_shifts(model.run_loop, cfg.current_loop) ||
+        !same_shifts(model.hold_loop, cfg.hold_loop)) {
+        refuse("the state's model has other shifts than the configuration");
+    }
+}
+
+drive_t state_of(const uint32_t *words, const recorder_header_t &header, const drive_cfg_t &cfg)
+{
+    drive_t state{};
+    for (uint32_t k = 0; k < header.state_words; k++) {
+        drive_words_set(&state, k, words[k]);
+    }
+    check_choices(state, cfg);
+    check_model(state.model, cfg);
+    if (state.tick != header.first_tick) {
+        refuse("its first tick is {}, the state is of tick {}", header.first_tick, state.tick);
+    }
+    return state;
+}
+
+void take_frames(Recording &recording, const uint32_t *words)
+{
+    recorder_frame_t frame{};
+    for (uint32_t k = 0; k < recording.header.entries; k++) {
+        recorder_entry_t entry{};
+        std::memcpy(&entry, words + k * ENTRY_WORDS, sizeof entry);
+        const bool complete = recorder_unpack(&entry, &frame);
+        if (k == 0 && complete) {
+            refuse("its first entry is no change: what the first frame was told is missing");
+        }
+        if (complete) {
+            recording.run.frames.push_back(frame.in);
+            recording.outputs.push_back(frame.out);
+        }
+    }
+    const uint32_t ticks = recording.header.end_tick - recording.header.first_tick;
+    if (recording.outputs.size() != ticks || ticks == 0) {
+        refuse("{} frames for the ticks {} to {}", recording.outputs.size(),
+               recording.header.first_tick, recording.header.end_tick);
+    }
+}
+
+Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
+{
+    constexpr double NANO = 1e-9;
+    constexpr double MILLI = 1e-3;
+    constexpr double Q15 = 32768.0;
+    constexpr double Q16 = 65536.0;
+    constexpr double STEPS_PER_TURN = 4294967296.0;
+    constexpr double TWO_PI = 6.28318530717958647693;
+    constexpr double S_PER_MIN = 60.0;
+    Bases b{};
+    b.control_period_s = about.tick_ns * NANO;
+    b.current_a = 2 * about.current_full_scale_ma * MILLI;
+    b.voltage_v = about.bus_full_scale_mv * MILLI;
+    b.speed_shift = static_cast<int>(cfg.speed_shift);
+    b.speed_el_rad_s =
+        std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
+    const double turns_per_rpm = about.step_per_rpm_q16 / Q16 / STEPS_PER_TURN;
+    const double pairs = std::round(turns_per_rpm * S_PER_MIN / b.control_period_s);
+    if (pairs < 1 || pairs > POLE_PAIRS_MAX) {
+        refuse("its scales make {:g} pole pairs, allowed are 1 to {}", pairs, POLE_PAIRS_MAX);
+    }
+    b.pole_pairs = static_cast<int>(pairs);
+    return b;
+}
+
+} // namespace
+
+std::string Recording::name() const
+{
+    std::array<char, sizeof header.about.name + 1> text{};
+    std::memcpy(text.data(), header.about.name, sizeof header.about.name);
+    std::string name = text.data();
+    std::replace_if(name.begin(), name.end(), [](char c) { return c < ' ' || c > '~'; }, '_');
+    return name;
+}
+
+std::string Recording::build() const
+{
+    std::array<unsigned char, sizeof header.about.build> bytes{};
+    std::memcpy(bytes.data(), header.about.build, bytes.size());
+    std::string text;
+    for (const unsigned char byte : bytes) {
+        text += fmt::format("{:02x}", byte);
+    }
+    return text.find_first_not_of('0') == std::string::npos ? "" : text;
+}
+
+fault_t Recording::fault() const
+{
+    fault_t fault{};
+    fault.id = static_cast<fault_id_t>(header.fault_id);
+    fault.value = static_cast<int32_t>(header.fault_value);
+    fault.limit = static_cast<int32_t>(header.fault_limit);
+    fault.tick = header.fault_tick;
+    return fault;
+}
+
+Recording parse(const std::vector<uint32_t> &words)
+{
+    Recording recording{};
+    recording.header = header_of(words);
+    if (recording.header.fault_id >= FAULT_COUNT) {
+        refuse("its fault is number {}, allowed are 0 to {}", recording.header.fault_id,
+               FAULT_COUNT - 1);
+    }
+    const uint32_t *const config = words.data() + RECORDER_HEADER_WORDS;
+    const uint32_t *const state = config + CONFIG_WORDS;
+    const uint32_t *const entries = state + recording.header.state_words;
+    DriveImage &image = recording.run.image;
+    image.cfg = configuration_of(config);
+    image.state = state_of(state, recording.header, image.cfg);
+    image.bases = bases_of(recording.header.about, image.cfg);
+    take_frames(recording, entries);
+    return recording;
+}
+
+} // namespace nf::replay

@@ -1,0 +1,36 @@
+// What the flight recorder sends, taken apart: configuration, the state before the first frame, the frames.
+#pragma once
+
+#include "recorded_run.h"
+
+extern "C" {
+#include "recorder_dump.h"
+}
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace nf::replay
+{
+
+// What is wrong with a file, in one line.
+struct RecordingError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+struct Recording {
+    recorder_header_t header;
+    RecordedRun run; // its frames' inputs
+    std::vector<drive_out_t> outputs;
+
+    std::string name() const;  // of motor, board, tuning
+    std::string build() const; // of the image, in hex; empty for the simulator
+    // Of the end; none without a FAULT.
+    fault_t fault() const;
+};
+
+// Words of a recording. Throws RecordingError, and nothing else, for whatever they are.
+Recording parse(const std::vector<uint32_t> &words);
+
+} // namespace nf::replay

@@ -1,0 +1,124 @@
+#include "replay.h"
+
+#include "fault_line.h"
+#include "names.h"
+
+extern "C" {
+#include "drive_words.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::replay
+{
+namespace
+{
+
+std::optional<Difference> compare(uint32_t tick, const drive_out_t &recorded,
+                                  const drive_out_t &computed)
+{
+    for (std::size_t leg = 0; leg < 3; leg++) {
+        const uint16_t then = recorded.compare.phase[leg];
+        const uint16_t now = computed.compare.phase[leg];
+        if (then != now) {
+            return Difference{tick, fmt::format("out.compare.phase[{}]", leg), then, now};
+        }
+    }
+    if (recorded.gate_enable != computed.gate_enable) {
+        return Difference{tick, "out.gate_enable", recorded.gate_enable ? 1 : 0,
+                          computed.gate_enable ? 1 : 0};
+    }
+    return std::nullopt;
+}
+
+std::optional<Difference> compare_end(const Recording &recording, const drive_t &drive)
+{
+    const recorder_header_t &h = recording.header;
+    const uint32_t last = h.end_tick - 1;
+    const fault_id_t id = drive.state == DRIVE_STATE_FAULT ? drive.fault.id : FAULT_NONE;
+    if (static_cast<uint32_t>(id) != h.fault_id) {
+        return Difference{last, "drive.fault.id", h.fault_id, id};
+    }
+    if (id != FAULT_NONE && drive.fault.tick != h.fault_tick) {
+        return Difference{last, "drive.fault.tick", h.fault_tick, drive.fault.tick};
+    }
+    const uint32_t hash = drive_words_hash(&drive);
+    if (hash != h.end_hash) {
+        return Difference{last, "the state's hash", h.end_hash, hash};
+    }
+    return std::nullopt;
+}
+
+std::string end_text(const Recording &recording, const Result &result)
+{
+    const recorder_header_t &h = recording.header;
+    const Bases &bases = recording.run.image.bases;
+    if (h.fault_id == FAULT_NONE) {
+        return fmt::format("  ends in {}, speed {:.0f} rpm\n", state_name(result.state),
+                           result.speed_rpm);
+    }
+    const fault_t fault = recording.fault();
+    return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n",
+                       fault.tick, (h.end_tick - 1 - fault.tick) * bases.control_period_s,
+                       result.speed_rpm, fault_measure(fault, bases));
+}
+
+std::string verdict(const Recording &recording, const Result &result)
+{
+    if (!result.difference) {
+        return fmt::format("  replayed: the outputs of all {} ticks and the state's hash "
+                           "{:08x} are those recorded\n",
+                           recording.outputs.size(), result.end_hash);
+    }
+    const Difference &d = *result.difference;
+    const bool hash = d.signal == "the state's hash";
+    return fmt::format("  departs at tick {}: {}, recorded {}, computed {}\n", d.tick, d.signal,
+                       hash ? fmt::format("{:08x}", d.recorded) : std::to_string(d.recorded),
+                       hash ? fmt::format("{:08x}", d.computed) : std::to_string(d.computed));
+}
+
+} // namespace
+
+Result replay(const Recording &recording)
+{
+    const DriveImage &image = recording.run.image;
+    drive_t drive = image.state;
+    drive.cfg = &image.cfg;
+    Result result{};
+    step_t speed = drive_speed(&drive);
+    for (std::size_t k = 0; k < recording.outputs.size(); k++) {
+        const uint32_t tick = drive.tick;
+        drive_out_t out{};
+        if (drive.state != DRIVE_STATE_FAULT) {
+            speed = drive_speed(&drive);
+        }
+        drive_step(&drive, &recording.run.frames[k], &out);
+        if (!result.difference) {
+            result.difference = compare(tick, recording.outputs[k], out);
+        }
+    }
+    if (!result.difference) {
+        result.difference = compare_end(recording, drive);
+    }
+    result.end_hash = drive_words_hash(&drive);
+    result.fault = drive.fault;
+    result.state = drive.state;
+    result.speed_rpm = image.bases.rpm_from_step(speed);
+    return result;
+}
+
+std::string summary(const Recording &recording, const Result &result)
+{
+    const recorder_header_t &h = recording.header;
+    const double period_s = recording.run.image.bases.control_period_s;
+    const std::string build = recording.build();
+    return fmt::format("{}\n  build {}, configuration {:08x}\n"
+                       "  ticks {} to {}: {} of {:g} us, {:.4f} s\n",
+                       recording.name(), build.empty() ? "of the simulator" : build,
+                       recording.run.image.cfg.crc, h.first_tick, h.end_tick - 1,
+                       recording.outputs.size(), period_s * 1e6,
+                       static_cast<double>(recording.outputs.size()) * period_s) +
+           end_text(recording, result) + verdict(recording, result);
+}
+
+} // namespace nf::replay

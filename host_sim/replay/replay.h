@@ -1,0 +1,34 @@
+// A recording, run again.
+#pragma once
+
+#include "recording.h"
+
+#include <optional>
+#include <string>
+
+namespace nf::replay
+{
+
+// Where the drive departs from what was recorded: "tick 4711: out.compare.phase[1], recorded 4250, computed 4251".
+struct Difference {
+    uint32_t tick;
+    std::string signal;
+    int64_t recorded;
+    int64_t computed;
+};
+
+struct Result {
+    std::optional<Difference> difference; // the first
+    uint32_t end_hash;                    // of the state after the last frame
+    fault_t fault;                        // then
+    drive_state_t state;
+    double speed_rpm; // the drive's estimate in the tick before the fault, else at the end
+};
+
+// Runs the firmware on each frame and compares each tick's outputs, then the final state.
+Result replay(const Recording &recording);
+
+// The recording and what came of it, for a person.
+std::string summary(const Recording &recording, const Result &result);
+
+} // namespace nf::replay

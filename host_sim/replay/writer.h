@@ -1,0 +1,41 @@
+// The flight recorder at a run of the simulator: the firmware's own, fed as its control interrupt feeds it.
+#pragma once
+
+#include "config.h"
+#include "tick.h"
+
+extern "C" {
+#include "recorder_dump.h"
+}
+
+#include <string>
+#include <vector>
+
+namespace nf::replay
+{
+
+class Writer : public TickSink
+{
+public:
+    explicit Writer(const Config &config);
+    // The recorder keeps places in its own memory.
+    Writer(const Writer &) = delete;
+    Writer &operator=(const Writer &) = delete;
+
+    void add(const Tick &tick) override;
+
+    // The recording as the firmware sends it: up to some ticks behind the run's first fault, else to its end.
+    std::string text();
+
+private:
+    void freeze();
+
+    recorder_about_t about_{};
+    std::vector<recorder_entry_t> entries_;
+    recorder_t recorder_{};
+    drive_cfg_t cfg_{}; // with the last tick, which the simulation does not outlive
+    drive_t drive_{};
+    drive_in_t in_{};
+};
+
+} // namespace nf::replay

@@ -1,0 +1,184 @@
+"""target.loop.recorder: what the image records of a fault comes out again on the PC, bit for bit.
+
+test_recorder.py IMAGE BOARD MOTORSIM: the image in the emulator fails, sends its recording over its console, and
+MOTORSIM replays it.
+"""
+
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+from pathlib import Path
+
+import board
+
+IMAGE, BOARD, MOTORSIM = (Path(argument) for argument in sys.argv[1:4])
+
+BOARD_FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
+MIDDLE = 2048
+BUS = round(BOARD_FILE["board"]["bus_nominal_v"] / BOARD_FILE["board"]["bus_full_scale_v"] * 4096)
+OVERVOLTAGE = 4000  # of the bus' converter, beyond bus_max_v of the board
+NOISE = 8           # counts
+CALIBRATION_TICKS = 260
+HISTORY_TICKS = 1005  # three segments less their margins: hal/stm32g431/board.h
+POST_TICKS = 64
+RECORDED, DEPARTS, REFUSED = 0, 1, 2
+
+
+class Drive:
+    """The board, running, with noise on all it measures. `ticks` counts them from reset."""
+
+    def __init__(self):
+        self.board = board.Board(IMAGE, BOARD)
+        self.random = random.Random(1)
+        self.ticks = 0
+        self.board.set_inputs(MIDDLE, MIDDLE, BUS)
+        self.board.boot()
+        self.tick(CALIBRATION_TICKS, noise=0)
+        self.board.type("run")
+
+    def tick(self, ticks=1, noise=NOISE, bus=BUS):
+        for _ in range(ticks):
+            a, b, c = (self.random.randint(-noise, noise) for _ in range(3))
+            self.board.set_inputs(MIDDLE + a, MIDDLE + b, bus + c)
+            self.board.tick()
+            self.ticks += 1
+
+    def fail(self):
+        """Returns the drive's number of the tick that sees it."""
+        self.tick(bus=OVERVOLTAGE)
+        return self.ticks - 1
+
+    def dump(self, ask=True):
+        """All that the console says until the dump has ended."""
+        said = self.board.said()
+        if ask:
+            self.board.type("dump")
+        while "dump ends" not in said:
+            self.tick()
+            said += self.board.said()
+        return said
+
+
+def replay(log, *arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "field.log"
+        path.write_text(log, newline="")
+        return subprocess.run([MOTORSIM, "replay", path, *arguments], capture_output=True, text=True)
+
+
+class Recorder(unittest.TestCase):
+    def assert_replays(self, log):
+        run = replay(log)
+        self.assertEqual(run.returncode, RECORDED, run.stdout + run.stderr)
+        self.assertIn("are those recorded", run.stdout)
+        return run.stdout
+
+    def test_a_fault_comes_out_again_in_the_same_tick_with_the_same_state(self):
+        drive = Drive()
+        drive.tick(1500)  # without a motor LOST_PHASE comes soon
+        self.assertTrue(drive.board.chip.timer.gates_on())
+        tick = drive.fail()
+        drive.tick(POST_TICKS + 100)
+        out = self.assert_replays(drive.dump())
+        self.assertIn(f"fault at tick {tick}, ", out)
+        self.assertIn("OVERVOLTAGE", out)
+        first, last, count = map(int, re.search(r"ticks (\d+) to (\d+): (\d+) of", out).groups())
+        self.assertEqual(last, tick + POST_TICKS)
+        self.assertGreaterEqual(count, HISTORY_TICKS)
+        self.assertEqual(count, last - first + 1)
+
+    def test_the_stepper_opens_on_the_tick_that_failed(self):
+        drive = Drive()
+        drive.tick(300)
+        tick = drive.fail()
+        drive.tick(POST_TICKS + 3)
+        log = drive.dump()
+        with tempfile.NamedTemporaryFile("w") as script:
+            script.write("print drive.tick.raw drive.fault.id drive.fault.tick.raw\nback 1\n"
+                         "print state\n")
+            script.flush()
+            run = replay(log, "--debug", "--script", script.name)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        self.assertRegex(run.stdout, rf"drive\.tick .*raw {tick + 1} ")  # counted at its end
+        self.assertRegex(run.stdout, rf"drive\.fault\.tick .*raw {tick} ")
+        self.assertRegex(run.stdout, r"state +(?!FAULT)[A-Z_]+ ")
+
+    def test_a_clear_begins_a_new_recording(self):
+        drive = Drive()
+        drive.tick(200)
+        drive.fail()
+        drive.tick(POST_TICKS + 3)
+        drive.board.type("clear")
+        drive.tick(CALIBRATION_TICKS)
+        drive.board.type("run")
+        drive.tick(1500)
+        tick = drive.fail()
+        drive.tick(POST_TICKS + 3)
+        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
+
+    def test_without_a_fault_the_drive_goes_on_and_is_recorded_again(self):
+        drive = Drive()
+        drive.tick(500)
+        out = self.assert_replays(drive.dump())
+        self.assertNotIn("fault", out)
+        self.assertTrue(drive.board.chip.timer.gates_on())
+        drive.tick(300)
+        tick = drive.fail()
+        drive.tick(POST_TICKS + 3)
+        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
+
+    def test_the_console_answers_and_the_drive_protects_itself_while_it_dumps(self):
+        drive = Drive()
+        drive.tick(500)
+        drive.board.type("dump")
+        drive.tick(20)
+        drive.board.type("status")
+        drive.board.type("dump")
+        drive.fail()
+        self.assertFalse(drive.board.chip.timer.gates_on())
+        log = drive.dump(ask=False)
+        self.assertIn("speed 0 of 0 rpm", log)
+        self.assertIn("error: a dump is under way", log)
+        self.assertIn("FAULT by OVERVOLTAGE", log)
+        self.assert_replays(log)
+
+    def test_a_log_with_several_dumps_gives_the_last(self):
+        drive = Drive()
+        drive.tick(200)
+        first = drive.fail()
+        drive.tick(POST_TICKS + 3)
+        log = drive.dump() + drive.dump()
+        drive.board.type("clear")
+        drive.tick(CALIBRATION_TICKS)
+        drive.board.type("run")
+        drive.tick(200)
+        second = drive.fail()
+        drive.tick(POST_TICKS + 3)
+        self.assertIn(f"fault at tick {first}, ", self.assert_replays(log))
+        self.assertIn(f"fault at tick {second}, ", self.assert_replays(log + drive.dump()))
+
+    def test_a_lost_line_or_a_wrong_bit_is_refused(self):
+        drive = Drive()
+        drive.tick(200)
+        drive.fail()
+        drive.tick(POST_TICKS + 3)
+        lines = drive.dump().splitlines(keepends=True)
+        marked = [k for k, line in enumerate(lines) if line.startswith("~")]
+        lost = marked[len(marked) // 2]
+        flipped = lines[lost][:40] + ("A" if lines[lost][40] != "A" else "B") + lines[lost][41:]
+        for changed, text in ((lines[:lost] + lines[lost + 1:], "is missing"),
+                              (lines[:lost] + [flipped] + lines[lost + 1:], "it is damaged"),
+                              (lines[:lost], "it is cut off")):
+            with self.subTest(text):
+                run = replay("".join(changed))
+                self.assertEqual(run.returncode, REFUSED, run.stdout)
+                self.assertEqual(len(run.stderr.splitlines()), 1, run.stderr)
+                self.assertIn(text, run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
