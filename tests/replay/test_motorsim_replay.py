@@ -1,0 +1,85 @@
+"""replay.motorsim: recordings on the command line, written, replayed, stepped through and refused.
+
+test_motorsim_replay.py MOTORSIM
+"""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+MOTORSIM = sys.argv[1]
+FAULT = ('scenario.fault=[{time_s = 0.3, what = "break_input", until_s = 0.31}, '
+         '{time_s = 0.4, what = "adc_a_high"}]')
+CLEAR = "scenario.request=[{time_s = 0.32, clear = true}]"
+SAME, DEPARTS, REFUSED = 0, 1, 2
+
+
+def motorsim(*arguments):
+    return subprocess.run([MOTORSIM, *map(str, arguments)], capture_output=True, text=True)
+
+
+class Replay(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = Path(folder.name) / "run.log"
+
+    def record(self, *arguments):
+        run = motorsim("run", *arguments, "--record", self.file)
+        self.assertTrue(self.file.is_file(), run.stderr)
+
+    def test_a_whole_run_is_what_it_was(self):
+        self.record("s1_robust", "--with", "all")
+        run = motorsim("replay", self.file)
+        self.assertEqual(run.returncode, SAME, run.stdout)
+        self.assertIn("ends in RUN", run.stdout)
+        self.assertIn("are those recorded", run.stdout)
+
+    def test_the_first_fault_is_the_one_that_is_kept(self):
+        self.record("s1", "--set", FAULT, "--set", CLEAR)
+        run = motorsim("replay", self.file)
+        self.assertEqual(run.returncode, SAME, run.stdout)
+        self.assertIn("BREAK", run.stdout)
+
+    def test_stepping_begins_at_the_fault(self):
+        self.record("s1", "--set", FAULT)
+        script = self.file.with_name("script")
+        script.write_text("back 1\nprint state\nstep 1\nprint state drive.fault.id\n")
+        run = motorsim("replay", self.file, "--debug", "--script", script)
+        self.assertEqual(run.returncode, SAME, run.stdout + run.stderr)
+        before, _, after = run.stdout.partition("step 1")
+        self.assertRegex(before, r"\nstate +RUN ")
+        self.assertRegex(after, r"\nstate +FAULT ")
+        self.assertRegex(after, r"drive\.fault\.id +BREAK ")
+
+    def test_a_configuration_that_changed_under_way_departs_or_is_refused(self):
+        self.record("s1", "--set",
+                    'scenario.fault=[{time_s = 0.3, what = "config_corrupt", value = 40}]')
+        run = motorsim("replay", self.file)
+        self.assertEqual(run.returncode, REFUSED, run.stdout)
+        self.assertIn("configuration was damaged", run.stderr)
+
+    def test_bad_input_is_refused_in_one_line(self):
+        foreign = self.file.with_name("foreign")
+        foreign.write_bytes(bytes(range(256)))
+        for arguments, text in (((self.file,), "cannot read"),
+                                ((self.file.parent,), "cannot read"),
+                                ((foreign,), "there is no recording in it"),
+                                ((foreign, "--script", "x"), "--script needs --debug"),
+                                ((), "file is required")):
+            with self.subTest(arguments):
+                run = motorsim("replay", *arguments)
+                self.assertEqual(run.returncode, REFUSED)
+                self.assertEqual(len(run.stderr.splitlines()), 1, run.stderr)
+                self.assertIn(text, run.stderr)
+
+    def test_a_recording_is_not_written_over_another_output(self):
+        run = motorsim("run", "s1", "--record", self.file, "--trace", self.file)
+        self.assertEqual(run.returncode, REFUSED)
+        self.assertIn("cannot go to the same file", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

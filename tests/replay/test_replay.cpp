@@ -1,0 +1,380 @@
+// Recordings: one of a run comes out bit for bit, a changed one is refused in one line or departs where it was changed.
+#include "line_code.h"
+#include "reader.h"
+#include "replay.h"
+#include "scenario.h"
+#include "writer.h"
+
+extern "C" {
+#include "config_guard.h"
+#include "drive_words.h"
+#include "unity.h"
+}
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+using nf::replay::Recording;
+using nf::replay::RecordingError;
+using nf::replay::Result;
+
+namespace
+{
+
+constexpr int MUTATIONS = 3000;
+constexpr int FORGERIES = 3000;
+constexpr std::size_t CONFIG = RECORDER_HEADER_WORDS;
+constexpr std::size_t STATE = CONFIG + sizeof(drive_cfg_t) / sizeof(uint32_t);
+constexpr std::size_t ENTRY_WORDS = 4;
+
+// A short run that ends in a fault.
+const std::string &recorded()
+{
+    static const std::string text = [] {
+        const nf::Config config =
+            nf::load_scenario("s1", {"adc"},
+                              {"scenario.duration_s=0.05", "scenario.evaluate_from_s=0",
+                               "scenario.fault=[{time_s = 0.03, what = \"adc_a_high\"}]"});
+        nf::replay::Writer writer(config);
+        nf::RunOptions options;
+        options.sink = &writer;
+        (void)nf::run_scenario(config, options);
+        return writer.text();
+    }();
+    return text;
+}
+
+std::vector<std::string> lines_of(const std::string &text)
+{
+    std::vector<std::string> lines;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = text.find('\n', at);
+        lines.push_back(text.substr(at, end - at));
+        at = end + 1;
+    }
+    return lines;
+}
+
+std::string joined(const std::vector<std::string> &lines, const char *end = "\n")
+{
+    std::string text;
+    for (const std::string &line : lines) {
+        text += line + end;
+    }
+    return text;
+}
+
+std::vector<uint32_t> words_of(const std::string &text)
+{
+    std::vector<uint32_t> words;
+    for (const std::string &line : lines_of(text)) {
+        const nf::replay::Line decoded = nf::replay::decode_line(line);
+        words.insert(words.end(), decoded.words.begin(), decoded.words.end());
+    }
+    words.resize(words.at(2));
+    return words;
+}
+
+uint32_t bits(std::mt19937 &random)
+{
+    return static_cast<uint32_t>(random());
+}
+
+std::string refusal(const std::function<void()> &act)
+{
+    try {
+        act();
+    } catch (const RecordingError &error) {
+        const std::string line = error.what();
+        TEST_ASSERT_TRUE_MESSAGE(!line.empty() && line.find('\n') == std::string::npos,
+                                 line.c_str());
+        return line;
+    }
+    return "";
+}
+
+std::string refusal_of(const std::string &bytes)
+{
+    return refusal([&] { (void)nf::replay::read(bytes); });
+}
+
+std::string refusal_of(const std::vector<uint32_t> &words)
+{
+    return refusal([&] { (void)nf::replay::parse(words); });
+}
+
+void assert_contains(const char *part, const std::string &text)
+{
+    TEST_ASSERT_TRUE_MESSAGE(text.find(part) != std::string::npos, text.c_str());
+}
+
+// A recording that is the one that was made.
+void assert_genuine(const Recording &recording)
+{
+    const Result result = nf::replay::replay(recording);
+    TEST_ASSERT_FALSE(result.difference.has_value());
+    TEST_ASSERT_EQUAL_HEX32(recording.header.end_hash, result.end_hash);
+}
+
+void a_run_comes_out_bit_for_bit()
+{
+    const Recording recording = nf::replay::read(recorded());
+    assert_genuine(recording);
+    TEST_ASSERT_EQUAL_INT(FAULT_ADC_SATURATED, recording.fault().id);
+    TEST_ASSERT_EQUAL_UINT32(recording.header.end_tick - 1 - 64, recording.fault().tick);
+    assert_contains("ADC_SATURATED", summary(recording, nf::replay::replay(recording)));
+}
+
+void text_of_a_console_around_it_does_not_matter()
+{
+    std::vector<std::string> lines = lines_of(recorded());
+    lines.insert(lines.begin(), {"neurofoc", "READY, speed 0 of 0 rpm", ""});
+    lines.insert(lines.begin() + 10, {"ok", std::string("\0\x7F\xFF", 3)});
+    lines.emplace_back("dump ends");
+    for (const char *const end : {"\n", "\r\n", "\r"}) {
+        assert_genuine(nf::replay::read(joined(lines, end)));
+    }
+}
+
+void of_several_the_last_whole_one_counts()
+{
+    const std::string &whole = recorded();
+    const std::string half = whole.substr(0, whole.size() / 2);
+    assert_genuine(nf::replay::read(half + '\n' + whole));
+    assert_genuine(nf::replay::read(whole + half));
+    assert_contains("cut off", refusal_of(half + '\n' + half));
+}
+
+void what_is_no_recording_is_refused()
+{
+    assert_contains("no recording", refusal_of(std::string()));
+    assert_contains("no recording", refusal_of("READY\r\nok\r\n"));
+    assert_contains("no recording", refusal_of(std::string(100000, '\0')));
+    assert_contains("line 1: it has 3 characters", refusal_of("~ab"));
+    assert_contains("is no digit of base64",
+                    refusal_of("~" + std::string(RECORDER_LINE_CHARACTERS - 1, '*')));
+    assert_contains("its CRC is", refusal_of("~" + std::string(RECORDER_LINE_CHARACTERS - 1, 'A')));
+}
+
+void a_missing_line_is_named()
+{
+    std::vector<std::string> lines = lines_of(recorded());
+    lines.erase(lines.begin() + 7);
+    assert_contains("line 8: it is number 8 of the recording, 7 is missing",
+                    refusal_of(joined(lines)));
+    assert_contains("it ends after 7 of", refusal_of(joined({lines.begin(), lines.begin() + 7})));
+}
+
+// By kind: 0 a byte is another, 1 cut off, 2 a line is missing, 3 twice, 4 exchanged with the next, 5 bytes come in between.
+std::string mutated(std::mt19937 &random, int kind)
+{
+    std::string text = recorded();
+    const auto any = [&](std::size_t count) { return static_cast<std::size_t>(random()) % count; };
+    if (kind == 0) {
+        text[any(text.size())] = static_cast<char>(any(256));
+    } else if (kind == 1) {
+        text.resize(any(text.size()));
+    } else if (kind == 5) {
+        text.insert(any(text.size()), std::string(1 + any(5), static_cast<char>(any(256))));
+    } else {
+        std::vector<std::string> lines = lines_of(text);
+        const auto at = lines.begin() + static_cast<std::ptrdiff_t>(any(lines.size() - 1));
+        if (kind == 2) {
+            lines.erase(at);
+        } else if (kind == 3) {
+            lines.insert(at, std::string(*at));
+        } else {
+            std::swap(*at, *(at + 1));
+        }
+        text = joined(lines);
+    }
+    return text;
+}
+
+// Whatever happens to a file, it is refused in one line or it is still the same.
+void damage_is_refused()
+{
+    std::mt19937 random(1);
+    int refused = 0;
+    for (int k = 0; k < MUTATIONS; k++) {
+        const std::string text = mutated(random, k % 6);
+        try {
+            assert_genuine(nf::replay::read(text));
+        } catch (const RecordingError &) {
+            TEST_ASSERT_NOT_EQUAL(0, refusal_of(text).size());
+            refused++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(MUTATIONS * 9 / 10, refused);
+}
+
+void what_the_header_says_is_checked()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    struct Case {
+        std::size_t word;
+        uint32_t value;
+        const char *text;
+    };
+    const uint32_t many = 0xFFFFFFFF;
+    for (const Case &c : std::vector<Case>{
+             {0, 0x474E5089, "no recording of a flight recorder"},
+             {1, 2, "format version 2, this program reads 1"},
+             {2, 77, "its header says 77 words"},
+             {3, 3, "its configuration has 3 words"},
+             {4, 3, "its state has 3 words"},
+             {5, many, "its parts make"},
+             {6, 3, "its first tick is 3"},
+             {7, 3, "frames for the ticks"},
+             {9, FAULT_COUNT, "its fault is number"},
+             {13, 0, "one of its scales is 0"},
+             {16, 1, "pole pairs"},
+         }) {
+        std::vector<uint32_t> words = good;
+        words[c.word] = c.value;
+        assert_contains(c.text, refusal_of(words));
+    }
+    assert_contains("is cut off", refusal_of(std::vector<uint32_t>(good.begin(), good.end() - 5)));
+    assert_contains("is cut off",
+                    refusal_of(std::vector<uint32_t>(good.begin(), good.begin() + 9)));
+}
+
+void a_damaged_configuration_is_refused()
+{
+    std::vector<uint32_t> words = words_of(recorded());
+    words[CONFIG] ^= 4;
+    assert_contains("configuration was damaged", refusal_of(words));
+}
+
+void a_state_that_is_none_is_refused()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    int refused = 0;
+    for (std::size_t at = STATE; at < STATE + good[4]; at++) {
+        std::vector<uint32_t> words = good;
+        words[at] = 0xFFFFFFFF;
+        const std::string why = refusal_of(words);
+        refused += why.empty() ? 0 : 1;
+    }
+    // 4 flags, 7 choices, guard.at, tick, and 12 shifts of the model. A flag's word counts by its lowest byte.
+    TEST_ASSERT_EQUAL_INT(4 + 7 + 1 + 1 + 12, refused);
+}
+
+// Any words at all: refused in one line, or run without harm.
+void forged_words_do_no_harm()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    std::mt19937 random(2);
+    for (int k = 0; k < FORGERIES; k++) {
+        std::vector<uint32_t> words = good;
+        for (uint32_t change = 0; change <= random() % 4; change++) {
+            const std::size_t end = k % 2 == 0 ? words.size() : STATE;
+            words[random() % end] = k % 3 == 0 ? bits(random) : bits(random) % 64;
+        }
+        (void)refusal_of(words);
+    }
+}
+
+// A frame may be any: the drive is total.
+void forged_frames_run_and_depart()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    const std::size_t entries = STATE + good[4];
+    std::mt19937 random(3);
+    for (int k = 0; k < 50; k++) {
+        std::vector<uint32_t> words = good;
+        for (std::size_t at = entries + ENTRY_WORDS; at + 1 < words.size(); at += ENTRY_WORDS) {
+            words[at] = bits(random);
+            words[at + 1] = bits(random) & 0xFFFCFFFFU; // neither break nor late
+        }
+        const Recording recording = nf::replay::parse(words);
+        TEST_ASSERT_TRUE(nf::replay::replay(recording).difference.has_value());
+    }
+}
+
+void another_output_is_named_with_its_tick()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    const std::size_t entry = STATE + good[4] + 400 * ENTRY_WORDS;
+    const Recording before = nf::replay::parse(good);
+    std::vector<uint32_t> words = good;
+    words[entry + 2] ^= 1U << 17U; // compare of b
+    const Recording after = nf::replay::parse(words);
+    const Result result = nf::replay::replay(after);
+    std::size_t frame = 0;
+    while (after.outputs[frame].compare.phase[1] == before.outputs[frame].compare.phase[1]) {
+        frame++;
+    }
+    TEST_ASSERT_TRUE(result.difference.has_value());
+    TEST_ASSERT_EQUAL_UINT32(good[6] + frame, result.difference->tick);
+    TEST_ASSERT_EQUAL_STRING("out.compare.phase[1]", result.difference->signal.c_str());
+    TEST_ASSERT_EQUAL_INT64(before.outputs[frame].compare.phase[1], result.difference->computed);
+    TEST_ASSERT_EQUAL_INT64(after.outputs[frame].compare.phase[1], result.difference->recorded);
+    assert_contains("departs at tick", summary(after, result));
+}
+
+void another_end_is_named()
+{
+    const std::vector<uint32_t> good = words_of(recorded());
+    struct Case {
+        std::size_t word;
+        const char *signal;
+    };
+    for (const Case &c : std::vector<Case>{
+             {8, "the state's hash"}, {9, "drive.fault.id"}, {12, "drive.fault.tick"}}) {
+        std::vector<uint32_t> words = good;
+        words[c.word] ^= 1;
+        const Result result = nf::replay::replay(nf::replay::parse(words));
+        TEST_ASSERT_TRUE(result.difference.has_value());
+        TEST_ASSERT_EQUAL_STRING(c.signal, result.difference->signal.c_str());
+    }
+}
+
+void scales_are_those_of_the_configuration()
+{
+    const nf::Config config = nf::load_scenario("s1");
+    const nf::Bases expected = nf::make_bases(config.motor, config.board);
+    const nf::Bases found = nf::replay::read(recorded()).run.image.bases;
+    // The period is whole nanoseconds, the scales thousandths, the step 1/65536 of some 14000.
+    constexpr double ROUNDING = 1e-9;
+    TEST_ASSERT_EQUAL_INT(expected.pole_pairs, found.pole_pairs);
+    TEST_ASSERT_EQUAL_INT(expected.speed_shift, found.speed_shift);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.control_period_s, found.control_period_s);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.current_a, found.current_a);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.voltage_v, found.voltage_v);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1.0, found.rpm_from_step(expected.step_from_rpm(1.0)));
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_run_comes_out_bit_for_bit);
+    RUN_TEST(text_of_a_console_around_it_does_not_matter);
+    RUN_TEST(of_several_the_last_whole_one_counts);
+    RUN_TEST(what_is_no_recording_is_refused);
+    RUN_TEST(a_missing_line_is_named);
+    RUN_TEST(damage_is_refused);
+    RUN_TEST(what_the_header_says_is_checked);
+    RUN_TEST(a_damaged_configuration_is_refused);
+    RUN_TEST(a_state_that_is_none_is_refused);
+    RUN_TEST(forged_words_do_no_harm);
+    RUN_TEST(forged_frames_run_and_depart);
+    RUN_TEST(another_output_is_named_with_its_tick);
+    RUN_TEST(another_end_is_named);
+    RUN_TEST(scales_are_those_of_the_configuration);
+    return UNITY_END();
+}
