@@ -24,13 +24,17 @@ static uint32_t slow_part(const drive_in_t *in)
 
 static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
 {
-    return &recorder->entries[segment * recorder->segment_entries];
+    const uint32_t at = segment * recorder->segment_entries;
+
+    return &recorder->entries[at];
 }
 
 /* A tick takes two entries at most. */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
 {
-    return &recorder->entries[((segment + 1U) * recorder->segment_entries) - 1U];
+    const uint32_t behind = (segment + 1U) * recorder->segment_entries;
+
+    return &recorder->entries[behind - 1U];
 }
 
 /* Bit by bit in place of comparing: one branch. */
@@ -198,6 +202,18 @@ static bool is_over(const recorder_t *recorder, uint32_t tick)
            ((tick - recorder->trigger) > recorder->post_ticks);
 }
 
+/* While no offer is open. */
+static void prepare(recorder_t *recorder, const volatile drive_t *live)
+{
+    if (is_over(recorder, live->tick)) {
+        offer(recorder, live, END);
+    } else if (is_nearly_full(recorder)) {
+        offer(recorder, live, segment_after(recorder->current));
+    } else {
+        /* there is room */
+    }
+}
+
 void recorder_service(recorder_t *recorder, const drive_t *drive)
 {
     const volatile drive_t *const live = drive;
@@ -210,14 +226,10 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
         if (!failed && !recorder->held) {
             begin_anew(recorder);
         }
-    } else if (recorder->offered) {
-        /* the next tick decides */
-    } else if (is_over(recorder, live->tick)) {
-        offer(recorder, live, END);
-    } else if (is_nearly_full(recorder)) {
-        offer(recorder, live, segment_after(recorder->current));
+    } else if (!recorder->offered) {
+        prepare(recorder, live);
     } else {
-        /* there is room */
+        /* the next tick decides */
     }
 }
 

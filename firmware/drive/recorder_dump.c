@@ -13,8 +13,12 @@
 _Static_assert((LINE_BYTES % 3U) == 0U, "a line of base64 without padding");
 _Static_assert((sizeof(drive_cfg_t) % WORD_BYTES) == 0U, "a configuration of words");
 
-static uint32_t word_at(const uint8_t *from)
+/* Word `at` of what begins there. */
+static uint32_t word_at(const uint8_t *first, uint32_t at)
 {
+    const uint32_t offset = at * WORD_BYTES;
+    const uint8_t *const from = &first[offset];
+
     return from[0] | ((uint32_t)from[1] << 8U) | ((uint32_t)from[2] << 16U) |
            ((uint32_t)from[3] << 24U);
 }
@@ -97,9 +101,9 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
     uint32_t word;
 
     if (at < config) {
-        word = word_at(&((const uint8_t *)&dump->header)[at * WORD_BYTES]);
+        word = word_at((const uint8_t *)&dump->header, at);
     } else if (at < state) {
-        word = word_at(&((const uint8_t *)dump->cfg)[(at - config) * WORD_BYTES]);
+        word = word_at((const uint8_t *)dump->cfg, at - config);
     } else if (at < entries) {
         word = drive_words_get(recorder_begin_state(dump->recorder, &dump->history), at - state);
     } else {
@@ -147,15 +151,16 @@ bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTER
     if (is_left) {
         uint8_t bytes[LINE_BYTES];
         uint32_t crc = CRC32_START;
+        uint32_t at = WORD_BYTES;
 
         store(bytes, dump->line);
+        crc = crc32_step(crc, bytes);
         for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
-            put_next(dump, &bytes[(k + 1U) * WORD_BYTES]);
+            put_next(dump, &bytes[at]);
+            crc = crc32_step(crc, &bytes[at]);
+            at += WORD_BYTES;
         }
-        for (uint32_t k = 0U; k <= RECORDER_LINE_WORDS; k++) {
-            crc = crc32_step(crc, &bytes[k * WORD_BYTES]);
-        }
-        store(&bytes[(RECORDER_LINE_WORDS + 1U) * WORD_BYTES], ~crc);
+        store(&bytes[at], ~crc);
         line[0] = RECORDER_LINE_MARK;
         encode(bytes, &line[1]);
         dump->line++;

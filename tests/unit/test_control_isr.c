@@ -132,6 +132,34 @@ static void test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt(void)
     TEST_ASSERT_FALSE(hal.applied.gate_enable);
 }
 
+static void test_interrupt_records_each_tick_after_it_was_applied(void)
+{
+    static recorder_t recorder;
+    static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
+    recorder_frame_t frame = {0};
+
+    TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 0U));
+    app_record(&app, &recorder);
+    recorder_service(&recorder, &app.drive);
+    hal.next.adc_ia = 2111U;
+    control_isr(&app);
+    TEST_ASSERT_EQUAL_STRING("osa", hal.diary);
+    TEST_ASSERT_FALSE(recorder_unpack(&entries[0], &frame));
+    TEST_ASSERT_TRUE(recorder_unpack(&entries[1], &frame));
+    TEST_ASSERT_EQUAL_UINT16(2111U, frame.in.adc_ia);
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(hal.applied.compare.phase, frame.out.compare.phase, 3U);
+}
+
+static void test_init_leaves_no_recorder_behind(void)
+{
+    static recorder_t recorder;
+
+    app_record(&app, &recorder);
+    TEST_ASSERT_NULL(app_init(&app, &hal, &cfg));
+    control_isr(&app);
+    TEST_ASSERT_NULL(recorder.at);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -141,5 +169,7 @@ int main(void)
     RUN_TEST(test_step_gets_the_sampled_frame_with_the_command_of_the_background);
     RUN_TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone);
     RUN_TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt);
+    RUN_TEST(test_interrupt_records_each_tick_after_it_was_applied);
+    RUN_TEST(test_init_leaves_no_recorder_behind);
     return UNITY_END();
 }
