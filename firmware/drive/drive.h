@@ -119,10 +119,9 @@ typedef struct {
     int32_t offset_b;
     int32_t bus_before; /* bus at the last instant */
     nn_observer_t observer;
-    uint32_t slow_count; /* N…1: ticks to the end of the slow period */
-    bool voltage_driven; /* RUN is without current regulators */
-    uint32_t
-        voltage_periods; /* slow periods for which it could be; voltage-driven: for which it has been at its limit */
+    uint32_t slow_count;      /* N…1: ticks to the end of the slow period */
+    bool voltage_driven;      /* RUN is without current regulators */
+    uint32_t voltage_periods; /* slow periods in which it could be; voltage-driven: at its end */
     current_loop_t current_loop;
     modulator_t modulator;
     ab_t ratio_acting; /* demand over bus, Q15: acted since the last instant */

@@ -22,7 +22,7 @@ static const piece_t pieces[] = {
     LONG(position),
     WORDS(state, slow_count),
     BYTE(voltage_driven),
-    WORDS(current_loop, speed_loop.reference),
+    WORDS(voltage_periods, speed_loop.reference),
     WORDS(position_loop, position_loop.profile_speed),
     BYTE(mode),
     WORDS(offset_samples, model.flux_q30),

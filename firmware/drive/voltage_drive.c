@@ -117,7 +117,8 @@ static bool is_overloaded(const drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
     const dq_t i = drive->signals.current_ref;
-    const int32_t length = (int32_t)trig_sqrt((uint32_t)((i.d * i.d) + (i.q * i.q)));
+    const int32_t square = (i.d * i.d) + (i.q * i.q);
+    const int32_t length = (int32_t)trig_sqrt((uint32_t)square);
 
     return (i.q > range.upper) || (i.q < range.lower) ||
            (length > fx_max(range.upper, -range.lower));

@@ -14,7 +14,7 @@ RATED_RPM = 1800
 ROUNDING = 1e-3  # of a parameter in the firmware's numbers
 
 METRICS = """
-scenario with seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
+scenario with set seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults state_final
 gates_enabled_final parameters saturations saturation_internal_count accepted failed_limits""".split()
@@ -91,6 +91,7 @@ class Metrics(MotorsimTest):
         metrics = self.metrics("s1", "--with", "hot", "--with", "adc", "--set", "scenario.seed=7")
         self.assertEqual((metrics["scenario"], metrics["seed"]), ("s1", 7))
         self.assertEqual(metrics["with"], ["hot", "adc"])
+        self.assertEqual(metrics["set"], ["scenario.seed=7"])
 
     def test_the_end_of_a_run_is_told(self):
         held = self.metrics("s1")
