@@ -1,5 +1,6 @@
 // The loop with its controller: matrices, stability, step responses, the drive's gains.
 #include "drive_gains.h"
+#include "origin.h"
 #include "shipped.h"
 
 #include <algorithm>
@@ -230,6 +231,19 @@ void the_drives_gains_are_volts_per_speed_of_the_papers()
                              voltage_loop_toml(gains, 0.01, "x").c_str());
 }
 
+void gains_that_the_drive_does_not_take_are_refused()
+{
+    try {
+        (void)voltage_loop_gains({-0.603, 0.0792}, 3);
+        TEST_FAIL_MESSAGE("accepted");
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL_STRING(
+            "gains for the drive: voltage_loop.kp_v_s_per_rad = -1.809: is too "
+            "small; allowed: 0 to 1000 V·s/rad",
+            error.what());
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -259,5 +273,6 @@ int main()
     RUN_TEST(figures_of_a_response_are_those_of_a_closed_form);
     RUN_TEST(the_loads_d_current_stays_as_nothing_of_the_phase_loop_reaches_the_motor);
     RUN_TEST(the_drives_gains_are_volts_per_speed_of_the_papers);
+    RUN_TEST(gains_that_the_drive_does_not_take_are_refused);
     return UNITY_END();
 }

@@ -125,7 +125,7 @@ void wrong_designs_get_one_line()
                           ":1: nominal.voltage_v: is missing; allowed: 0.1 to 10000 V");
     expect_refused_design("horizon_samples = 30", "horizon_samples = 30.5",
                           ":20: optimum.horizon_samples = 30.5: is a number with a fraction; "
-                          "allowed: a whole number, 1 to 100000");
+                          "allowed: a whole number, 1 to 1000");
     expect_refused_design(
         "\"speed\" ", "\"torque\" ",
         ":21: optimum.state = \"torque\": is no choice; allowed: \"i_q\", \"i_d\", "

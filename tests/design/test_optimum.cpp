@@ -37,15 +37,27 @@ void the_cost_is_the_sum_along_the_response()
             settings.state = state;
             settings.input = input;
             const Response r = step_response(printed(), PUBLISHED, 1, input, 0.4);
+            // A command is to be reached, every other state is to stay at 0.
+            const double target = state == SPEED && input == SUPPLY ? 1 : 0;
             double sum = 0;
             for (std::size_t n = 0; n < 40; n++) {
-                sum +=
-                    0.01 * (std::pow(r.states[n][state], 2) + 5 * std::pow(r.output_rad_s[n], 2));
+                sum += 0.01 * (std::pow(r.states[n][state] - target, 2) +
+                               5 * std::pow(r.output_rad_s[n], 2));
             }
-            sum += std::pow(r.states[40][state], 2);
+            sum += std::pow(r.states[40][state] - target, 2);
             TEST_ASSERT_DOUBLE_WITHIN(1e-12 * sum, sum, cost(printed(), settings, PUBLISHED));
         }
     }
+}
+
+void gains_of_zero_leave_the_whole_speed_command_as_error()
+{
+    CostSettings settings;
+    settings.input = SUPPLY;
+    settings.horizon_samples = 40;
+    settings.q1 = 1.5;
+    settings.q3 = 0.7;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40 * 0.01 * 1.5 + 0.7, cost(computed(), settings, {0, 0}));
 }
 
 void the_adjoint_gradient_is_that_of_differences()
@@ -227,7 +239,7 @@ void the_stable_optimum_does_not_depend_on_the_start()
     }
 }
 
-void every_combination_of_state_and_input_ends_stable()
+void every_combination_of_state_and_input_ends_stable_with_a_positive_kp()
 {
     CostSettings settings;
     for (int state = 0; state < STATE_COUNT; state++) {
@@ -237,6 +249,7 @@ void every_combination_of_state_and_input_ends_stable()
             for (const Discrete &motor : {printed(), computed()}) {
                 const Optimum o = stable_optimum(motor, settings, shipped().optimum.start, 36);
                 TEST_ASSERT_TRUE(is_stable(motor, o.gains));
+                TEST_ASSERT_TRUE(o.gains.kp > 0);
             }
         }
     }
@@ -252,13 +265,26 @@ void an_unstable_start_is_refused()
     }
 }
 
+void a_start_that_the_drive_does_not_take_is_refused()
+{
+    try {
+        (void)stable_optimum(computed(), shipped().optimum.cost, {-0.1, 0.01}, 36);
+        TEST_FAIL_MESSAGE("accepted");
+    } catch (const std::runtime_error &error) {
+        TEST_ASSERT_EQUAL_STRING("start.kp = -0.1: the search is among what the drive takes; "
+                                 "allowed: above 0",
+                                 error.what());
+    }
+}
+
 void a_demand_beyond_all_gains_is_refused_with_the_best_there_is()
 {
     try {
         (void)stable_optimum(computed(), shipped().optimum.cost, ARBITRARY, 0.5);
         TEST_FAIL_MESSAGE("accepted");
     } catch (const std::runtime_error &error) {
-        TEST_ASSERT_NOT_NULL(std::strstr(error.what(), "slowest_time_constant_s: no pair found"));
+        TEST_ASSERT_NOT_NULL(
+            std::strstr(error.what(), "slowest_time_constant_s: no pair with K_p > 0 found"));
     }
 }
 
@@ -276,6 +302,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(the_cost_is_the_sum_along_the_response);
+    RUN_TEST(gains_of_zero_leave_the_whole_speed_command_as_error);
     RUN_TEST(the_adjoint_gradient_is_that_of_differences);
     RUN_TEST(the_barrier_is_the_logarithm_over_pairs_of_poles);
     RUN_TEST(the_barriers_gradient_is_that_of_differences);
@@ -288,8 +315,9 @@ int main()
     RUN_TEST(the_stable_optimum_is_within_a_tenth_of_the_references_kp);
     RUN_TEST(no_pair_on_a_grid_that_meets_the_demand_costs_less_than_the_optimum);
     RUN_TEST(the_stable_optimum_does_not_depend_on_the_start);
-    RUN_TEST(every_combination_of_state_and_input_ends_stable);
+    RUN_TEST(every_combination_of_state_and_input_ends_stable_with_a_positive_kp);
     RUN_TEST(an_unstable_start_is_refused);
+    RUN_TEST(a_start_that_the_drive_does_not_take_is_refused);
     RUN_TEST(a_demand_beyond_all_gains_is_refused_with_the_best_there_is);
     return UNITY_END();
 }

@@ -22,6 +22,12 @@ public:
     {
         u_.setZero();
         u_[settings.input] = 1;
+        target_ = settings.state == SPEED ? u_[SUPPLY] : 0;
+    }
+
+    double weighted(const Extended &x) const // X
+    {
+        return x[settings_.state] - target_;
     }
 
     double output(const Extended &x) const
@@ -31,12 +37,12 @@ public:
 
     Extended next(const Extended &x) const // (53), of which (51) is the last row
     {
-        const double weighted = x[settings_.state];
+        const double off = weighted(x);
         const double supply = output(x);
         Extended after;
         after.head<STATE_COUNT>() = loop_.a * x.head<STATE_COUNT>() + loop_.b * u_;
-        after[COST] = x[COST] + motor_.sample_time_s * (settings_.q1 * weighted * weighted +
-                                                        settings_.q2 * supply * supply);
+        after[COST] = x[COST] + motor_.sample_time_s *
+                                    (settings_.q1 * off * off + settings_.q2 * supply * supply);
         return after;
     }
 
@@ -46,7 +52,7 @@ public:
         const double supply_cost = 2 * t * settings_.q2 * output(x);
         Jacobian jacobian = Jacobian::Zero();
         jacobian.topLeftCorner<STATE_COUNT, STATE_COUNT>() = loop_.a;
-        jacobian(COST, settings_.state) += 2 * t * settings_.q1 * x[settings_.state];
+        jacobian(COST, settings_.state) += 2 * t * settings_.q1 * weighted(x);
         jacobian(COST, SPEED) -= supply_cost * (gains_.kp + gains_.ki_per_s * t);
         jacobian(COST, INTEGRAL) += supply_cost * gains_.ki_per_s * t;
         jacobian(COST, COST) = 1;
@@ -79,15 +85,17 @@ private:
     Loop loop_;
     Gains gains_;
     Eigen::Vector2d u_;
+    double target_; // where X has to go
 };
 
 } // namespace
 
 double cost(const Discrete &motor, const CostSettings &settings, const Gains &gains)
 {
-    const Extended last = Trajectory(motor, settings, gains).run().back();
-    const double weighted = last[settings.state];
-    return last[COST] + settings.q3 * weighted * weighted;
+    const Trajectory trajectory(motor, settings, gains);
+    const Extended last = trajectory.run().back();
+    const double off = trajectory.weighted(last);
+    return last[COST] + settings.q3 * off * off;
 }
 
 Eigen::Vector2d cost_gradient(const Discrete &motor, const CostSettings &settings,
@@ -96,7 +104,7 @@ Eigen::Vector2d cost_gradient(const Discrete &motor, const CostSettings &setting
     const Trajectory trajectory(motor, settings, gains);
     const std::vector<Extended> states = trajectory.run();
     Extended adjoint = Extended::Zero(); // (58) at the horizon
-    adjoint[settings.state] = 2 * settings.q3 * states.back()[settings.state];
+    adjoint[settings.state] = 2 * settings.q3 * trajectory.weighted(states.back());
     adjoint[COST] = 1;
     Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
     for (auto state = states.rbegin() + 1; state != states.rend(); ++state) {

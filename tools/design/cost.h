@@ -6,8 +6,9 @@
 namespace nf::design
 {
 
-// J = T·Σ [Q1·X² + Q2·ω_s²] over the samples before the horizon, + Q3·X² at it. X is one of the states;
-// the step of 1 is there from the first sample on.
+// J = T·Σ [Q1·X² + Q2·ω_s²] over the samples before the horizon, + Q3·X² at it. X is one of the states,
+// of a step of the command the speed's distance from it in place of the speed: at rest nothing is reached
+// yet. The step of 1 is there from the first sample on.
 struct CostSettings {
     double q1 = 1;
     double q2 = 5;

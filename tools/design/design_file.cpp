@@ -56,7 +56,7 @@ const std::vector<Key> KEYS = {
     {"optimum.q1", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q1), nullptr, "weight of X² in the cost (50)"},
     {"optimum.q2", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q2), nullptr, "weight of the controller's output squared"},
     {"optimum.q3", "", 0, 1e9, OPTIONAL, PLACE(optimum.cost.q3), nullptr, "weight of X² at the horizon"},
-    {"optimum.horizon_samples", "", 1, 100000, OPTIONAL, PLACE(optimum.cost.horizon_samples), nullptr, "samples that count"},
+    {"optimum.horizon_samples", "", 1, 1000, OPTIONAL, PLACE(optimum.cost.horizon_samples), nullptr, "samples that count"},
     {"optimum.state", "", 0, 0, OPTIONAL, PLACE(optimum.cost.state), &STATE_WORDS, "X of the cost"},
     {"optimum.input", "", 0, 0, OPTIONAL, PLACE(optimum.cost.input), &INPUT_WORDS, "where the unit step is"},
     {"optimum.slowest_time_constant_s", "s", 1e-4, 1e6, NEEDED, PLACE(optimum.slowest_time_constant_s), nullptr, "no mode of the closed loop may be slower"},
@@ -238,6 +238,11 @@ DesignSettings read_design(const std::string &design, const std::vector<std::str
         fail({settings.file, 1}, "motor", "", "is missing", "the name or path of a motor file");
     }
     const bool written_here = values.at("motor").origin.file == settings.file;
+    settings.foreign_nominal =
+        !written_here && std::any_of(values.begin(), values.end(), [&](const auto &entry) {
+            return entry.first.rfind("nominal.", 0) == 0 &&
+                   entry.second.origin.file == settings.file;
+        });
     const fs::path base = written_here ? path.parent_path() : "";
     settings.inputs = load_motor(is_path(motor) ? (base / motor).string() : motor, motor_overrides);
     const std::string matrices = top_text(values, "matrices");
@@ -247,6 +252,21 @@ DesignSettings read_design(const std::string &design, const std::vector<std::str
     }
     settings.inputs.sources.read.push_back(path);
     return settings;
+}
+
+void check_gains(const Gains &gains, const std::string &place)
+{
+    const std::pair<const char *, double> values[] = {{"start.kp", gains.kp},
+                                                      {"start.ki_per_s", gains.ki_per_s}};
+    for (const auto &[name, number] : values) {
+        const auto key = std::find_if(KEYS.begin(), KEYS.end(),
+                                      [&](const Key &k) { return std::string(k.name) == name; });
+        Node value;
+        value.kind = Node::Kind::real;
+        value.real = number;
+        value.origin = {place, 0};
+        check_number(std::string(name).substr(6), value, key->min, key->max, allowed(*key));
+    }
 }
 
 std::string key_list()

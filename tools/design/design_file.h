@@ -24,15 +24,19 @@ struct DesignSettings {
     Config inputs;    // the motor; among its sources every file that was read
     NominalPoint nominal;
     OptimumSettings optimum;
-    Gains arbitrary = {0, 0}; // [arbitrary] of the figures 4a, 5a
-    Gains published = {0, 0}; // [published] of the figures 4b, 5b, 6
-    double response_s = 6;    // length of the step responses
-    std::string matrices;     // path of the published matrices, or empty
+    Gains arbitrary = {0, 0};     // [arbitrary] of the figures 4a, 5a
+    Gains published = {0, 0};     // [published] of the figures 4b, 5b, 6
+    double response_s = 6;        // length of the step responses
+    std::string matrices;         // path of the published matrices, or empty
+    bool foreign_nominal = false; // the motor is an override, the nominal point is not
 };
 
 // A design by its name in tools/design/designs or by a path. Overrides are "section.key=value",
 // "motor.key=value" and "motor=NAME". Throws ConfigError for whatever is wrong.
 DesignSettings read_design(const std::string &design, const std::vector<std::string> &set = {});
+
+// Refuses a pair that the keys of [start] do not allow. `place` is for the message.
+void check_gains(const Gains &gains, const std::string &place);
 
 // Every key with its range, default and meaning, a line each.
 std::string key_list();

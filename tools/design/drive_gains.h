@@ -18,6 +18,7 @@ struct VoltageLoopGains {
 // U = K_b·K_p·e + K_b·K_i·∫e. Assumed: K_b is in volts per rad/s of the same electrical speed as ω_s and
 // ω_r, as (24) uses it. The paper's unit is V/rps; if that means electrical turns per second, K_b in (24) and
 // here is the printed 3 divided by 2π, and both change together (nominal.voltage_per_speed_v_s_per_rad).
+// Throws ConfigError for a gain that the drive's tuning does not allow.
 VoltageLoopGains voltage_loop_gains(const Gains &gains, double voltage_per_speed_v_s_per_rad);
 
 // The table [voltage_loop] of a drive's tuning.

@@ -101,6 +101,7 @@ int compare(const Arguments &arguments)
 
 int check(const Arguments &arguments)
 {
+    check_gains(arguments.gains, "check");
     std::string text;
     bool stable = true;
     for (const Model &model : make_models(read_design(arguments.design, arguments.set))) {

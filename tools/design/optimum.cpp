@@ -32,6 +32,17 @@ double radius(const Discrete &motor, const Eigen::VectorXd &z)
     return std::abs(slowest_pole(motor, gains_of(z)));
 }
 
+// The drive takes no negative K_p. Stability alone keeps K_i above 0.
+double drive_barrier(const Discrete &motor, const Eigen::VectorXd &z, double rho)
+{
+    return barrier(motor, gains_of(z), rho) - std::log(z[0]);
+}
+
+Eigen::VectorXd drive_barrier_gradient(const Discrete &motor, const Eigen::VectorXd &z, double rho)
+{
+    return barrier_gradient(motor, gains_of(z), rho) - Eigen::Vector2d(1 / z[0], 0);
+}
+
 // Cost and barrier, both weighted.
 Objective weighted(const Discrete &motor, const CostSettings &settings, double cost_weight,
                    double barrier_weight, double rho)
@@ -39,13 +50,13 @@ Objective weighted(const Discrete &motor, const CostSettings &settings, double c
     return {
         [=, &motor, &settings](const Eigen::VectorXd &z) {
             return cost_weight * cost(motor, settings, gains_of(z)) +
-                   barrier_weight * barrier(motor, gains_of(z), rho);
+                   barrier_weight * drive_barrier(motor, z, rho);
         },
         [=, &motor, &settings](const Eigen::VectorXd &z) -> Eigen::VectorXd {
             return cost_weight * cost_gradient(motor, settings, gains_of(z)) +
-                   barrier_weight * barrier_gradient(motor, gains_of(z), rho);
+                   barrier_weight * drive_barrier_gradient(motor, z, rho);
         },
-        [=, &motor](const Eigen::VectorXd &z) { return radius(motor, z) < rho; },
+        [=, &motor](const Eigen::VectorXd &z) { return z[0] > 0 && radius(motor, z) < rho; },
     };
 }
 
@@ -65,8 +76,8 @@ Descent enter(const Discrete &motor, const CostSettings &settings, const Gains &
     }
     if (!inside(descent.at)) {
         throw std::runtime_error(fmt::format(
-            "optimum.slowest_time_constant_s: no pair found whose slowest pole is within {:.7g}; the "
-            "best is K_p = {:.4g}, K_i = {:.4g} 1/s with {:.4g} s; allowed: more than that",
+            "optimum.slowest_time_constant_s: no pair with K_p > 0 found whose slowest pole is within "
+            "{:.7g}; the best is K_p = {:.4g}, K_i = {:.4g} 1/s with {:.4g} s; allowed: more than that",
             rho, descent.at[0], descent.at[1],
             time_constant_s(radius(motor, descent.at), motor.sample_time_s)));
     }
@@ -80,6 +91,11 @@ Optimum stable_optimum(const Discrete &motor, const CostSettings &settings, cons
                        double slowest_time_constant_s)
 {
     require_stable(motor, start, "start");
+    if (!(start.kp > 0)) {
+        throw std::runtime_error(fmt::format(
+            "start.kp = {:g}: the search is among what the drive takes; allowed: above 0",
+            start.kp));
+    }
     const double rho = std::exp(-motor.sample_time_s / slowest_time_constant_s);
     Descent descent = enter(motor, settings, start, rho);
     int iterations = descent.iterations;

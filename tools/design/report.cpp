@@ -177,12 +177,18 @@ VoltageLoopGains drive_gains(const DesignSettings &settings, const ModelStudy &s
     return voltage_loop_gains(s.optimum.gains, settings.nominal.voltage_per_speed_v_s_per_rad);
 }
 
+// A pole's distance from the unit circle, however small, is what decides.
+std::string from_one(double magnitude)
+{
+    return fmt::format("1 {} {:.3g}", magnitude < 1 ? '-' : '+', std::abs(1 - magnitude));
+}
+
 std::string pair_line(const ModelStudy &s, const Pair &pair, const CostSettings &settings)
 {
     const Discrete &motor = s.model.discrete;
     const double magnitude = std::abs(slowest_pole(motor, pair.gains));
-    return fmt::format("  {:<12}{:>9.4f}{:>11.5f}{:>12.6f}{:>11.3g}{:>11.5f}\n", pair.name,
-                       pair.gains.kp, pair.gains.ki_per_s, magnitude,
+    return fmt::format("  {:<12}{:>9.4f}{:>11.5f}{:>14}{:>11.3g} {:>10.5f}\n", pair.name,
+                       pair.gains.kp, pair.gains.ki_per_s, from_one(magnitude),
                        time_constant_s(magnitude, motor.sample_time_s),
                        cost(motor, settings, pair.gains));
 }
@@ -190,16 +196,16 @@ std::string pair_line(const ModelStudy &s, const Pair &pair, const CostSettings 
 std::string study_text(const DesignSettings &settings, const ModelStudy &s)
 {
     std::string text = fmt::format("{} matrices\n", s.model.name);
-    text += fmt::format("  {:<12}{:>9}{:>11}{:>12}{:>11}{:>11}\n", "pair", "K_p", "K_i, 1/s",
+    text += fmt::format("  {:<12}{:>9}{:>11}{:>14}{:>11}{:>11}\n", "pair", "K_p", "K_i, 1/s",
                         "slowest", "of, s", "cost");
     for (const Pair &pair : s.pairs) {
         text += pair_line(s, pair, settings.optimum.cost);
     }
     const double magnitude = std::abs(slowest_pole(s.model.discrete, s.free.gains));
     text += fmt::format("  least cost at all: K_p = {:.4f}, K_i = {:.4f} 1/s, cost {:.5f}, {} by "
-                        "its pole at {:.5f}\n",
+                        "its pole at {}\n",
                         s.free.gains.kp, s.free.gains.ki_per_s, s.free.cost,
-                        magnitude < 1 ? "stable" : "refused as unstable", magnitude);
+                        magnitude < 1 ? "stable" : "refused as unstable", from_one(magnitude));
     if (s.largest_ki_per_s) {
         text += fmt::format("  stable at K_p = {:g}: 0 < K_i < {:.4f} 1/s\n", settings.published.kp,
                             *s.largest_ki_per_s);
@@ -219,7 +225,8 @@ std::string design_json(const DesignSettings &settings, const std::vector<ModelS
 {
     const Continuous continuous = linearise(
         make_machine(settings.inputs.motor, settings.nominal.inertia_kg_m2), settings.nominal);
-    const VoltageLoopGains gains = drive_gains(settings, find(studies, chosen));
+    const ModelStudy &used = find(studies, chosen);
+    const VoltageLoopGains gains = drive_gains(settings, used);
     Json json = {{"design", settings.file},
                  {"motor", settings.inputs.motor.name},
                  {"states", STATE_KEYS},
@@ -234,7 +241,7 @@ std::string design_json(const DesignSettings &settings, const std::vector<ModelS
                  {"voltage_loop",
                   {{"kp_v_s_per_rad", gains.kp_v_s_per_rad},
                    {"ki_v_per_rad", gains.ki_v_per_rad},
-                   {"sample_time_s", settings.nominal.sample_time_s}}},
+                   {"sample_time_s", used.model.discrete.sample_time_s}}},
                  {"models", Json::array()}};
     for (const ModelStudy &s : studies) {
         json["models"].push_back(json_of(s));
@@ -257,9 +264,10 @@ std::string design_text(const DesignSettings &settings, const std::vector<ModelS
     for (const ModelStudy &s : studies) {
         text += study_text(settings, s) + '\n';
     }
-    return text + voltage_loop_toml(
-                      drive_gains(settings, find(studies, chosen)), settings.nominal.sample_time_s,
-                      fmt::format("gaindesign, {}, {} matrices", settings.file, chosen));
+    const ModelStudy &used = find(studies, chosen);
+    return text +
+           voltage_loop_toml(drive_gains(settings, used), used.model.discrete.sample_time_s,
+                             fmt::format("gaindesign, {}, {} matrices", settings.file, chosen));
 }
 
 std::string comparison_text(const std::vector<Comparison> &rows)
@@ -285,8 +293,8 @@ std::string poles_text(const Model &model, const Gains &gains)
             magnitude < 1 ? fmt::format("decays with {:.4g} s",
                                         time_constant_s(magnitude, model.discrete.sample_time_s))
                           : "does not decay";
-        text += fmt::format("  {:>10.6f} {:>+10.6f}i  magnitude {:.6f}, {}\n", pole.real(),
-                            pole.imag(), magnitude, decay);
+        text += fmt::format("  {:>10.6f} {:>+10.6f}i  magnitude {}, {}\n", pole.real(), pole.imag(),
+                            from_one(magnitude), decay);
     }
     return text;
 }

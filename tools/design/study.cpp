@@ -16,6 +16,16 @@ std::string name_of(const Model &model, const std::string &pair)
     return fmt::format("{} matrices, {}", model.name, pair);
 }
 
+std::string start_name(const DesignSettings &settings, const Model &model)
+{
+    return name_of(model, "start") +
+           (settings.foreign_nominal
+                ? fmt::format(" (nominal.* is that of the design's own motor, it "
+                              "must be that of {})",
+                              settings.inputs.motor.name)
+                : "");
+}
+
 } // namespace
 
 std::vector<Model> make_models(const DesignSettings &settings)
@@ -37,7 +47,7 @@ ModelStudy study(const DesignSettings &settings, const Model &model)
     const OptimumSettings &o = settings.optimum;
     ModelStudy s;
     s.model = model;
-    require_stable(motor, o.start, name_of(model, "start"));
+    require_stable(motor, o.start, start_name(settings, model));
     s.optimum = stable_optimum(motor, o.cost, o.start, o.slowest_time_constant_s);
     s.free = free_optimum(motor, o.cost, o.start);
     s.region = stable_region(motor, s.optimum.gains.kp, REGION_POINTS);
