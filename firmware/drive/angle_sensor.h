@@ -5,8 +5,9 @@
  * speed and angle: with e = sensor − θ̂, per tick
  *     ω̂ += e/2^8,  θ̂ += ω̂ + e/2^3
  * which is critically damped with 1/16 a tick (625 rad/s at 10 kHz): half as fast, and a speed loop of 20 Hz would sway
- * on it. At a constant acceleration it lags by 256 times what the speed changes in a tick. Angle and speed are where those of the observer are; its network goes
- * with them untrained, and what it cannot explain is a wrong sensor (OBSERVER_LOST).
+ * on it. At a constant acceleration it lags by 256 times what the speed changes in a tick. Angle and speed are where
+ * those of the observer are; its network goes with them untrained, and what it cannot explain is a wrong sensor
+ * (OBSERVER_LOST).
  *
  * Part of the drive; called from drive_step only.
  */
