@@ -9,6 +9,7 @@ namespace
 {
 
 constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
+constexpr double ANGLE_PER_DEG = 65536.0 / 360.0; // of the frame
 constexpr unsigned PHASE_A = 1;
 constexpr unsigned PHASE_B = 2;
 constexpr unsigned PHASE_C = 4;
@@ -91,6 +92,13 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
         break;
     case FaultKind::adc_bus_stuck:
         force(hal.bus, value ? bus_count(*value) : fault.last.adc_bus);
+        break;
+    case FaultKind::angle_stuck:
+        force(hal.angle, fault.last.angle);
+        break;
+    case FaultKind::angle_offset:
+        hal.angle_offset =
+            static_cast<uint16_t>(hal.angle_offset + std::lround(*value * ANGLE_PER_DEG));
         break;
     case FaultKind::overcurrent:
         force(hal.ia, current_count(ampere));

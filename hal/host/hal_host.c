@@ -53,7 +53,7 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_ib = read_channel(&faults->ib, in->adc_ib);
     in->adc_bus = read_channel(&faults->bus, in->adc_bus);
     in->adc_temperature = read_channel(&faults->temperature, in->adc_temperature);
-    in->angle = read_channel(&faults->angle, in->angle);
+    in->angle = read_channel(&faults->angle, (uint16_t)(in->angle + faults->angle_offset));
     in->flags = (uint16_t)(in->flags | late | broken);
 }
 

@@ -29,7 +29,8 @@ typedef struct {
     hal_host_channel_t bus;
     hal_host_channel_t temperature;
     hal_host_channel_t angle;
-    bool broken; /* the power stage opens the gates by itself, and says so */
+    uint16_t angle_offset; /* on what the sensor reads, 2^16 to a turn of the shaft */
+    bool broken;           /* the power stage opens the gates by itself, and says so */
     bool
         late; /* ticks end too late: a rest duty acts in place of their demand, and the next knows */
 } hal_host_faults_t;
@@ -37,7 +38,7 @@ typedef struct {
 struct hal {
     plant_t *plant; /* NULL: frames are fed */
     drive_in_t fed;
-    hal_host_faults_t faults; /* all false: none */
+    hal_host_faults_t faults; /* all 0: none */
     bool late;                /* the last tick was */
     uint32_t ticks;           /* PWM periods since the binding */
 };

@@ -40,6 +40,8 @@ enum class FaultKind {
     adc_b_high,
     adc_b_low,
     adc_bus_stuck,
+    angle_stuck,  // the sensor, at what it read last
+    angle_offset, // the sensor has turned on the shaft
     overcurrent,  // as if it flowed into phase a and back out of b
     phase_a_open, // the wire to the motor
     phase_b_open,

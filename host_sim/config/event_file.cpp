@@ -43,6 +43,8 @@ constexpr Word WORDS[] = {
     {"adc_b_high", FaultKind::adc_b_high, Value::none, 0, 0, "", FaultSpan::lasting},
     {"adc_b_low", FaultKind::adc_b_low, Value::none, 0, 0, "", FaultSpan::lasting},
     {"adc_bus_stuck", FaultKind::adc_bus_stuck, Value::optional, 0, 2000, "V", FaultSpan::lasting},
+    {"angle_stuck", FaultKind::angle_stuck, Value::none, 0, 0, "", FaultSpan::lasting},
+    {"angle_offset", FaultKind::angle_offset, Value::needed, -360, 360, "°", FaultSpan::lasting},
     {"overcurrent", FaultKind::overcurrent, Value::needed, -2000, 2000, "A", FaultSpan::tick},
     {"phase_a_open", FaultKind::phase_a_open, Value::none, 0, 0, "", FaultSpan::lasting},
     {"phase_b_open", FaultKind::phase_b_open, Value::none, 0, 0, "", FaultSpan::lasting},

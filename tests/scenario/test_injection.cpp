@@ -94,6 +94,8 @@ void test_each_fault_changes_the_frame_and_none_before_it()
         {"what = 'adc_b_high'", 0},
         {"what = 'adc_b_low'", 0},
         {"what = 'adc_bus_stuck', value = 300", 0},
+        {"what = 'angle_stuck'", 1},
+        {"what = 'angle_offset', value = 30", 0},
         {"what = 'overcurrent', value = 15", 0},
         {"what = 'phase_a_open'", 0},
         {"what = 'phase_b_open'", 0},
@@ -126,6 +128,20 @@ void test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers()
         TEST_ASSERT_EQUAL_UINT16(last, rows[k].in.adc_ia);
     }
     TEST_ASSERT_NOT_EQUAL_UINT16(last, rows[AT + 10].in.adc_ia);
+}
+
+void test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_to_it()
+{
+    const std::vector<Row> stuck = run_with("what = 'angle_stuck', until_s = 0.601");
+    for (std::size_t k = AT; k < AT + 10; k++) {
+        TEST_ASSERT_EQUAL_UINT16(healthy()[AT - 1].in.angle, stuck[k].in.angle);
+    }
+    TEST_ASSERT_EQUAL_UINT16(healthy()[AT + 10].in.angle, stuck[AT + 10].in.angle);
+    const std::vector<Row> turned = run_with("what = 'angle_offset', value = -90");
+    for (std::size_t k = AT; k < turned.size(); k++) { // nothing of s2 reads the sensor
+        TEST_ASSERT_EQUAL_UINT16(static_cast<uint16_t>(healthy()[k].in.angle - 16384),
+                                 turned[k].in.angle);
+    }
 }
 
 // 12 bits over ±20 A and 450 V.
@@ -307,6 +323,7 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(test_each_fault_changes_the_frame_and_none_before_it);
     RUN_TEST(test_a_channel_that_is_stuck_keeps_what_it_read_last_until_it_recovers);
+    RUN_TEST(test_an_angle_sensor_that_is_stuck_keeps_its_count_and_one_that_slips_adds_to_it);
     RUN_TEST(test_a_value_in_si_is_what_an_ideal_sensor_reads);
     RUN_TEST(test_overcurrent_flows_in_at_a_and_out_at_b_for_one_tick);
     RUN_TEST(test_an_open_phase_carries_no_current);
