@@ -485,8 +485,9 @@ phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const Tunin
 // The voltage drive gives back at 3/4 of its lowest speed, which has to be before the observer does.
 constexpr double ABOVE_HANDOVER = 1.5;
 
+// Without a K_i of its own it follows from K_p, which is then the key to change.
 voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
-                                       const Bases &b)
+                                       bool own_ki, const Bases &b)
 {
     const double slow_period = b.control_period_s * tuning.slow_ticks;
     const double base = 2 * b.speed_el_rad_s / b.voltage_v; // of the speed error, in U_b
@@ -495,12 +496,11 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
     if (tuning.method != ControlMethod::voltage_phase) {
         return c;
     }
-    const Mantissa p =
-        normalise(tuning.voltage_kp_v_s_per_rad * base, 1, 30,
-                  {"voltage_loop.kp_v_s_per_rad", tuning.voltage_kp_v_s_per_rad}, reason);
-    const Mantissa i =
-        normalise(std::ldexp(tuning.voltage_ki_v_per_rad * base * slow_period, 11), 1, 30,
-                  {"voltage_loop.ki_v_per_rad", tuning.voltage_ki_v_per_rad}, reason);
+    const Source kp = {"voltage_loop.kp_v_s_per_rad", tuning.voltage_kp_v_s_per_rad};
+    const Source ki = {"voltage_loop.ki_v_per_rad", tuning.voltage_ki_v_per_rad};
+    const Mantissa p = normalise(tuning.voltage_kp_v_s_per_rad * base, 1, 30, kp, reason);
+    const Mantissa i = normalise(std::ldexp(tuning.voltage_ki_v_per_rad * base * slow_period, 11),
+                                 1, 30, own_ki ? ki : kp, reason);
     c.enabled = 1;
     c.pi.kp = p.value;
     c.pi.kp_shift = p.shift;
@@ -620,7 +620,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
-    c.voltage_drive = make_voltage_drive(motor, tuning, b);
+    c.voltage_drive = make_voltage_drive(motor, tuning, as_written.voltage_ki_v_per_rad > 0, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);
