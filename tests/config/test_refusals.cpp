@@ -356,6 +356,17 @@ void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
     TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {"motor.max_speed_rpm=2097"}).c_str());
 }
 
+// K_i follows as 8 times K_p.
+void a_voltage_gain_whose_integral_does_not_fit_is_named_itself()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: voltage_loop.kp_v_s_per_rad = 1000: does not fit the firmware",
+        before(refusal({}, {"drive.method=voltage_phase", "voltage_loop.kp_v_s_per_rad=1000"}),
+               "; allowed")
+            .c_str());
+}
+
 void text_that_is_not_toml_is_named_with_its_line()
 {
     const Case cases[] = {
@@ -629,6 +640,7 @@ int main()
     RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
     RUN_TEST(a_dead_time_that_does_not_fit_is_named_where_it_is_written);
     RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
+    RUN_TEST(a_voltage_gain_whose_integral_does_not_fit_is_named_itself);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
     RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);
