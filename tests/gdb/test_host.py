@@ -119,10 +119,11 @@ class OnTheHost(support.GdbTest):
 
 
 class OfTheVoltageDrive(support.GdbTest):
-    """A run of s4."""
+    """A run of s4 that goes without current regulators after a tenth of a second."""
 
-    MOTORSIM, CHOICE = MOTORSIM, ("s4",)
-    GDB = (GDB, "--args", MOTORSIM, "run", "s4")
+    MOTORSIM = MOTORSIM
+    CHOICE = ("s4", "--set", "scenario.initial_speed_rpm=1200", "--set", "voltage_loop.settle_s=0.01")
+    GDB = (GDB, "--args", MOTORSIM, "run", *CHOICE)
 
     def test_stages_are_those_of_the_voltage_drive(self):
         tick = 3000

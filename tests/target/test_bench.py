@@ -22,6 +22,7 @@ from bench.blocks import Decoder  # noqa: E402
 from bench.image import BenchError, Image  # noqa: E402
 
 # Calls `counted` with r0 = 0, 1, ... r5 − 1 and ends; `counted` is what each test adds.
+HEADER, FRAME_BYTES = 16, 18    # of a recording's frames
 FRAME = """
     .syntax unified
     .thumb
@@ -256,7 +257,7 @@ class Replays(unittest.TestCase):
             replay.replay("cortex-m3", cls.image, "s1", cls.recording, lambda size: None),))
 
     def test_every_tick_is_counted_under_its_state(self):
-        ticks = (len(self.recording["frames.nfr"]) - 16) // 16
+        ticks = (len(self.recording["frames.nfr"]) - HEADER) // FRAME_BYTES
         ways = self.bench.replays[0].ways
         self.assertEqual(ways.total(), ticks)
         by_state = Counter(replay.states_of(self.recording["results.nfr"]))

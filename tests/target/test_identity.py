@@ -12,7 +12,7 @@ from pathlib import Path
 
 QEMU, BOARD, IMAGE, FOLDER = sys.argv[1:5]
 IDENTITY = Path(__file__).with_name("identity.py")
-HEADER, FRAME, RESULT = 16, 16, 12
+HEADER, FRAME, RESULT = 16, 18, 12
 CONFIG_HASH = 8
 
 
