@@ -26,15 +26,26 @@ double truth(bool value)
     return value ? 1.0 : 0.0;
 }
 
+} // namespace
+
 bool is_true(double value)
 {
     return value < 0.0 || value > 0.0;
 }
 
+namespace
+{
+
+// What is not known, NaN, is the same as nothing.
+bool is_same(double a, double b)
+{
+    return a <= b && a >= b;
+}
+
 // The longer of two that begin alike comes first.
 constexpr std::array<Operator, 6> COMPARISONS = {{
-    {"==", [](double a, double b) { return truth(!is_true(a - b)); }},
-    {"!=", [](double a, double b) { return truth(is_true(a - b)); }},
+    {"==", [](double a, double b) { return truth(is_same(a, b)); }},
+    {"!=", [](double a, double b) { return truth(!is_same(a, b)); }},
     {"<=", [](double a, double b) { return truth(a <= b); }},
     {">=", [](double a, double b) { return truth(a >= b); }},
     {"<", [](double a, double b) { return truth(a < b); }},
@@ -148,7 +159,7 @@ private:
     {
         skip_blanks();
         if (take("!")) {
-            return [inner = factor()](const Tick &t) { return truth(!is_true(inner(t))); };
+            return [inner = factor()](const Tick &t) { return truth(is_same(inner(t), 0.0)); };
         }
         if (take("-")) {
             return [inner = factor()](const Tick &t) { return -inner(t); };

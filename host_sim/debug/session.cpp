@@ -13,11 +13,6 @@ namespace nf::debug
 namespace
 {
 
-bool is_true(double value)
-{
-    return value < 0.0 || value > 0.0;
-}
-
 // RUN has a second form.
 std::string state_text(const drive_t &drive)
 {

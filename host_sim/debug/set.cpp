@@ -1,5 +1,6 @@
 #include "set.h"
 
+#include "state_check.h"
 #include "vocabulary.h"
 
 extern "C" {
@@ -80,6 +81,19 @@ void check_configuration(const SignalInfo &signal, int64_t raw, const ScriptedRu
     }
 }
 
+// The firmware takes for granted that its own state is one that it can come to.
+void check_state(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
+{
+    drive_cfg_t cfg = run.sim().cfg();
+    drive_t changed = run.sim().drive();
+    plant_t plant{};
+    hal_host_faults_t hal{};
+    write_word(signal.word, raw, {plant, hal, cfg, changed});
+    if (const std::string bad = state_problem(changed, cfg); !bad.empty()) {
+        throw std::runtime_error(fmt::format("{}.raw = {} is refused: {}", signal.name, raw, bad));
+    }
+}
+
 [[noreturn]] void refuse_result(const SignalInfo &signal)
 {
     throw std::runtime_error(
@@ -102,6 +116,7 @@ Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run
     if (signal.word.home != Word::Home::drive) {
         refuse_result(signal);
     }
+    check_state(signal, raw, run);
     return {[&signal, raw](ScriptedRun &r) { write_word(signal.word, raw, r.sim().seam()); }, {}};
 }
 
@@ -142,6 +157,10 @@ Change change_of(const Named &named, double value, const ScriptedRun &run)
     for (const Command &command : COMMANDS) {
         if (find_signal(command.name) == &signal) {
             refuse_in_recording(signal, run);
+            if (!std::isfinite(value)) {
+                throw std::runtime_error(
+                    fmt::format("{} is a finite number, found {}", signal.name, value));
+            }
             return {[set = command.set, value](ScriptedRun &r) { (r.*set)(value); }, {}};
         }
     }

@@ -23,11 +23,14 @@ void Timeline::control()
     keep_snapshot();
     before_ = run_.sim().drive();
     tick_ = run_.control();
+    for (const Edit &edit : edits_) { // first, as what ends may have stood over what goes on
+        if (edit.end && now() > edit.from && now() - 1 == edit.until) {
+            edit.end(run_);
+        }
+    }
     for (const Edit &edit : edits_) {
         if (now() >= edit.from && now() <= edit.until) {
             edit.act(run_);
-        } else if (edit.end && now() > edit.from && now() - 1 == edit.until) {
-            edit.end(run_);
         }
     }
 }

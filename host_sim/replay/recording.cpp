@@ -1,5 +1,7 @@
 #include "recording.h"
 
+#include "state_check.h"
+
 extern "C" {
 #include "config_guard.h"
 #include "drive_words.h"
@@ -95,85 +97,15 @@ drive_cfg_t configuration_of(const uint32_t *words)
     return cfg;
 }
 
-// What is no number of its type must not be looked at as one.
-uint32_t bits_of(const void *member, std::size_t bytes)
-{
-    uint32_t bits = 0;
-    std::memcpy(&bits, member, bytes);
-    return bits;
-}
-
-struct Bounded {
-    const char *name;
-    const void *member;
-    std::size_t bytes;
-    uint32_t least;
-    uint32_t most;
-};
-
-// Of the state's words those that choose a way or a place; any other value is a number.
-void check_choices(const drive_t &s, const drive_cfg_t &cfg)
-{
-    const auto flag = [](const char *name, const bool &member) {
-        return Bounded{name, &member, sizeof(bool), 0, 1};
-    };
-    const auto word = [](const char *name, const auto &member, uint32_t least, uint32_t most) {
-        return Bounded{name, &member, WORD_BYTES, least, most};
-    };
-    const std::array<Bounded, 12> all = {{
-        word("state", s.state, 0, DRIVE_STATE_FAULT),
-        word("slow_count", s.slow_count, 1, cfg.slow_ticks),
-        flag("voltage_driven", s.voltage_driven),
-        flag("identified", s.identified),
-        word("catch_spin.phase", s.catch_spin.phase, 0, 3),
-        flag("catch_spin.gates", s.catch_spin.gates),
-        word("align.phase", s.align.phase, 0, ALIGN_DONE),
-        flag("align.backwards", s.align.backwards),
-        word("fault.id", s.fault.id, 0, FAULT_COUNT - 1),
-        word("supervision.suspect.id", s.supervision.suspect.id, 0, FAULT_COUNT - 1),
-        word("supervision.step", s.supervision.step, 0, SUPERVISION_STEPS - 1),
-        word("guard.at", s.guard.at, 0, sizeof(drive_cfg_t) - 2 * WORD_BYTES),
-    }};
-    for (const Bounded &one : all) {
-        const uint32_t value = bits_of(one.member, one.bytes);
-        if (value < one.least || value > one.most) {
-            refuse("the state's {} is {}, allowed are {} to {}", one.name, value, one.least,
-                   one.most);
-        }
-    }
-    if (s.guard.at % WORD_BYTES != 0) {
-        refuse("the state's guard.at is {}, no whole word", s.guard.at);
-    }
-}
-
-bool same_shifts(const current_loop_cfg_t &a, const current_loop_cfg_t &b)
-{
-    return a.pi_d.kp_shift == b.pi_d.kp_shift && a.pi_d.ki_shift == b.pi_d.ki_shift &&
-           a.pi_q.kp_shift == b.pi_q.kp_shift && a.pi_q.ki_shift == b.pi_q.ki_shift;
-}
-
-// The drive corrects the model's factors, never its shifts.
-void check_model(const model_t &model, const drive_cfg_t &cfg)
-{
-    const nn_observer_cfg_t &a = model.observer;
-    const nn_observer_cfg_t &b = cfg.observer;
-    const bool observer = a.weight_shift == b.weight_shift && a.current_shift == b.current_shift &&
-                          a.rate_shift == b.rate_shift &&
-                          a.proportional_shift == b.proportional_shift;
-    if (!observer || !same_shifts(model.run_loop, cfg.current_loop) ||
-        !same_shifts(model.hold_loop, cfg.hold_loop)) {
-        refuse("the state's model has other shifts than the configuration");
-    }
-}
-
 drive_t state_of(const uint32_t *words, const recorder_header_t &header, const drive_cfg_t &cfg)
 {
     drive_t state{};
     for (uint32_t k = 0; k < header.state_words; k++) {
         drive_words_set(&state, k, words[k]);
     }
-    check_choices(state, cfg);
-    check_model(state.model, cfg);
+    if (const std::string bad = state_problem(state, cfg); !bad.empty()) {
+        refuse("the state's {}", bad);
+    }
     if (state.tick != header.first_tick) {
         refuse("its first tick is {}, the state is of tick {}", header.first_tick, state.tick);
     }

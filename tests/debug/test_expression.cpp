@@ -58,6 +58,16 @@ static void test_values_and_precedence_are_those_of_c()
     expect(1, "x&&1");
 }
 
+// Not known in a recording: what the motor does.
+static void test_what_is_not_known_is_neither_true_nor_the_same_as_anything()
+{
+    for (const char *text :
+         {"0/0 == 1", "0/0 == 0/0", "!(0/0)", "0/0 && 1", "0/0 > 0", "0/0 <= 0"}) {
+        expect(0, text);
+    }
+    expect(1, "0/0 != 1");
+}
+
 static void expect_refused(const char *text, const char *part)
 {
     std::string message;
@@ -109,6 +119,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_values_and_precedence_are_those_of_c);
+    RUN_TEST(test_what_is_not_known_is_neither_true_nor_the_same_as_anything);
     RUN_TEST(test_what_is_wrong_is_named_with_its_column);
     RUN_TEST(test_states_and_faults_are_numbers);
     RUN_TEST(test_an_unknown_signal_lists_the_near_names);

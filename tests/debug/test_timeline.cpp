@@ -183,6 +183,43 @@ static void test_a_forced_count_is_read_until_it_is_released()
     TEST_ASSERT_NOT_EQUAL(2101, read());
 }
 
+static void test_what_is_set_over_what_is_forced_gives_way_to_it_again()
+{
+    const nf::Config config = nf::load_scenario("s1_robust");
+    Timeline timeline(config);
+    timeline.go_to(9000);
+    (void)set_signal(timeline, "in.adc_ia.raw = 2100", Span::for_ever);
+    timeline.go_to(9003);
+    (void)set_signal(timeline, "in.adc_ia.raw = 2200", Span::once);
+    for (const int count : {2200, 2100, 2100}) {
+        timeline.step();
+        TEST_ASSERT_EQUAL_INT(count, timeline.run().sim().in().adc_ia);
+    }
+}
+
+// The firmware takes its own state for granted: an index, a shift, a choice beyond its range would be its end.
+static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
+{
+    const nf::Config config = nf::load_scenario("s1_robust");
+    Timeline timeline(config);
+    timeline.go_to(9000);
+    const Mark before(timeline);
+    for (const char *assignment : {"drive.guard.at.raw = 100000000", "drive.guard.at.raw = 1",
+                                   "drive.voltage_driven.raw = 2", "drive.align.phase.raw = 77",
+                                   "drive.catch_spin.phase.raw = 99", "drive.slow_count.raw = 0",
+                                   "drive.model.observer.rate_shift.raw = 40",
+                                   "load_torque_nm = 1/0", "speed_command_rpm = 0/0"}) {
+        bool refused = false;
+        try {
+            (void)set_signal(timeline, assignment, Span::once);
+        } catch (const std::runtime_error &error) {
+            refused = std::string(error.what()).find('\n') == std::string::npos;
+        }
+        TEST_ASSERT_TRUE_MESSAGE(refused, assignment);
+        TEST_ASSERT_TRUE(Mark(timeline) == before);
+    }
+}
+
 int main()
 {
     UNITY_BEGIN();
@@ -193,5 +230,7 @@ int main()
     RUN_TEST(test_a_run_of_10_s_steps_back_at_any_tick_in_under_100_ms);
     RUN_TEST(test_what_is_set_is_repeated_on_the_way_and_ends_when_released);
     RUN_TEST(test_a_forced_count_is_read_until_it_is_released);
+    RUN_TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again);
+    RUN_TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused);
     return UNITY_END();
 }
