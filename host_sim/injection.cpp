@@ -98,7 +98,7 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
         break;
     case FaultKind::angle_offset:
         hal.angle_offset =
-            static_cast<uint16_t>(hal.angle_offset + std::lround(*value * ANGLE_PER_DEG));
+            static_cast<uint16_t>(hal.angle_offset + std::lround(value.value() * ANGLE_PER_DEG));
         break;
     case FaultKind::overcurrent:
         force(hal.ia, current_count(ampere));
