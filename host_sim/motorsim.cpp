@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "console.h"
 #include "data_list.h"
+#include "program.h"
 #include "reader.h"
 #include "replay.h"
 #include "report.h"
@@ -17,7 +18,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -37,7 +37,6 @@ namespace
 
 constexpr int LIMITS_HOLD = 0;
 constexpr int LIMIT_BROKEN = 1;
-constexpr int BAD_INPUT = 2;
 
 constexpr const char *EXAMPLES = R"(Examples:
   motorsim list                              what can be run, and with which imperfections
@@ -137,19 +136,6 @@ void check_outputs(const RunArguments &arguments, const nf::Config &config)
     }
 }
 
-void write_text(const std::string &path, const std::string &text)
-{
-    std::FILE *const file = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
-    bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-    if (file != nullptr) {
-        good = (path == "-" ? std::fflush(file) : std::fclose(file)) == 0 && good;
-    }
-    if (!good) {
-        throw FileError(fmt::format("{}: cannot write: {}", path == "-" ? "standard output" : path,
-                                    std::strerror(errno)));
-    }
-}
-
 // A line on a terminal that shows how far a run is; nothing where stderr is no terminal.
 std::function<void(double)> progress_line()
 {
@@ -212,7 +198,7 @@ public:
             vcd_->close();
         }
         if (record_) {
-            write_text(record_path_, record_->text());
+            nf::write_text(record_path_, record_->text());
         }
     }
 
@@ -247,9 +233,9 @@ int run(const RunArguments &arguments)
     const nf::RunResult result = nf::run_scenario(config, options);
     outputs.close();
     if (arguments.json.empty()) {
-        write_text("-", nf::table_text(config, result));
+        nf::write_text("-", nf::table_text(config, result));
     } else {
-        write_text(arguments.json, nf::json_text(config, result));
+        nf::write_text(arguments.json, nf::json_text(config, result));
     }
     const std::vector<nf::Violation> broken = nf::violations(config, result);
     for (const nf::Violation &violation : broken) {
@@ -260,7 +246,7 @@ int run(const RunArguments &arguments)
 
 int converse(nf::debug::Session &session, nf::debug::LineReader &reader)
 {
-    return nf::debug::converse(session, reader, stdout) ? LIMITS_HOLD : BAD_INPUT;
+    return nf::debug::converse(session, reader, stdout) ? LIMITS_HOLD : nf::BAD_INPUT;
 }
 
 // Commands of a file, of a pipe, or of a person.
@@ -305,7 +291,7 @@ int replay(const ReplayArguments &arguments)
     }
     const nf::replay::Recording recording = nf::replay::read_file(arguments.file);
     const nf::replay::Result result = nf::replay::replay(recording);
-    write_text("-", nf::replay::summary(recording, result));
+    nf::write_text("-", nf::replay::summary(recording, result));
     if (arguments.debug) {
         return debug_recording(recording, arguments);
     }
@@ -314,14 +300,14 @@ int replay(const ReplayArguments &arguments)
 
 int signals(const Choice &choice)
 {
-    write_text("-",
-               nf::debug::table_json(nf::load_scenario(choice.scenario, choice.with, choice.set)));
+    nf::write_text(
+        "-", nf::debug::table_json(nf::load_scenario(choice.scenario, choice.with, choice.set)));
     return LIMITS_HOLD;
 }
 
 int list()
 {
-    write_text("-", nf::data_list_text());
+    nf::write_text("-", nf::data_list_text());
     return LIMITS_HOLD;
 }
 
@@ -341,16 +327,17 @@ int bench(const BenchArguments &arguments)
             {"plant_ns", b.plant_ns},
             {"drive_ns", b.drive_ns},
         };
-        write_text("-", json.dump(2) + '\n');
+        nf::write_text("-", json.dump(2) + '\n');
         return LIMITS_HOLD;
     }
-    write_text("-", fmt::format("{}: {} ticks = {:g} s simulated, {} runs, one core\n"
-                                "  best    {:7.1f} x real time  {:6.1f} ns per tick\n"
-                                "  median  {:7.1f} x real time  {:6.1f} ns per tick\n"
-                                "  of the best: plant {:.1f} ns, drive {:.1f} ns, rest {:.1f} ns\n",
-                                b.scenario, b.ticks, b.simulated_s, b.runs, b.real_time_best,
-                                b.best_ns, b.real_time_median, b.median_ns, b.plant_ns, b.drive_ns,
-                                b.best_ns - b.plant_ns - b.drive_ns));
+    nf::write_text("-",
+                   fmt::format("{}: {} ticks = {:g} s simulated, {} runs, one core\n"
+                               "  best    {:7.1f} x real time  {:6.1f} ns per tick\n"
+                               "  median  {:7.1f} x real time  {:6.1f} ns per tick\n"
+                               "  of the best: plant {:.1f} ns, drive {:.1f} ns, rest {:.1f} ns\n",
+                               b.scenario, b.ticks, b.simulated_s, b.runs, b.real_time_best,
+                               b.best_ns, b.real_time_median, b.median_ns, b.plant_ns, b.drive_ns,
+                               b.best_ns - b.plant_ns - b.drive_ns));
     return LIMITS_HOLD;
 }
 
@@ -428,7 +415,8 @@ void describe_bench(CLI::App &command, BenchArguments &arguments)
 
 int parse_and_do(int argc, char **argv)
 {
-    CLI::App app{"Simulates a motor, its inverter and the drive's firmware, tick by tick."};
+    CLI::App app{"Simulates a motor, its inverter and the drive's firmware, tick by tick.",
+                 "motorsim"};
     RunArguments run_arguments;
     DebugArguments debug_arguments;
     ReplayArguments replay_arguments;
@@ -441,7 +429,7 @@ int parse_and_do(int argc, char **argv)
         "signals", "the firmware's words with formats and scales, as JSON for debuggers");
     CLI::App *const replay_command =
         app.add_subcommand("replay", "run a flight recorder's recording again");
-    CLI::App *const list_command = app.add_subcommand("list", "list scenarios and imperfections");
+    app.add_subcommand("list", "list scenarios and imperfections");
     CLI::App *const bench_command = app.add_subcommand("bench", "measure the simulation speed");
     describe_run(*run_command, run_arguments);
     describe_debug(*debug_command, debug_arguments);
@@ -449,13 +437,8 @@ int parse_and_do(int argc, char **argv)
     describe_bench(*bench_command, bench_arguments);
     describe_choice(*signals_command, signals_choice);
     app.footer(EXAMPLES);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success &asked) { // --help
-        return app.exit(asked);
-    } catch (const CLI::ParseError &error) {
-        fmt::print(stderr, "motorsim: {}; `motorsim --help` shows how\n", error.what());
-        return BAD_INPUT;
+    if (const std::optional<int> status = nf::parse(app, argc, argv)) {
+        return *status;
     }
     if (*run_command) {
         return run(run_arguments);
@@ -472,21 +455,12 @@ int parse_and_do(int argc, char **argv)
     if (*signals_command) {
         return signals(signals_choice);
     }
-    if (*list_command) {
-        return list();
-    }
-    fmt::print(stderr, "motorsim: no command; `motorsim --help` shows how\n");
-    return BAD_INPUT;
+    return list();
 }
 
 } // namespace
 
 int main(int argc, char **argv)
 {
-    try {
-        return parse_and_do(argc, argv);
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "motorsim: {}\n", error.what());
-        return BAD_INPUT;
-    }
+    return nf::guarded("motorsim", parse_and_do, argc, argv);
 }

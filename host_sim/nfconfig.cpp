@@ -5,18 +5,16 @@
 #include "describe.h"
 #include "hal_header.h"
 #include "header.h"
+#include "program.h"
 #include "schema.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 
 namespace
 {
-
-constexpr int WRONG_INPUT = 2;
 
 struct Choice {
     std::string motor;
@@ -24,7 +22,7 @@ struct Choice {
     std::string tuning = "robust";
     std::vector<std::string> with;
     std::vector<std::string> set;
-    std::string out;
+    std::string out = "-";
 };
 
 void add_choice(CLI::App &command, Choice &choice)
@@ -46,18 +44,8 @@ nf::Config load(const Choice &choice)
 void write_out(const Choice &choice, const nf::Config &config,
                std::string (*make)(const nf::Config &))
 {
-    const std::string text = make(config);
-    if (choice.out.empty()) {
-        std::cout << text;
-        return;
-    }
     nf::check_output(config, "--out", choice.out);
-    std::ofstream file(choice.out, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) {
-        nf::fail({choice.out, 0}, "", "", "cannot be written", "");
-    }
+    nf::write_text(choice.out, make(config));
 }
 
 void show(const Choice &choice)
@@ -98,45 +86,37 @@ void print_lists()
 int run(int argc, char **argv)
 {
     Choice choice;
-    CLI::App app("Shows and checks configurations, and writes the header that targets compile.");
-    app.require_subcommand(1);
+    CLI::App app("Shows and checks configurations, and writes the header that targets compile.",
+                 "nfconfig");
     CLI::App *header = app.add_subcommand("header", "Write the C header of a configuration");
     add_choice(*header, choice);
-    header->add_option("--out", choice.out, "File to write; without it, standard output");
+    header->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
     header->callback([&] { write_out(choice, load(choice), nf::make_header); });
     CLI::App *binding =
         app.add_subcommand("hal-header", "Write the C header of a hardware binding");
     add_choice(*binding, choice);
-    binding->add_option("--out", choice.out, "File to write; without it, standard output");
+    binding->add_option("--out", choice.out, "File to write; - is standard output")
+        ->capture_default_str();
     binding->callback([&] { write_out(choice, load(choice), nf::make_hal_header); });
     CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
     add_choice(*table, choice);
     table->callback([&] { show(choice); });
     app.add_subcommand("keys", "Every key with range, default and meaning")->callback(print_keys);
     app.add_subcommand("list", "The files that can be referred to by name")->callback(print_lists);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success &help) {
-        return app.exit(help);
-    } catch (const CLI::ParseError &error) {
-        std::cerr << fmt::format("nfconfig: {}; see nfconfig --help\n", error.what());
-        return WRONG_INPUT;
+    if (const std::optional<int> status = nf::parse(app, argc, argv)) {
+        return *status;
     }
     std::cout.flush();
-    return std::cout ? 0 : 1;
+    if (!std::cout) {
+        throw std::runtime_error("standard output: cannot write");
+    }
+    return 0;
 }
 
 } // namespace
 
 int main(int argc, char **argv)
 {
-    try {
-        return run(argc, argv);
-    } catch (const nf::ConfigError &error) {
-        std::cerr << "nfconfig: " << error.what() << '\n';
-        return WRONG_INPUT;
-    } catch (const std::exception &error) {
-        std::cerr << "nfconfig: " << error.what() << '\n';
-        return 1;
-    }
+    return nf::guarded("nfconfig", run, argc, argv);
 }

@@ -266,13 +266,20 @@ int64_t start_ticks()
                                 first_with(moving, DRIVE_STATE_READY));
 }
 
+// What the imposed current takes to the speed of the hand-over; a drive with a sensor has no such start.
+int64_t ramp_ticks(const drive_cfg_t &cfg)
+{
+    const startup_cfg_t &start = cfg.startup;
+    const int64_t slow = cfg.slow_ticks;
+    return start.ramp == 0 ? 0 : start.handover_speed / start.ramp * slow;
+}
+
 // Within how many ticks a fault has to be found, by the configuration.
 int64_t bound_of(Kind kind, PlaceId place, const drive_cfg_t &cfg)
 {
     const startup_cfg_t &start = cfg.startup;
     const int64_t slow = cfg.slow_ticks;
     const int64_t round = slow * SUPERVISION_STEPS; // a supervision period
-    const int64_t ramp = start.handover_speed / start.ramp * slow;
     const int64_t judged = start.handover_periods * slow;
     const int64_t lost = start.lost_periods * slow;
     const int64_t aligned = start.align.pull_ticks + start.align.settle_ticks +
@@ -290,7 +297,7 @@ int64_t bound_of(Kind kind, PlaceId place, const drive_cfg_t &cfg)
     case Kind::memory:
         return static_cast<int64_t>(2 * CONFIG_GUARD_STEPS) * round;
     default: // at worst the start-up gives up
-        return start.attempts * (aligned + ramp + judged + lost);
+        return start.attempts * (aligned + ramp_ticks(cfg) + judged + lost);
     }
 }
 

@@ -259,10 +259,9 @@ void check_gains(const Gains &gains, const std::string &place)
     const std::pair<const char *, double> values[] = {{"start.kp", gains.kp},
                                                       {"start.ki_per_s", gains.ki_per_s}};
     for (const auto &[name, number] : values) {
-        const auto key = std::find_if(KEYS.begin(), KEYS.end(),
-                                      [wanted = std::string(name)](const Key &k) {
-                                          return wanted == k.name;
-                                      });
+        const auto key =
+            std::find_if(KEYS.begin(), KEYS.end(),
+                         [wanted = std::string(name)](const Key &k) { return wanted == k.name; });
         Node value;
         value.kind = Node::Kind::real;
         value.real = number;

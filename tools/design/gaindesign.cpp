@@ -1,11 +1,10 @@
 // Command line of the gain design: paper B's optimal speed controller for a motor file.
 // Exit status: 0 done, 1 `check` found a pair unstable, 2 wrong usage, wrong file or an unstable design.
+#include "program.h"
 #include "report.h"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <exception>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,7 +18,6 @@ using namespace nf::design;
 
 constexpr int DONE = 0;
 constexpr int UNSTABLE = 1;
-constexpr int BAD_INPUT = 2;
 
 constexpr const char *EXAMPLES = R"(Examples:
   gaindesign design                              the gains of paper B's motor, and how they follow
@@ -47,19 +45,6 @@ struct Arguments {
     Gains gains = {0, 0};
 };
 
-void write_text(const std::string &path, const std::string &text)
-{
-    std::FILE *const file = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
-    bool good = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-    if (file != nullptr) {
-        good = (path == "-" ? std::fflush(file) : std::fclose(file)) == 0 && good;
-    }
-    if (!good) {
-        throw std::runtime_error(fmt::format(
-            "{}: cannot write: {}", path == "-" ? "standard output" : path, std::strerror(errno)));
-    }
-}
-
 std::vector<ModelStudy> study_all(const DesignSettings &settings)
 {
     std::vector<ModelStudy> studies;
@@ -85,9 +70,9 @@ int design(const Arguments &arguments)
     require_matrices(settings, arguments.matrices);
     const std::vector<ModelStudy> studies = study_all(settings);
     if (arguments.json.empty()) {
-        write_text("-", design_text(settings, studies, arguments.matrices));
+        nf::write_text("-", design_text(settings, studies, arguments.matrices));
     } else {
-        write_text(arguments.json, design_json(settings, studies, arguments.matrices));
+        nf::write_text(arguments.json, design_json(settings, studies, arguments.matrices));
     }
     return DONE;
 }
@@ -95,7 +80,7 @@ int design(const Arguments &arguments)
 int compare(const Arguments &arguments)
 {
     const DesignSettings settings = read_design(arguments.design, arguments.set);
-    write_text("-", comparison_text(compare_all(settings, study_all(settings))));
+    nf::write_text("-", comparison_text(compare_all(settings, study_all(settings))));
     return DONE;
 }
 
@@ -108,7 +93,7 @@ int check(const Arguments &arguments)
         text += poles_text(model, arguments.gains);
         stable = stable && is_stable(model.discrete, arguments.gains);
     }
-    write_text("-", text);
+    nf::write_text("-", text);
     return stable ? DONE : UNSTABLE;
 }
 
@@ -138,7 +123,8 @@ void describe_design(CLI::App &command, Arguments &arguments)
 
 int parse_and_do(int argc, char **argv)
 {
-    CLI::App app{"Designs the speed controller of a phase-compensated drive: paper B, section 3."};
+    CLI::App app{"Designs the speed controller of a phase-compensated drive: paper B, section 3.",
+                 "gaindesign"};
     Arguments arguments;
     CLI::App *const design_command =
         app.add_subcommand("design", "stable region, optimal gains, step responses");
@@ -152,13 +138,8 @@ int parse_and_do(int argc, char **argv)
     check_command->add_option("kp", arguments.gains.kp, "K_p")->required();
     check_command->add_option("ki", arguments.gains.ki_per_s, "K_i, 1/s")->required();
     app.footer(EXAMPLES + key_list() + EXIT_STATUS);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success &asked) { // --help
-        return app.exit(asked);
-    } catch (const CLI::ParseError &error) {
-        fmt::print(stderr, "gaindesign: {}; `gaindesign --help` shows how\n", error.what());
-        return BAD_INPUT;
+    if (const std::optional<int> status = nf::parse(app, argc, argv)) {
+        return *status;
     }
     if (*design_command) {
         return design(arguments);
@@ -166,21 +147,12 @@ int parse_and_do(int argc, char **argv)
     if (*check_command) {
         return check(arguments);
     }
-    if (*compare_command) {
-        return compare(arguments);
-    }
-    fmt::print(stderr, "gaindesign: no command; `gaindesign --help` shows how\n");
-    return BAD_INPUT;
+    return compare(arguments);
 }
 
 } // namespace
 
 int main(int argc, char **argv)
 {
-    try {
-        return parse_and_do(argc, argv);
-    } catch (const std::exception &error) {
-        fmt::print(stderr, "gaindesign: {}\n", error.what());
-        return BAD_INPUT;
-    }
+    return nf::guarded("gaindesign", parse_and_do, argc, argv);
 }
