@@ -17,10 +17,10 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
     pi_reset(&loop->pi_q, fx_sat16(turned.q));
 }
 
-/* speed × gain, Q15. */
-static int32_t at_speed(int32_t speed, int32_t gain_q13)
+/* speed × reactance × current, Q15. */
+static int32_t cross(int32_t speed, int32_t reactance_q13, int32_t current)
 {
-    return fx_asr(speed * gain_q13, REACTANCE_BITS);
+    return fx_asr(fx_asr(speed * reactance_q13, 15U) * current, REACTANCE_BITS);
 }
 
 /* v_q cut to what the circle leaves beside v_d. */
@@ -30,7 +30,7 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
     int32_t v_q = v.q;
 
     if ((v_q * v_q) > room) {
-        const int32_t bound = (int32_t)trig_sqrt((uint32_t)room);
+        const int32_t bound = (int32_t)trig_sqrt((uint32_t)fx_max(room, 0));
 
         v_q = fx_clamp(v_q, -bound, bound);
         pi_unwind(pi_q, v.q - v_q);
@@ -41,9 +41,9 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit)
 {
-    const int32_t cross_d = fx_asr(at_speed(speed, cfg->reactance_q_q13) * measured.q, 15U);
-    const int32_t cross_q = fx_asr(at_speed(speed, cfg->reactance_d_q13) * measured.d, 15U);
-    const int32_t emf = at_speed(speed, cfg->emf_q13);
+    const int32_t cross_d = cross(speed, cfg->reactance_q_q13, measured.q);
+    const int32_t cross_q = cross(speed, cfg->reactance_d_q13, measured.d);
+    const int32_t emf = fx_asr(speed * cfg->emf_q13, REACTANCE_BITS);
     const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, REACTANCE_BITS);
     const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, REACTANCE_BITS);
     const dq_t wanted = {

@@ -41,7 +41,7 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
  * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
- * limit 0…32767; speed times each gain, Q15, stays within ±65000 (params_check sees to it). The square
+ * limit 0…32767. The product of speed and reactance is rounded down to 4 LSB. The square
  * root of the circle is taken only when the demand leaves it; the cut is given back to the q integral.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,

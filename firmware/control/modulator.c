@@ -69,7 +69,7 @@ static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
     const int32_t u = fx_sat16(ratio);
     const int32_t crossing = fx_usat15(span - (9 * fx_asr(u * u, 15U)));
     const int32_t ripple = fx_asr(crossing * cfg->ripple_q15, 15U);
-    const int32_t above = current - fx_clamp(current, -ripple, ripple);
+    const int32_t above = fx_max(current - ripple, 0) + fx_min(current + ripple, 0);
 
     return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
 }

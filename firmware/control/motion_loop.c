@@ -43,8 +43,8 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t error = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
 
-    return middle +
-           pi_step(&loop->pi, &cfg->pi, error, feed_forward - middle, middle - range.lower);
+    return fx_sat15(
+        middle + pi_step(&loop->pi, &cfg->pi, error, feed_forward - middle, middle - range.lower));
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)
@@ -56,24 +56,24 @@ void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t spe
 /* from → to, the shorter way round: positions wrap as the rotor position does. */
 static int64_t distance(int64_t from_q32, int64_t to_q32)
 {
-    const uint64_t way = (uint64_t)to_q32 - (uint64_t)from_q32;
+    const uint64_t way = fx_unsigned64(to_q32) - fx_unsigned64(from_q32);
 
-    return (int64_t)way;
+    return fx_signed64(way);
 }
 
 static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
     const int64_t way = (int64_t)speed * (int32_t)ticks;
-    const uint64_t there = (uint64_t)position_q32 + (uint64_t)way;
+    const uint64_t there = fx_unsigned64(position_q32) + fx_unsigned64(way);
 
-    return (int64_t)there;
+    return fx_signed64(there);
 }
 
 /* |distance| in units, saturated. */
 static uint32_t distance_units(const position_loop_cfg_t *cfg, int64_t distance_q32)
 {
     const uint64_t magnitude =
-        (distance_q32 < 0) ? (0U - (uint64_t)distance_q32) : (uint64_t)distance_q32;
+        (distance_q32 < 0) ? (0U - fx_unsigned64(distance_q32)) : (uint64_t)distance_q32;
     const uint64_t units = magnitude >> cfg->distance_shift;
 
     return (units > DISTANCE_MAX) ? DISTANCE_MAX : (uint32_t)units;

@@ -124,6 +124,7 @@ void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, st
     if (fx_abs(rotor_speed) >= cfg->rho_speed_min) {
         const int32_t corner_q13 = fx_asr(cfg->corner, SPEED_TO_RHO) * 8192;
         const int32_t speed = fx_asr(rotor_speed, SPEED_TO_RHO);
+        /*@ assert speed > 0 || speed <= 0; */
 
         rho_q13 =
             fx_clamp(corner_q13 / ((speed == 0) ? 1 : speed), -cfg->rho_max_q13, cfg->rho_max_q13);

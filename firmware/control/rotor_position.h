@@ -26,15 +26,15 @@ static inline void rotor_position_reset(rotor_position_t *position, angle_t angl
 static inline void rotor_position_step(rotor_position_t *position, step_t speed)
 {
     const int64_t advance = speed;
-    const uint64_t turns = (uint64_t)position->turns_q32 + (uint64_t)advance;
+    const uint64_t turns = fx_unsigned64(position->turns_q32) + fx_unsigned64(advance);
 
-    position->turns_q32 = (int64_t)turns;
+    position->turns_q32 = fx_signed64(turns);
 }
 
 /* θ̂ within its turn. */
 static inline angle_t rotor_position_angle(const rotor_position_t *position)
 {
-    return (angle_t)((uint64_t)position->turns_q32 & 0xFFFFFFFFU);
+    return (angle_t)(fx_unsigned64(position->turns_q32) & 0xFFFFFFFFU);
 }
 
 #endif

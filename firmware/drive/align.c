@@ -3,6 +3,8 @@
 #include "fx.h"
 
 #define MEAN_BITS (6U)
+#define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
+#define MEAN_MAX (64 * FX_Q15_MAX)
 #define ONE_Q14 (16384)
 
 void align_reset(align_t *align, bool backwards)
@@ -33,11 +35,16 @@ static void pull_rotor(align_t *align, const align_cfg_t *cfg)
     }
 }
 
+static int32_t added(int32_t sum, int32_t sample)
+{
+    return fx_clamp(sum, -SUM_MAX, SUM_MAX) + sample;
+}
+
 static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point, int32_t current,
                     int32_t voltage)
 {
-    point->current += current;
-    point->voltage += voltage;
+    point->current = added(point->current, current);
+    point->voltage = added(point->voltage, voltage);
     if (align->tick >= (1UL << cfg->measure_log2)) {
         point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
         point->voltage = fx_asr(point->voltage, cfg->measure_log2 - MEAN_BITS);
@@ -91,10 +98,16 @@ bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
     return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
 }
 
+/* 64 times a mean as measured. */
+static int32_t mean_of(int32_t sum)
+{
+    return fx_clamp(sum, -MEAN_MAX, MEAN_MAX);
+}
+
 int32_t align_resistance_q13(const align_t *align)
 {
-    const int32_t voltage = align->high.voltage - align->low.voltage;
-    const int32_t current = fx_asr(align->high.current - align->low.current, 4U);
+    const int32_t voltage = mean_of(align->high.voltage) - mean_of(align->low.voltage);
+    const int32_t current = fx_asr(mean_of(align->high.current) - mean_of(align->low.current), 4U);
     int32_t result = ALIGN_UNKNOWN;
 
     if ((current > 0) && (voltage > 0)) {

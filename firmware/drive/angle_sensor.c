@@ -19,7 +19,7 @@ void angle_sensor_track(drive_t *drive, uint16_t count)
         rotor_position_step(&drive->position, drive->observer.speed);
     }
     ahead = measured - rotor_position_angle(&drive->position);
-    error = (int32_t)ahead;
+    error = fx_signed(ahead);
     speed = fx_clamp(drive->observer.speed + fx_asr(error, SPEED_SHIFT), -limit, limit);
     rotor_position_step(&drive->position, fx_asr(error, ANGLE_SHIFT));
     nn_observer_follow(&drive->observer, speed);

@@ -58,18 +58,20 @@ static bool plausible(const catch_spin_t *spin, const catch_spin_cfg_t *cfg, int
 
 static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t second)
 {
+    /*@ split spin->length; */
+    const uint32_t length = spin->length;
     const int32_t least = fx_min(magnitude(spin->first), magnitude(second));
     const angle_t turned = direction(second) - direction(spin->first);
-    const uint32_t between = spin->length + pause_ticks(spin, cfg);
-    const int32_t ticks = (int32_t)between;
+    const uint32_t between = length + pause_ticks(spin, cfg);
+    const int32_t ticks = fx_max((int32_t)between, 2);
     catch_spin_result_t result = CATCH_SPIN_STANDING;
 
-    spin->speed = (int32_t)turned / ticks;
+    spin->speed = fx_signed(turned) / ticks;
     if (((4 * least) > cfg->current) && plausible(spin, cfg, least)) {
         const angle_t quarter = (spin->speed > 0) ? QUARTER_TURN : QUARTER_TURN_BACK;
-        const int32_t since_middle = fx_asr(spin->speed * (int32_t)spin->length, 1U);
+        const int32_t since_middle = fx_asr(spin->speed * (int32_t)length, 1U);
 
-        spin->angle = direction(second) + quarter + (angle_t)since_middle;
+        spin->angle = direction(second) + quarter + fx_unsigned(since_middle);
         result = CATCH_SPIN_TURNING;
     }
     return result;
@@ -94,7 +96,7 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
     case FIRST_PULSE:
         if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {
             spin->first = current;
-            spin->length = spin->tick;
+            spin->length = (spin->tick < cfg->pulse_ticks) ? spin->tick : cfg->pulse_ticks;
             spin->gates = false;
             next_pulse_phase(spin);
         }

@@ -34,7 +34,7 @@ fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, faul
 
         if (found != stored) {
             id = FAULT_CONFIGURATION;
-            *fault = (fault_t){.id = id, .value = (int32_t)found, .limit = (int32_t)stored};
+            *fault = (fault_t){.id = id, .value = fx_signed(found), .limit = fx_signed(stored)};
         }
         config_guard_reset(guard);
     }

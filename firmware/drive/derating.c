@@ -1,6 +1,7 @@
 #include "derating.h"
 
-#define HEAT_BITS (10U)      /* of the heat's Q24 below its Q14 */
+#define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
+#define HEAT_MAX_Q24 (0x40000000)
 #define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
@@ -33,13 +34,17 @@ static int32_t scaled(int32_t current, int32_t share)
 /* Low-pass of the squared current. */
 static void heat_up(derating_t *derating, const derating_cfg_t *cfg, dq_t current)
 {
+    /*@ split cfg->heat_shift; */
     const uint32_t largest = (uint32_t)INT32_MAX >> cfg->heat_shift;
-    const int32_t square = (current.d * current.d) + (current.q * current.q);
+    const int32_t d = fx_min(fx_abs(current.d), FX_Q15_MAX);
+    const int32_t q = fx_min(fx_abs(current.q), FX_Q15_MAX);
+    const int32_t square = (d * d) + (q * q);
     const uint32_t kept = (uint32_t)fx_min(square, (int32_t)largest) << cfg->heat_shift;
     const int32_t heat_q24 = fx_mul_32x16((int32_t)kept, cfg->heat_gain);
     const int32_t change = fx_mul_32x16(heat_q24 - derating->heat_q24, cfg->heat_rate);
 
-    derating->heat_q24 += fx_asr(change, cfg->heat_rate_shift);
+    derating->heat_q24 =
+        fx_clamp(derating->heat_q24 + fx_asr(change, cfg->heat_rate_shift), 0, HEAT_MAX_Q24);
 }
 
 static uint32_t flag(uint32_t name, int32_t share)
@@ -59,9 +64,10 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
     heat_up(derating, cfg, current);
     heat_q14 = fx_asr(derating->heat_q24, HEAT_BITS);
     by_heat = derating_share(&cfg->heat, heat_q14);
-    derating->thermal = fx_min(cfg->current_continuous +
-                                   scaled(cfg->current_max - cfg->current_continuous, by_heat),
-                               scaled(cfg->current_max, by_temperature));
+    derating->thermal =
+        fx_min(cfg->current_continuous +
+                   scaled(fx_max(cfg->current_max - cfg->current_continuous, 0), by_heat),
+               scaled(cfg->current_max, by_temperature));
     derating->flags_slow =
         flag(DERATING_HEAT, by_heat) | flag(DERATING_TEMPERATURE, by_temperature);
     if (by_temperature > 0) {

@@ -8,7 +8,9 @@
 
 #include <stddef.h>
 
-#define ADC_MID_Q15 (16384) /* I_b is twice the converter's full scale */
+#define ADC_MID_Q15 (16384)         /* I_b is twice the converter's full scale */
+#define OFFSET_END (32768)          /* no sensor's zero is further away */
+#define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
@@ -95,10 +97,10 @@ static void watch(drive_t *drive, const drive_in_t *in)
 /* Mean of 2^offset_log2 raw samples in Q15 of I_b. */
 static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
 {
-    const uint32_t scaled = (uint32_t)sum << cfg->current_shift;
-    const uint32_t mean = scaled >> cfg->offset_log2;
+    const uint64_t scaled = (uint64_t)sum << cfg->current_shift;
+    const uint64_t mean = scaled >> cfg->offset_log2;
 
-    return (int32_t)mean;
+    return (mean < (uint64_t)OFFSET_END) ? (int32_t)mean : OFFSET_END;
 }
 
 static void finish_calibration(drive_t *drive)
@@ -119,8 +121,8 @@ static void finish_calibration(drive_t *drive)
 
 static void calibrate_step(drive_t *drive, const drive_in_t *in)
 {
-    drive->offset_a += (int32_t)in->adc_ia;
-    drive->offset_b += (int32_t)in->adc_ib;
+    drive->offset_a = fx_min(drive->offset_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
+    drive->offset_b = fx_min(drive->offset_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
     drive->offset_samples++;
     if (drive->offset_samples == (1UL << drive->cfg->sampling.offset_log2)) {
         finish_calibration(drive);

@@ -7,11 +7,11 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
     const rotor_position_t *const frame = running ? &drive->position : &drive->frame;
-    const uint64_t turns_q16 = (uint64_t)frame->turns_q32 >> 16U;
+    const uint64_t turns_q16 = fx_unsigned64(frame->turns_q32) >> 16U;
     const supervision_phases_t measured = {
         .a = drive->signals.phase_a,
         .b = drive->signals.phase_b,
-        .turns_q16 = (int32_t)(uint32_t)(turns_q16 & 0xFFFFFFFFU),
+        .turns_q16 = fx_signed((uint32_t)(turns_q16 & 0xFFFFFFFFU)),
         .speed = drive_speed(drive),
     };
 
@@ -27,7 +27,7 @@ static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 {
     const drive_signals_t *const s = &drive->signals;
     const sincos_t angle = trig_sincos(rotor_position_angle(&drive->frame));
-    const int32_t speed = fx_asr(fx_abs(drive->frame_speed), drive->cfg->speed_shift);
+    const int32_t speed = fx_sat16(fx_asr(fx_abs(drive->frame_speed), drive->cfg->speed_shift));
     const supervision_imposed_t measured = {
         .a = s->phase_a,
         .b = s->phase_b,

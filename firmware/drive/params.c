@@ -157,7 +157,7 @@ static const char *check_reach(const char *before, const drive_cfg_t *cfg,
     const char *bad = before;
 
     if (bad == NULL) {
-        const int32_t speed = fx_asr(cfg->observer.speed_limit, cfg->speed_shift);
+        const int32_t speed = fx_sat16(fx_asr(cfg->observer.speed_limit, cfg->speed_shift));
 
         bad = range(bad, "observer.speed_limit", fx_asr(speed * largest_gain, 13U), 0, REACH_MAX);
     }
@@ -323,6 +323,7 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
     const char *bad = range(before, "startup.current_hold", cfg->current_hold, 0, CURRENT_MAX);
 
     /* RUN reads these without a start-up too. */
+    bad = range(bad, "startup.current_move", cfg->current_move, 0, CURRENT_MAX);
     bad = range(bad, "startup.current_floor", cfg->current_floor, 0, CURRENT_MAX);
     bad = range(bad, "startup.current_slope", cfg->current_slope, 0, CURRENT_MAX);
     bad = range(bad, "startup.handover_speed", cfg->handover_speed, 0, STEP_MAX);

@@ -17,7 +17,7 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
 /* |x| > limit in one comparison: x + limit becomes a large unsigned number on either side. */
 static bool exceeds(int32_t x, int32_t limit)
 {
-    return ((uint32_t)x + (uint32_t)limit) > (2U * (uint32_t)limit);
+    return (fx_unsigned(x) + (uint32_t)limit) > (2U * (uint32_t)limit);
 }
 
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in)

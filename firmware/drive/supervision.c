@@ -113,9 +113,9 @@ static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *
 /* Electrical turns since the start of this arc, wrapping. */
 static int32_t turned_q16(const supervision_t *state, int32_t turns_q16)
 {
-    const uint32_t turned = (uint32_t)turns_q16 - (uint32_t)state->start_q16;
+    const uint32_t turned = fx_unsigned(turns_q16) - fx_unsigned(state->start_q16);
 
-    return (int32_t)turned;
+    return fx_signed(turned);
 }
 
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
@@ -196,9 +196,12 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
 /* A mean moves on by one sample; returns where it was. */
 static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
 {
-    const int32_t mean = fx_asr(*sum, shift);
+    const int32_t before = *sum;
+    int32_t mean;
 
-    *sum += sample - mean;
+    /*@ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 || before > 0x48000000; */
+    mean = fx_asr(before, shift);
+    *sum = before + (sample - mean);
     return mean;
 }
 
@@ -269,7 +272,9 @@ fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t 
 {
     fault_id_t id = FAULT_NONE;
 
-    state->late++;
+    if (state->late <= cfg->late_max) { /* further does not matter */
+        state->late++;
+    }
     if (state->late > cfg->late_max) {
         id = FAULT_LATE;
         *fault =

@@ -51,20 +51,23 @@ static ab_t applied_voltage(const drive_t *drive)
  */
 static void measure_frame(drive_t *drive)
 {
+    const angle_t frame = rotor_position_angle(&drive->frame);
+    /*@ assert SECTORS(frame); */
     drive_signals_t *const s = &drive->signals;
-    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->frame));
-    const dq_t current = transforms_park(s->current_ab, angle);
+    const dq_t current = transforms_park(s->current_ab, trig_sincos(frame));
 
     s->current_frame = current;
-    s->current_mean.d += fx_asr(current.d - s->current_mean.d, MEAN_SHIFT);
-    s->current_mean.q += fx_asr(current.q - s->current_mean.q, MEAN_SHIFT);
+    s->current_mean.d = fx_approach(s->current_mean.d, fx_sat15(current.d), MEAN_SHIFT);
+    s->current_mean.q = fx_approach(s->current_mean.q, fx_sat15(current.q), MEAN_SHIFT);
 }
 
 void vector_control_estimate(drive_t *drive, bool track)
 {
+    const angle_t rotor = rotor_position_angle(&drive->position);
+    /*@ assert BLOCKS(rotor); */
     drive_signals_t *const s = &drive->signals;
     const nn_observer_cfg_t *const cfg = &drive->model.observer;
-    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->position));
+    const sincos_t angle = trig_sincos(rotor);
 
     s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
     s->current = transforms_park(s->current_ab, angle);
@@ -75,7 +78,7 @@ void vector_control_estimate(drive_t *drive, bool track)
     } else {
         nn_observer_follow(&drive->observer, drive->frame_speed);
     }
-    s->speed = fx_asr(drive->observer.speed, drive->cfg->speed_shift);
+    s->speed = fx_sat16(fx_asr(drive->observer.speed, drive->cfg->speed_shift));
     if (drive->state != DRIVE_STATE_RUN) {
         measure_frame(drive);
     }
@@ -152,7 +155,7 @@ void vector_control_refine(drive_t *drive)
     const nn_observer_t *const observer = &drive->observer;
     const model_nominal_t nominal = drive_nominal(drive);
 
-    drive->residual += fx_asr(fx_abs(observer->turned.q) - drive->residual, RESIDUAL_SHIFT);
+    drive->residual = fx_approach(drive->residual, fx_abs(observer->turned.q), RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
                      observer->speed);
     nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
@@ -162,9 +165,10 @@ void vector_control_refine(drive_t *drive)
 static void turn_frame(drive_t *drive, angle_t angle)
 {
     const sincos_t turn = trig_sincos(angle);
-    dq_t *const reference = &drive->signals.current_ref;
+    const dq_t reference = drive->signals.current_ref;
+    const dq_t turned = transforms_park((ab_t){reference.d, reference.q}, turn);
 
-    *reference = transforms_park((ab_t){reference->d, reference->q}, turn);
+    drive->signals.current_ref = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
     current_loop_turn(&drive->current_loop, turn);
 }
 
@@ -174,13 +178,16 @@ static void hand_back(drive_t *drive)
     const dq_t reference = drive->signals.current_ref;
     const angle_t load_angle =
         trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
+    dq_t turned;
 
     drive->frame.turns_q32 = drive->position.turns_q32;
-    rotor_position_step(&drive->frame, (step_t)load_angle);
+    rotor_position_step(&drive->frame, fx_signed(load_angle));
     drive->frame_speed = drive->speed_loop.reference;
     turn_frame(drive, load_angle);
-    drive->signals.current_frame = transforms_park(
-        (ab_t){drive->signals.current.d, drive->signals.current.q}, trig_sincos(load_angle));
+    turned = transforms_park(
+        (ab_t){fx_sat15(drive->signals.current.d), fx_sat15(drive->signals.current.q)},
+        trig_sincos(load_angle));
+    drive->signals.current_frame = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
     drive->signals.current_mean = drive->signals.current_frame;
     supervision_forget_imposed(&drive->supervision);
 }
@@ -234,7 +241,8 @@ void vector_control_motion(drive_t *drive, const drive_command_t *command, uint3
 static void step_voltage(drive_t *drive)
 {
     if (drive->align.tick == 1U) {
-        drive->signals.voltage.d -= drive->cfg->startup.align.step_voltage;
+        drive->signals.voltage.d =
+            fx_max(drive->signals.voltage.d - drive->cfg->startup.align.step_voltage, -FX_Q15_MAX);
     }
 }
 
@@ -242,7 +250,7 @@ static void step_voltage(drive_t *drive)
 static void control_currents(drive_t *drive, bool running)
 {
     drive_signals_t *const s = &drive->signals;
-    const int32_t imposed = fx_asr(drive->frame_speed, drive->cfg->speed_shift);
+    const int32_t imposed = fx_sat16(fx_asr(drive->frame_speed, drive->cfg->speed_shift));
 
     s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
     s->voltage = current_loop_step(&drive->current_loop,
@@ -261,8 +269,8 @@ static dq_t expected_current(const drive_signals_t *s, bool running)
     dq_t expected = s->current_mean;
 
     if (running) {
-        expected.d = s->current_ref.d + fx_asr(s->current.d - s->current_ref.d, LACKING_SHIFT);
-        expected.q = s->current_ref.q + fx_asr(s->current.q - s->current_ref.q, LACKING_SHIFT);
+        expected.d = fx_approach(s->current_ref.d, s->current.d, LACKING_SHIFT);
+        expected.q = fx_approach(s->current_ref.q, s->current.q, LACKING_SHIFT);
     }
     return expected;
 }
@@ -270,11 +278,13 @@ static dq_t expected_current(const drive_signals_t *s, bool running)
 /* The voltage to compare values. It is turned for the middle of the period in which it acts. */
 static void modulate(drive_t *drive, bool running, compare_t *out)
 {
-    drive_signals_t *const s = &drive->signals;
     const rotor_position_t *const frame = running ? &drive->position : &drive->frame;
     const step_t step = running ? drive->observer.speed_out : drive->frame_speed;
-    const angle_t ahead = (angle_t)step + (angle_t)fx_asr(step, 1U);
-    const sincos_t angle = trig_sincos(rotor_position_angle(frame) + ahead);
+    const angle_t ahead = fx_unsigned(step) + fx_unsigned(fx_asr(step, 1U));
+    const angle_t acting = rotor_position_angle(frame) + ahead;
+    /*@ assert SECTORS(acting); */
+    drive_signals_t *const s = &drive->signals;
+    const sincos_t angle = trig_sincos(acting);
     const dq_t ratio = modulator_ratio(&drive->modulator, s->voltage);
     const ab_t *given_back = NULL;
     ab_t current;
@@ -295,7 +305,7 @@ static step_t closing_step(const drive_t *drive)
     const angle_t distance =
         rotor_position_angle(&drive->frame) - rotor_position_angle(&drive->position);
 
-    return fx_asr((int32_t)distance, PULL_SHIFT);
+    return fx_asr(fx_signed(distance), PULL_SHIFT);
 }
 
 void vector_control_close(drive_t *drive, bool track, drive_out_t *out)

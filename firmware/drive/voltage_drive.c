@@ -3,6 +3,7 @@
 #include "drive_state.h"
 #include "trig.h"
 
+#define QUARTER_TURN_STEP (0x40000000)
 #define MEAN_SHIFT (5U)  /* of the current's filter, in ticks */
 #define SPEED_SHIFT (4U) /* of the speed asked for, what may be missing */
 #define END_SHIFT \
@@ -23,7 +24,7 @@ static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
     const step_t reference = drive->speed_loop.reference;
 
     phase_compensator_start(&drive->compensator,
-                            rotor_position_angle(&drive->position) + (angle_t)lead);
+                            rotor_position_angle(&drive->position) + fx_unsigned(lead));
     speed_loop_start(&drive->speed_loop, reference, fx_sat16(magnitude - emf(drive, reference)));
     drive->voltage_magnitude = magnitude;
     drive->voltage_driven = true;
@@ -38,13 +39,13 @@ void voltage_drive_step(drive_t *drive)
     const int32_t lead = phase_compensator_step(
         &drive->compensator, &drive->cfg->voltage_drive.compensator, s->current,
         rotor_position_angle(&drive->position), drive->observer.speed_out, magnitude >= 0);
-    const sincos_t angle = trig_sincos((angle_t)lead);
+    const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
     s->voltage_limit = limit;
     s->voltage.d = fx_asr(-magnitude * angle.sin, 15U);
     s->voltage.q = fx_asr(magnitude * angle.cos, 15U);
-    s->current_ref.d += fx_asr(s->current.d - s->current_ref.d, MEAN_SHIFT);
-    s->current_ref.q += fx_asr(s->current.q - s->current_ref.q, MEAN_SHIFT);
+    s->current_ref.d = fx_sat15(fx_approach(s->current_ref.d, s->current.d, MEAN_SHIFT));
+    s->current_ref.q = fx_sat15(fx_approach(s->current_ref.q, s->current.q, MEAN_SHIFT));
 }
 
 /* What the current loop's feed-forward will be with the current that flows. */
@@ -53,14 +54,14 @@ static dq_t modelled_voltage(const drive_t *drive)
     const current_loop_cfg_t *const loop = &drive->model.run_loop;
     const dq_t i = drive->signals.current_ref;
     const int32_t speed = drive->signals.speed;
-    const int32_t reactance_d = fx_asr(speed * loop->reactance_d_q13, 13U);
-    const int32_t reactance_q = fx_asr(speed * loop->reactance_q_q13, 13U);
+    const int32_t reactance_d = fx_asr(speed * loop->reactance_d_q13, 15U);
+    const int32_t reactance_q = fx_asr(speed * loop->reactance_q_q13, 15U);
     const dq_t drop = {fx_asr(i.d * loop->resistance_q13, 13U),
                        fx_asr(i.q * loop->resistance_q13, 13U)};
 
     return (dq_t){
-        .d = drop.d - fx_asr(reactance_q * i.q, 15U),
-        .q = drop.q + fx_asr(reactance_d * i.d, 15U) + emf(drive, drive->observer.speed),
+        .d = drop.d - fx_asr(reactance_q * i.q, 13U),
+        .q = drop.q + fx_asr(reactance_d * i.d, 13U) + emf(drive, drive->observer.speed),
     };
 }
 
@@ -75,7 +76,7 @@ static void return_to_current(drive_t *drive)
 
     pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
-    s->current_ref.d = 0;
+    s->current_ref = (dq_t){.d = 0, .q = s->current_ref.q};
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
     drive->voltage_driven = false;
     drive->voltage_periods = 0U;
@@ -94,12 +95,14 @@ static void set_magnitude(drive_t *drive)
                                        emf(drive, reference), drive->signals.voltage_limit);
 }
 
-/* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn. */
+/* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ± a quarter. */
 static int32_t present_lead(dq_t voltage)
 {
     const int32_t along = fx_abs(voltage.q);
 
-    return (int32_t)trig_atan2((int16_t)fx_sat16(-voltage.d), (int16_t)fx_sat16(along));
+    const angle_t lead = trig_atan2((int16_t)fx_sat16(-voltage.d), (int16_t)fx_sat16(along));
+
+    return fx_clamp(fx_signed(lead), -QUARTER_TURN_STEP, QUARTER_TURN_STEP);
 }
 
 /* Asked for and fast enough; to be left again 1/4 below. */

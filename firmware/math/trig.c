@@ -2,8 +2,6 @@
 
 #include "trig_table.h"
 
-#include <stdbool.h>
-
 /* fx_asr relies on sign-extending right shifts, as every supported compiler has them. */
 /* cppcheck-suppress misra-c2012-10.1 ; D1 */
 _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
@@ -19,6 +17,7 @@ _Static_assert((-3 >> 1) == -2, "right shift must keep the sign");
 #define ATAN_SCALE (0x20U)          /* 2^(ATAN_UNIT_SHIFT − ATAN_FRACTION_BITS) */
 
 #define ROOT_ERROR (4)
+#define ROOT_MIN (0x8000U) /* of m = 2^30 */
 #define ROOT_MAX (65535)
 
 /* atan(small / large) as an angle between 0 and an eighth of a turn; 0 ≤ small ≤ large, large > 0. */
@@ -42,11 +41,14 @@ angle_t trig_atan2(int16_t y, int16_t x)
 {
     const uint32_t abs_x = (uint32_t)fx_abs(x);
     const uint32_t abs_y = (uint32_t)fx_abs(y);
-    const bool steep = abs_y > abs_x;
     angle_t angle = 0U;
 
-    if ((abs_x | abs_y) != 0U) {
-        angle = steep ? (QUARTER_TURN - atan_octant(abs_x, abs_y)) : atan_octant(abs_y, abs_x);
+    if (abs_y > abs_x) {
+        angle = QUARTER_TURN - atan_octant(abs_x, abs_y);
+    } else if (abs_x > 0U) {
+        angle = atan_octant(abs_y, abs_x);
+    } else {
+        /* no direction */
     }
     if (x < 0) {
         angle = HALF_TURN - angle;
@@ -57,6 +59,17 @@ angle_t trig_atan2(int16_t y, int16_t x)
     return angle;
 }
 
+/* floor(√m), at most `above`, m ≥ 2^30. */
+static uint32_t whole_root(uint32_t m, uint32_t above)
+{
+    uint32_t root = above;
+
+    while ((root > ROOT_MIN) && ((root * root) > m)) {
+        root--;
+    }
+    return root;
+}
+
 /*
  * √m by a reciprocal root r ≈ 2^31/√m from the table and one Newton step on s = m·r:
  *     s ← s + (m − s²)·r/2^32
@@ -64,18 +77,18 @@ angle_t trig_atan2(int16_t y, int16_t x)
  */
 static uint32_t root_of_normalised(uint32_t m)
 {
+    /*@ assert BLOCKS(m); */
     const uint32_t reciprocal = trig_rsqrt_table[(m >> 24U) - TRIG_RSQRT_FIRST];
-    const uint32_t start = ((m >> 16U) * reciprocal) >> 15U;
-    const uint32_t rest = m - (start * start);
+    const uint32_t estimate = ((m >> 16U) * reciprocal) >> 15U;
+    const uint32_t start = (estimate < (uint32_t)ROOT_MAX) ? estimate : (uint32_t)ROOT_MAX;
+    const uint32_t m_high = m >> 11U;
+    const uint32_t square_high = (start * start) >> 11U;
+    const int32_t rest = (int32_t)m_high - (int32_t)square_high;
     const uint32_t half = reciprocal >> 1U;
-    const int32_t step = fx_asr(fx_asr((int32_t)rest, 11U) * (int32_t)half, 20U);
+    const int32_t step = fx_asr(rest * (int32_t)half, 20U);
     const int32_t above = fx_min((int32_t)start + step + ROOT_ERROR, ROOT_MAX);
-    uint32_t root = (uint32_t)above;
 
-    while ((root * root) > m) {
-        root--;
-    }
-    return root;
+    return whole_root(m, (uint32_t)above);
 }
 
 uint16_t trig_sqrt(uint32_t x)
@@ -85,7 +98,9 @@ uint16_t trig_sqrt(uint32_t x)
     if (x != 0U) {
         const uint32_t half_shift = fx_leading_zeros(x) / 2U;
 
-        root = root_of_normalised(x << (2U * half_shift)) >> half_shift;
+        const uint32_t m = x << (2U * half_shift);
+        /*@ slevel merge; */
+        root = root_of_normalised(m) >> half_shift;
     }
     return (uint16_t)root;
 }

@@ -24,12 +24,14 @@ static inline sincos_t trig_sincos(angle_t angle)
 {
     const uint32_t index = angle >> TRIG_INDEX_SHIFT;
     const uint32_t fraction = (angle >> TRIG_FRACTION_SHIFT) & TRIG_FRACTION_MASK;
+    /*@ split index; */
     const int32_t sine = trig_sin_table[index];
     const int32_t cosine = trig_sin_table[index + TRIG_SIN_QUARTER];
     sincos_t result;
 
     result.sin = trig_interpolate(sine, (int32_t)fraction);
     result.cos = trig_interpolate(cosine, (int32_t)fraction);
+    /*@ merge index; */
     return result;
 }
 

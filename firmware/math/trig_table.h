@@ -22,8 +22,8 @@ extern const int32_t trig_sin_table[1280];
 /* The sine at an entry and a fraction of 13 bits, Q15. */
 static inline int32_t trig_interpolate(int32_t entry, int32_t fraction)
 {
-    const uint32_t slope_high = (uint32_t)entry << (32U - TRIG_SLOPE_BITS);
-    const int32_t slope = fx_asr((int32_t)slope_high, 32U - TRIG_SLOPE_BITS);
+    const uint32_t slope_high = fx_unsigned(entry) << (32U - TRIG_SLOPE_BITS);
+    const int32_t slope = fx_asr(fx_signed(slope_high), 32U - TRIG_SLOPE_BITS);
 
     return fx_asr(entry + (slope * fraction), 16U);
 }

@@ -12,9 +12,9 @@ import sources
 
 # Floors from the ground up: each folder may include itself and those it lists.
 BELOW = {
-    "firmware/math": ["firmware/math/port/generic"],
+    "firmware/math": ["firmware/math/port", "firmware/math/port/generic"],
     "firmware/math/port/generic": ["firmware/math"],
-    "firmware/math/port": [],
+    "firmware/math/port": ["firmware/math"],
     "firmware/math/port/armv7m": ["firmware/math/port"],
     "firmware/math/port/armv7em": ["firmware/math/port"],
     "firmware/control": ["firmware/math"],

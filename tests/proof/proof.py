@@ -1,0 +1,159 @@
+"""evidence.proof: no run-time error in the firmware, proven by Frama-C's Eva.
+
+Proven is an induction over the ticks: drive_init begins within the ranges of state.def, and one drive_step from any
+state within them, with any valid configuration and any frame, ends within them and has no overflow, no conversion that
+changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read.
+
+Three things are asked for, as a proof without alarms can be empty: that Frama-C ends well, that its list of
+properties has none that is not proven, and that it has been through every function and statement of the firmware.
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+FLOORS = ("math", "control", "drive")
+ENTRIES = ("proof_init", "proof_startup", "proof_plain", "proof_sensor")
+NO_PART_OF_IT = {f"{name}.{kind}" for name in ("drive_words", "fault_text", "recorder", "recorder_dump")
+                 for kind in "ch"}  # not called by drive_step
+
+# How many cases Eva keeps apart: those of the case distinctions in the code, and branches of small functions.
+CASES = {
+    "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
+    "vector_control_estimate": 300, "measure_frame": 200, "modulate": 2000, "judge": 50, "fx_approach": 20,
+    "average": 20, "heat_up": 60, "nn_observer_update_rho": 10,
+}
+OPTIONS = [
+    "-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "0", "-eva-ilevel", "16",
+    "-eva-domains", "equality,symbolic-locations", "-eva-subdivide-non-linear", "10", "-eva-split-limit", "1024",
+    "-eva-split-return-function", "fx_leading_zeros:full",
+    "-eva-slevel-function", ",".join(f"{name}:{cases}" for name, cases in CASES.items()),
+    "-warn-signed-downcast", "-warn-unsigned-downcast",
+]
+NOT_CALLED = {"drive_position_q32", "fx_add_sat", "fx_mul_q15", "fx_sub_sat"}  # by the firmware itself
+A_BRANCH_AN_ENTRY = {"leave_ready"}  # start-up, none, sensor
+
+FUNCTION = re.compile(r"^\w[\w \*]*?\b(\w+)\([^;]*?\)\s*\n\{", re.MULTILINE)
+COVERED = re.compile(r"^  (\w+): (\d+) stmts out of (\d+) \(", re.MULTILINE)
+RANGE = re.compile(r"state\.def:(\d+): Frama_C_show_each_range:\s+(\[[^\]]*\]|\{[^}]*\})")
+FIELD = re.compile(r"FIELD\(([^,]+), ([^,]+), ([^)]+)\)")
+OUT = re.compile(r"Frama_C_show_each_out:((?:\s+(?:\[[^\]]*\]|\{[^}]*\}),?(?:\d+%\d+,?)?){4})")
+
+
+def functions(root):
+    """The functions of the firmware that the proof has to go through."""
+    found = set()
+    for floor in FLOORS:
+        for path in (root / "firmware" / floor).glob("*.[ch]"):
+            if path.name not in NO_PART_OF_IT:
+                found |= set(FUNCTION.findall(path.read_text(encoding="utf-8")))
+    return found
+
+
+def analyse(root, entry, folder):
+    """Runs Eva from one entry: exit code, output, properties that are not proven."""
+    paths = ["-Ifirmware/math", "-Itests/proof/port", "-Ifirmware/control", "-Ifirmware/drive", "-Itests/proof",
+             "-include tests/proof/split.h"]
+    rows = folder / f"{entry}.csv"
+    run = subprocess.run(
+        ["frama-c", f"-cpp-extra-args={' '.join(paths)}", *OPTIONS, "-main", entry,
+         "tests/proof/proof_of_drive.c", "-then", "-metrics-eva-cover",
+         "-then", "-report-no-proven", "-report-csv", rows],
+        cwd=root, env={**os.environ, "PWD": str(root)},  # Frama-C believes PWD
+        capture_output=True, text=True, check=False)
+    (folder / f"{entry}.log").write_text(run.stdout + run.stderr, encoding="utf-8")
+    listed = []
+    if rows.is_file():
+        with rows.open(encoding="utf-8", newline="") as file:
+            listed = list(csv.DictReader(file, delimiter="\t"))
+    return run.returncode, run.stdout, listed
+
+
+def covered(output):
+    """Function → (statements gone through, statements)."""
+    return {name: (int(reached), int(all_)) for name, reached, all_ in COVERED.findall(output)}
+
+
+def named(row, fields):
+    """One property that is not proven, as a line."""
+    place = f"{row['directory']}/{row['file']}:{row['line']} ({row['function']})"
+    if row["file"] == "state.def":
+        place += f": {fields[int(row['line']) - 1]}"
+    return f"{place}: {row['property kind']}: {row['property']}"
+
+
+def bounds(text):
+    """[a..b] or {a; b} as the smallest and the largest number."""
+    numbers = [int(number) for number in re.findall(r"-?\d+", text)]
+    return min(numbers), max(numbers)
+
+
+def ranges(root, outputs):
+    """What is proven of each signal and of the output frame, over all entries."""
+    lines = (root / "tests/proof/state.def").read_text(encoding="utf-8").splitlines()
+    proven = {}
+
+    def note(name, text):
+        low, high = bounds(text)
+        before = proven.get(name, (low, high))
+        proven[name] = (min(low, before[0]), max(high, before[1]))
+
+    for output in outputs:
+        for line, text in RANGE.findall(output):
+            field = FIELD.match(lines[int(line) - 1])
+            if field and field[1].startswith("signals."):
+                note(field[1], text)
+        for text in OUT.findall(output):
+            parts = re.findall(r"\[[^\]]*\]|\{[^}]*\}", text)
+            for name, part in zip(("compare.phase[0]", "compare.phase[1]", "compare.phase[2]", "gate_enable"),
+                                  parts):
+                note(f"out.{name}", part)
+    return {name: {"min": low, "max": high} for name, (low, high) in proven.items()}
+
+
+def findings(root, entries, folder):
+    """All that is not as it has to be, and the outputs."""
+    bad, outputs, reached = [], [], {}
+    fields = (root / "tests/proof/state.def").read_text(encoding="utf-8").splitlines()
+    for entry in entries:
+        code, output, rows = analyse(root, entry, folder)
+        outputs.append(output)
+        if code != 0 or "ANALYSIS SUMMARY" not in output:
+            bad.append(f"{entry}: frama-c ended with {code}: {output.strip().splitlines()[-1:]}")
+        bad += [f"{entry}: {named(row, fields)}" for row in rows]
+        for name, (part, whole) in covered(output).items():
+            reached[name] = max(reached.get(name, (0, whole)), (part, whole))
+    needed = functions(root) - NOT_CALLED
+    bad += [f"never gone through: {name}" for name in sorted(needed - set(reached))]
+    bad += [f"{name}: {whole - part} of {whole} statements cannot be reached"
+            for name, (part, whole) in sorted(reached.items())
+            if part < whole and name in needed - A_BRANCH_AN_ENTRY]
+    return bad, outputs
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", type=Path, default=ROOT)
+    parser.add_argument("--entry", action="append", help="only from this entry; may be repeated")
+    parser.add_argument("--out", type=Path, help="write the proven range of each signal there, as JSON")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        bad, outputs = findings(args.root.resolve(), args.entry or ENTRIES, Path(folder))
+    for finding in bad:
+        print(finding)
+    if args.out:
+        args.out.write_text(json.dumps(ranges(args.root, outputs), indent=1) + "\n", encoding="utf-8")
+    print(f"evidence.proof: {len(bad)} finding(s)." if bad else "evidence.proof: proven")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,152 @@
+/*
+ * One step of the drive from any state within the ranges of state.def, with any valid configuration and any frame, ends
+ * within them, and drive_init begins there: an induction over the ticks. Read by Eva, see proof.py.
+ */
+#include "firmware.h"
+
+#include <__fc_builtin.h>
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+
+/*@ requires lowest <= value <= highest;
+    assigns \nothing; */
+void within(int64_t value, int64_t lowest, int64_t highest);
+
+/* Eva prints their arguments. */
+/*@ assigns \nothing; */
+void Frama_C_show_each_range(int64_t value);
+/*@ assigns \nothing; */
+void Frama_C_show_each_out(uint16_t phase_a, uint16_t phase_b, uint16_t phase_c, bool gate_enable);
+
+/* Any words: what no list names is free. */
+static void choose_words(uint32_t *words, uint32_t size)
+{
+    /*@ loop unroll 400; */
+    for (uint32_t k = 0U; k < (size / sizeof(uint32_t)); k++) {
+        words[k] = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    }
+}
+
+static void choose_configuration(void)
+{
+    choose_words((uint32_t *)&cfg, sizeof(cfg));
+#define FIELD(path, lowest, highest) cfg.path = Frama_C_long_long_interval(lowest, highest);
+#include "configuration_common.def"
+}
+
+static void choose_startup(void)
+{
+#include "configuration_startup.def"
+}
+
+static void choose_voltage_drive(void)
+{
+#include "configuration_voltage_drive.def"
+}
+
+static void choose_sensor(void)
+{
+#include "configuration_sensor.def"
+#undef FIELD
+}
+
+static void choose_frame(void)
+{
+    in.adc_ia = Frama_C_unsigned_short_interval(0, 65535);
+    in.adc_ib = Frama_C_unsigned_short_interval(0, 65535);
+    in.adc_bus = Frama_C_unsigned_short_interval(0, 65535);
+    in.adc_temperature = Frama_C_unsigned_short_interval(0, 65535);
+    in.flags = Frama_C_unsigned_short_interval(0, 65535);
+    in.angle = Frama_C_unsigned_short_interval(0, 65535);
+    in.command.target = Frama_C_interval(INT32_MIN, INT32_MAX);
+    in.command.mode = Frama_C_unsigned_char_interval(0, 255);
+    in.command.request = Frama_C_unsigned_char_interval(0, 255);
+}
+
+static void choose_state(void)
+{
+    choose_words((uint32_t *)&drive, sizeof(drive));
+    drive.cfg = &cfg;
+#define FIELD(path, lowest, highest) drive.path = Frama_C_long_long_interval(lowest, highest);
+#include "state.def"
+#undef FIELD
+    drive.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.frame.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.guard.at = 4U * Frama_C_unsigned_int_interval(0, (sizeof(drive_cfg_t) / 4U) - 2U);
+}
+
+static void check_state(void)
+{
+#define FIELD(path, lowest, highest) \
+    Frama_C_show_each_range(drive.path); \
+    within(drive.path, lowest, highest);
+#include "state.def"
+#undef FIELD
+    within(drive.guard.at, 0, sizeof(drive_cfg_t) - 8U);
+}
+
+static void step(void)
+{
+    choose_frame();
+    drive_step(&drive, &in, &out);
+    check_state();
+    Frama_C_show_each_out(out.compare.phase[0], out.compare.phase[1], out.compare.phase[2],
+                          out.gate_enable);
+}
+
+/* Any configuration of the ranges, whatever parts are in use. */
+void proof_init(void)
+{
+    choose_configuration();
+    drive_init(&drive, &cfg);
+    check_state();
+}
+
+/* With a start-up, and with current regulators or without. */
+void proof_startup(void)
+{
+    choose_configuration();
+    choose_startup();
+    choose_voltage_drive();
+    cfg.sampling.sensor_pole_pairs = 0U;
+    choose_state();
+    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    step();
+}
+
+/* Without a start-up its states are never entered, and what is configured of it is not read. */
+static void step_without_startup(void)
+{
+    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_READY);
+    if (Frama_C_interval(0, 1) != 0) {
+        drive.state = Frama_C_interval(DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
+    }
+    step();
+    within(drive.state <= DRIVE_STATE_READY || drive.state >= DRIVE_STATE_RUN, 1, 1);
+}
+
+/* Nor is the voltage drive, where it is not enabled. */
+void proof_plain(void)
+{
+    choose_configuration();
+    cfg.startup.current_hold = 0;
+    cfg.voltage_drive.enabled = 0U;
+    cfg.sampling.sensor_pole_pairs = 0U;
+    choose_state();
+    drive.voltage_driven = false;
+    step_without_startup();
+    within(drive.voltage_driven, 0, 0);
+}
+
+void proof_sensor(void)
+{
+    choose_configuration();
+    choose_voltage_drive();
+    choose_sensor();
+    choose_state();
+    step_without_startup();
+}

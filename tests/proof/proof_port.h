@@ -1,0 +1,18 @@
+/* The functions of tests/proof/port under other names, beside those of the firmware. */
+#ifndef PROOF_PORT_H
+#define PROOF_PORT_H
+
+#include <stdint.h>
+
+typedef int32_t proof_word_t(int32_t x);
+
+/* fx_sat14, 15, 16, 27, 28, 30 and fx_usat15, in the order of test_proof_port.c. */
+extern proof_word_t *const proof_saturations[7];
+
+int32_t proof_signed(uint32_t x);
+uint32_t proof_unsigned(int32_t x);
+int32_t proof_approach(int32_t from, int32_t to, uint32_t shift);
+int32_t proof_mla_32x16(int32_t sum, int32_t a, int32_t b);
+uint32_t proof_leading_zeros(uint32_t x);
+
+#endif

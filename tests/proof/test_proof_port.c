@@ -1,0 +1,91 @@
+/* What the proof has in place of some functions gives what they give. */
+#include "fx.h"
+#include "proof_port.h"
+#include "unity.h"
+
+#include <stdint.h>
+
+#define COUNT (7U)
+#define STEP (7U)
+
+static proof_word_t *const saturations[COUNT] = {fx_sat14, fx_sat15, fx_sat16, fx_sat27,
+                                                 fx_sat28, fx_sat30, fx_usat15};
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range(void)
+{
+    for (uint32_t k = 0U; k < COUNT; k++) {
+        for (uint64_t x = 0U; x <= UINT32_MAX; x += STEP * 101U) {
+            const int32_t word = (int32_t)(uint32_t)x;
+
+            TEST_ASSERT_EQUAL_INT32(saturations[k](word), proof_saturations[k](word));
+        }
+        for (uint32_t bit = 12U; bit < 32U; bit++) {
+            for (uint32_t x = (1U << bit) - 3U; x != ((1U << bit) + 4U); x++) {
+                TEST_ASSERT_EQUAL_INT32(saturations[k]((int32_t)x),
+                                        proof_saturations[k]((int32_t)x));
+                TEST_ASSERT_EQUAL_INT32(saturations[k]((int32_t)(0U - x)),
+                                        proof_saturations[k]((int32_t)(0U - x)));
+            }
+        }
+    }
+}
+
+static void test_words_are_read_as_the_proof_reads_them(void)
+{
+    for (uint64_t x = 0U; x <= UINT32_MAX; x += STEP * 11U) {
+        const uint32_t word = (uint32_t)x;
+
+        TEST_ASSERT_EQUAL_INT32(fx_signed(word), proof_signed(word));
+        TEST_ASSERT_EQUAL_UINT32(fx_unsigned(fx_signed(word)), proof_unsigned(fx_signed(word)));
+    }
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, proof_signed(0x80000000U));
+    TEST_ASSERT_EQUAL_UINT32(0x80000000U, proof_unsigned(INT32_MIN));
+}
+
+static void test_zeros_are_counted_as_the_proof_counts_them(void)
+{
+    for (uint64_t x = 1U; x <= UINT32_MAX; x += STEP * 1001U) {
+        TEST_ASSERT_EQUAL_UINT32(fx_leading_zeros((uint32_t)x), proof_leading_zeros((uint32_t)x));
+    }
+    for (uint32_t bit = 0U; bit < 32U; bit++) {
+        TEST_ASSERT_EQUAL_UINT32(31U - bit, proof_leading_zeros(1U << bit));
+    }
+}
+
+static void test_products_and_low_pass_are_those_of_the_proof(void)
+{
+    uint32_t seed = 1U;
+
+    for (uint32_t k = 0U; k < 1000000U; k++) {
+        int32_t a;
+        int32_t b;
+        uint32_t shift;
+
+        seed = (seed * 1664525U) + 1013904223U;
+        a = fx_signed(seed);
+        seed = (seed * 1664525U) + 1013904223U;
+        b = fx_asr(fx_signed(seed), 16U);
+        shift = seed % 31U;
+        TEST_ASSERT_EQUAL_INT32(fx_mla_32x16(b, a, b), proof_mla_32x16(b, a, b));
+        TEST_ASSERT_EQUAL_INT32(fx_approach(fx_asr(a, 1U), b, shift),
+                                proof_approach(fx_asr(a, 1U), b, shift));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range);
+    RUN_TEST(test_words_are_read_as_the_proof_reads_them);
+    RUN_TEST(test_zeros_are_counted_as_the_proof_counts_them);
+    RUN_TEST(test_products_and_low_pass_are_those_of_the_proof);
+    return UNITY_END();
+}
