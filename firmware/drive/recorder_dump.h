@@ -10,8 +10,8 @@
  *     end              CRC-32 of all words before it
  *
  * and each line holds RECORDER_LINE_WORDS of them, the last one with zeros behind the end: a '~', then in base64
- * the line's number, its words, and the CRC-32 of both; bytes of a word lowest first. A line of anything else has
- * no '~' at its beginning, so other text may come in between.
+ * the line's number, its words, and the CRC-32 of both; bytes of a word lowest first. A line of anything else
+ * has no '~' at its beginning, so other text may come in between. A logger may put text in front of a line.
  *
  * Context: background. It reads only what is frozen; the caller holds the recording until the last line.
  */

@@ -35,8 +35,9 @@ public:
             return *whole_;
         }
         if (problem_.empty() && words_.empty()) {
-            throw RecordingError(fmt::format(
-                "there is no recording in it: no line begins with '{}'", RECORDER_LINE_MARK));
+            throw RecordingError(fmt::format("there is no recording in it: no line has {} "
+                                             "characters from a '{}' on",
+                                             RECORDER_LINE_CHARACTERS, RECORDER_LINE_MARK));
         }
         throw RecordingError(problem_.empty() ? cut_off() : problem_);
     }
@@ -107,6 +108,28 @@ private:
 
 } // namespace
 
+namespace
+{
+
+// The recording's line in a line of the log, with its mark; empty when there is none. A logger may put anything in front and
+// blanks behind. No digit of base64 is a mark, so it begins at the last one; whether it is one its CRC says.
+std::string_view recorded_part(std::string_view line)
+{
+    constexpr std::string_view BLANKS = " \t";
+    const std::string_view text = line.substr(0, line.find_last_not_of(BLANKS) + 1);
+    const std::size_t mark = text.rfind(RECORDER_LINE_MARK);
+    if (mark == std::string_view::npos) {
+        return {};
+    }
+    const std::string_view part = text.substr(mark);
+    if (part.size() == RECORDER_LINE_CHARACTERS) {
+        return part;
+    }
+    return text[0] == RECORDER_LINE_MARK ? text : std::string_view{};
+}
+
+} // namespace
+
 Recording read(std::string_view bytes)
 {
     Assembly assembly;
@@ -116,8 +139,8 @@ Recording read(std::string_view bytes)
         const std::string_view line = bytes.substr(0, end);
         const bool crlf = end != std::string_view::npos && bytes.substr(end, 2) == "\r\n";
         place++;
-        if (!line.empty() && line[0] == RECORDER_LINE_MARK) {
-            assembly.add(line, place);
+        if (const std::string_view part = recorded_part(line); !part.empty()) {
+            assembly.add(part, place);
         }
         bytes.remove_prefix(end == std::string_view::npos ? bytes.size() : end + (crlf ? 2 : 1));
     }

@@ -9,7 +9,8 @@
 namespace nf::replay
 {
 
-// The last recording in it that is whole; text of a console may be before, behind and in between. Throws RecordingError
+// The last recording in it that is whole; text of a console may be before, behind and in between, and what a logger puts in
+// front of each line, and blanks behind. Throws RecordingError
 // with what is wrong with the last one when none is, and nothing else, for whatever the bytes are.
 Recording read(std::string_view bytes);
 

@@ -140,6 +140,38 @@ void text_of_a_console_around_it_does_not_matter()
     }
 }
 
+// As terminals log: a time in front, blanks and the end of a line behind.
+void what_a_logger_adds_to_its_lines_does_not_matter()
+{
+    for (const char *const prefix :
+         {"[2024-05-01 12:00:00.123] ", "12:00:00.123 -> ", "user@host:~$ ", "[~] ", "\t"}) {
+        for (const char *const behind : {"", "  ", " \t", " \r"}) {
+            std::vector<std::string> lines = lines_of(recorded());
+            lines.insert(lines.begin() + 10, "READY, at ~0 rpm");
+            for (std::string &line : lines) {
+                line = prefix + line + behind;
+            }
+            assert_genuine(nf::replay::read(joined(lines, "\r\n")));
+        }
+    }
+}
+
+void damage_behind_what_a_logger_adds_is_named()
+{
+    std::vector<std::string> lines = lines_of(recorded());
+    for (std::string &line : lines) {
+        line.insert(0, "12:00:00 ");
+    }
+    lines[7].back() = lines[7].back() == 'A' ? 'B' : 'A';
+    assert_contains("line 8: its CRC is", refusal_of(joined(lines)));
+    lines.erase(lines.begin() + 7);
+    assert_contains("line 8: it is number 8 of the recording, 7 is missing",
+                    refusal_of(joined(lines)));
+    lines[3].pop_back();
+    assert_contains("line 5: it is number 4 of the recording, 3 is missing",
+                    refusal_of(joined(lines)));
+}
+
 void of_several_the_last_whole_one_counts()
 {
     const std::string &whole = recorded();
@@ -364,6 +396,8 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(a_run_comes_out_bit_for_bit);
     RUN_TEST(text_of_a_console_around_it_does_not_matter);
+    RUN_TEST(what_a_logger_adds_to_its_lines_does_not_matter);
+    RUN_TEST(damage_behind_what_a_logger_adds_is_named);
     RUN_TEST(of_several_the_last_whole_one_counts);
     RUN_TEST(what_is_no_recording_is_refused);
     RUN_TEST(a_missing_line_is_named);
