@@ -1,5 +1,7 @@
 #include "recorder.h"
 
+#include "barrier.h"
+
 #include <stddef.h>
 
 #define NONE (RECORDER_SEGMENTS) /* no segment */
@@ -125,7 +127,7 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
     }
 }
 
-/* As at the start, with the same memory. */
+/* As at the start, with the same memory. While it is frozen the interrupt leaves all of it alone. */
 static void begin_anew(recorder_t *recorder)
 {
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
@@ -137,6 +139,7 @@ static void begin_anew(recorder_t *recorder)
     recorder->offered = false;
     recorder->gap = false;
     recorder->triggered = false;
+    barrier_compiler();
     recorder->frozen = false;
 }
 
@@ -158,7 +161,10 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
     return bad;
 }
 
-/* Copies the state, and offers the copy when no tick came meanwhile. The stop is written last: it is the signal. */
+/*
+ * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment full looks at
+ * `offered`, any other at the stop: they are written last, and behind all that they offer.
+ */
 static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t next)
 {
     const uint32_t tick = drive->tick;
@@ -166,10 +172,13 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
     if (next != END) {
         recorder->segments[next] = (recorder_segment_t){0};
     }
+    barrier_compiler();
     recorder->states[next] = *drive;
+    barrier_compiler();
     if (drive->tick == tick) {
         recorder->next = next;
         recorder->next_tick = tick;
+        barrier_compiler();
         recorder->offered = true;
         recorder->stop = recorder->entries;
     }
@@ -272,6 +281,7 @@ recorder_history_t recorder_history(const recorder_t *recorder)
         const recorder_segment_t *const segments = recorder->segments;
         uint32_t count = 1U;
 
+        barrier_compiler(); /* what was recorded is read behind `frozen` */
         while (segments[history.first].follows && (count < RECORDER_SEGMENTS)) {
             history.first = segment_before(history.first);
             count++;

@@ -1,5 +1,6 @@
 #include "console.h"
 
+#include "barrier.h"
 #include "board.h"
 #include "fault_text.h"
 #include "reset.h"
@@ -99,10 +100,12 @@ static void show_status(console_t *console)
     const app_t *const app = console->app;
     const drive_t *const drive = &app->drive;
     const uint32_t load_pct = (console->hal->longest * 50U) / BOARD.timer_counts;
+    const drive_state_t state = drive->state;
     text_t *const out = &console->out;
 
-    text_add(out, states[drive->state]);
-    if (drive->state == DRIVE_STATE_FAULT) {
+    barrier_compiler(); /* the fault is that of this state */
+    text_add(out, states[state]);
+    if (state == DRIVE_STATE_FAULT) {
         add_fault(out, &drive->fault);
     }
     add_quantity(out, ", speed ", in_rpm(drive_speed(drive)), 0U);

@@ -1,5 +1,6 @@
 #include "hal_g431.h"
 
+#include "barrier.h"
 #include "guard.h"
 #include "pwm.h"
 #include "sensing.h"
@@ -36,6 +37,7 @@ const char *hal_g431_start(void)
     } else if (!guard_start()) {
         why = "the watchdog does not start";
     } else {
+        barrier_compiler(); /* all that the first tick finds is in memory */
         sensing_start();
     }
     return why;

@@ -24,6 +24,7 @@ FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG
          arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR]
 WATCHDOG_FLAG = 1 << 29
 PIN_FLAG = 1 << 26
+WFI = b"\x30\xbf"
 COLD_ROOM_COUNT = 1738  # 25 °C of the temperature sensor
 
 
@@ -150,6 +151,8 @@ class Core:
     def run(self, instructions=0):
         """Until the core sleeps or leaves an exception; at most so many instructions if given."""
         program = self.uc.reg_read(arm.UC_ARM_REG_PC)
+        if instructions:
+            self.uc.ctl_flush_tb()  # what has run before would not be counted
         try:
             self.uc.emu_start(program | 1, EXC_RETURN & ~1, count=instructions)
         except unicorn.UcError as error:
@@ -209,18 +212,24 @@ class Board:
         self.chip.set_pins(**dict(zip(analogue.SHUNT_PINS.values(), volts)), PA0=bus,
                            PB14=temperature)
 
-    def handle_next(self):
-        """Sleeps until an exception comes, and runs it and the background back to sleep. Its number."""
+    def handle_next(self, background=0):
+        """Sleeps until an exception comes, runs it, and the background back to sleep or, if given, for so many
+        instructions at most: the next exception comes upon it there. Its number."""
         while (exception := self.chip.system.take()) is None:
             self.chip.wait()
         self.core.handle(exception)
-        self.core.run()
+        self.core.run(background)
         return exception
 
     def tick(self, ticks=1):
         """So many control ticks."""
         while ticks:
             ticks -= self.handle_next() == self.chip.system.ADC1_2
+
+    def sleeps(self):
+        """Whether the background has come to its end."""
+        slept = self.core.uc.reg_read(arm.UC_ARM_REG_PC) - len(WFI)
+        return self.core.uc.mem_read(slept, len(WFI)) == WFI
 
     def type(self, line):
         """A line at the console. A sleep may end for any reason: this one ends for the line."""

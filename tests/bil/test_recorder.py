@@ -4,6 +4,7 @@ test_recorder.py IMAGE BOARD MOTORSIM: the image in the emulator fails, sends it
 MOTORSIM replays it.
 """
 
+import os
 import random
 import re
 import subprocess
@@ -25,26 +26,30 @@ NOISE = 8           # counts
 CALIBRATION_TICKS = 260
 HISTORY_TICKS = 1005  # three segments less their margins: hal/stm32g431/board.h
 POST_TICKS = 64
+COPY_INSTRUCTIONS = 188  # of a pass that copies the state at least: a word each
 RECORDED, DEPARTS, REFUSED = 0, 1, 2
 
 
 class Drive:
     """The board, running, with noise on all it measures. `ticks` counts them from reset."""
 
-    def __init__(self):
+    def __init__(self, running=True):
         self.board = board.Board(IMAGE, BOARD)
         self.random = random.Random(1)
         self.ticks = 0
         self.board.set_inputs(MIDDLE, MIDDLE, BUS)
         self.board.boot()
-        self.tick(CALIBRATION_TICKS, noise=0)
-        self.board.type("run")
+        if running:
+            self.tick(CALIBRATION_TICKS, noise=0)
+            self.board.type("run")
 
-    def tick(self, ticks=1, noise=NOISE, bus=BUS):
+    def tick(self, ticks=1, noise=NOISE, bus=BUS, background=0):
+        """With `background`, that has so many instructions only until the next tick interrupts it."""
         for _ in range(ticks):
             a, b, c = (self.random.randint(-noise, noise) for _ in range(3))
             self.board.set_inputs(MIDDLE + a, MIDDLE + b, bus + c)
-            self.board.tick()
+            while self.board.handle_next(background) != self.board.chip.system.ADC1_2:
+                pass
             self.ticks += 1
 
     def fail(self):
@@ -70,6 +75,23 @@ def replay(log, *arguments):
         return subprocess.run([MOTORSIM, "replay", path, *arguments], capture_output=True, text=True)
 
 
+def in_a_copy(act):
+    """What `act` returns, a text, in a copy of this process: what it changes is not changed here."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            with open(writer, "w", newline="") as pipe:
+                pipe.write(act())
+        finally:
+            os._exit(0)
+    os.close(writer)
+    with open(reader, newline="") as pipe:
+        text = pipe.read()
+    os.waitpid(child, 0)
+    return text
+
+
 class Recorder(unittest.TestCase):
     def assert_replays(self, log):
         run = replay(log)
@@ -90,6 +112,32 @@ class Recorder(unittest.TestCase):
         self.assertEqual(last, tick + POST_TICKS)
         self.assertGreaterEqual(count, HISTORY_TICKS)
         self.assertEqual(count, last - first + 1)
+
+    def test_a_tick_may_interrupt_the_background_at_each_instruction_while_it_freezes(self):
+        """The state that is copied, the offer and the frames that come upon it: the hash is that of the end."""
+        drive = Drive(running=False)
+        tick = drive.fail()
+        drive.tick(POST_TICKS - 1)
+
+        def go_on(instructions):
+            drive.tick(background=instructions)
+            slept = drive.board.sleeps()
+            drive.tick(2)
+            return f"{'slept' if slept else 'interrupted'}\n{drive.dump()}"
+
+        ends, instructions = set(), 0
+        while True:
+            instructions += 1
+            how, _, log = in_a_copy(lambda: go_on(instructions)).partition("\n")
+            with self.subTest(instructions):
+                out = self.assert_replays(log)
+                self.assertIn(f"fault at tick {tick}, ", out)
+                ends.add(int(re.search(r"ticks \d+ to (\d+):", out)[1]))
+            if how != "interrupted":
+                break
+        self.assertGreater(instructions, COPY_INSTRUCTIONS)
+        # Accepted at once; interrupted before the copy, or during it; between the copy and its offer.
+        self.assertEqual(ends, {tick + POST_TICKS + late for late in range(3)})
 
     def test_the_stepper_opens_on_the_tick_that_failed(self):
         drive = Drive()
