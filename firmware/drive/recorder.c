@@ -230,6 +230,7 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
 
     if (failed && !recorder->triggered) {
         trigger(recorder, live->fault.tick);
+        recorder->held = true;
     }
     if (recorder->frozen) {
         if (!failed && !recorder->held) {

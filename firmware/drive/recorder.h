@@ -11,7 +11,8 @@
  * a state, and all but one segments of history are there at any time.
  *
  * Once the drive is in FAULT, recording goes on for post_ticks and then freezes, with one more snapshot: the state
- * after the last frame. It begins anew when the drive has left FAULT, unless it is held.
+ * after the last frame. It is held, whatever the drive does, until it is released: a fault that is cleared is not
+ * forgotten. Then it begins anew, in FAULT once that is left: until then it can be read again.
  *
  * A background that is away for more than RECORDER_MARGIN ticks at the end of a segment leaves a gap. What is
  * before a gap is no longer part of the history.
@@ -67,7 +68,7 @@ typedef struct {
     bool gap;         /* a tick was not recorded */
     bool triggered;   /* to be frozen … */
     uint32_t trigger; /* … post_ticks after this tick */
-    bool held;
+    bool held;        /* stays as it is once it is frozen */
     recorder_entry_t *entries;
     uint32_t segment_entries;
     uint32_t post_ticks;
@@ -91,8 +92,8 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
 void recorder_service(recorder_t *recorder, const drive_t *drive);
 
 /*
- * A held recording is frozen as soon as possible, after a fault not before post_ticks, and stays whatever the drive
- * does, until it is released. Context: background.
+ * Has the recording frozen as soon as possible, after a fault not before post_ticks, and held. One that is held
+ * already, as that of a fault is, stays as it is. Context: background.
  */
 void recorder_hold(recorder_t *recorder, const drive_t *drive);
 void recorder_release(recorder_t *recorder);

@@ -91,6 +91,14 @@ static void add_fault(text_t *text, const fault_t *fault)
     text_add(text, ")");
 }
 
+/* Until it is dumped nothing else is recorded. */
+static bool keeps_recording(const console_t *console)
+{
+    const recorder_t *const recorder = console->app->recorder;
+
+    return (recorder != NULL) && recorder->held && (console->dump_phase == CONSOLE_DUMP_NONE);
+}
+
 static void show_status(console_t *console)
 {
     static const char *const states[] = {
@@ -117,7 +125,11 @@ static void show_status(console_t *console)
     add_quantity(out, " V, ", console->temperature_c, 0U);
     add_quantity(out, " C, late ", (int32_t)console->hal->overruns, 0U);
     add_quantity(out, ", load ", (int32_t)load_pct, 0U);
-    console_say(console, " %");
+    text_add(out, " %");
+    if (keeps_recording(console)) {
+        text_add(out, ", keeps the recording of a fault: dump or record");
+    }
+    console_say(console, "");
 }
 
 static void request(console_t *console, uint8_t what)
@@ -181,20 +193,55 @@ static void set_speed(console_t *console, const char *argument)
     }
 }
 
+/* Why the recorder has nothing to do with a command now; NULL: it has. */
+static const char *why_not(const console_t *console)
+{
+    const char *why = NULL;
+
+    if (console->dump_phase != CONSOLE_DUMP_NONE) {
+        why = "error: a dump is under way";
+    } else if (console->app->recorder == NULL) {
+        why = "error: there is no recorder";
+    } else {
+        /* it is free */
+    }
+    return why;
+}
+
+/* It is the tick that freezes: without one there never would be an end. */
+static bool never_freezes(const console_t *console)
+{
+    const hal_t *const hal = console->hal;
+
+    return !console->app->recorder->frozen && (hal->tick_lost || (hal_ticks(hal) == 0U));
+}
+
 /* The recorder freezes in the next ticks, if it has not done so after a fault. */
 static void ask_for_dump(console_t *console)
 {
     app_t *const app = console->app;
+    const char *const why = why_not(console);
 
-    if (console->dump_phase != CONSOLE_DUMP_NONE) {
-        console_say(console, "error: a dump is under way");
-    } else if (app->recorder == NULL) {
-        console_say(console, "error: there is no recorder");
+    if (why != NULL) {
+        console_say(console, why);
+    } else if (never_freezes(console)) {
+        console_say(console, "error: the control tick does not run, nothing is recorded");
     } else {
         recorder_hold(app->recorder, &app->drive);
         console->dump_phase = CONSOLE_DUMP_ASKED;
         console_say(console, "ok");
     }
+}
+
+/* The recording of a fault is given up; one that is not kept goes on. */
+static void record_anew(console_t *console)
+{
+    const char *const why = why_not(console);
+
+    if (why == NULL) {
+        recorder_release(console->app->recorder);
+    }
+    console_say(console, (why == NULL) ? "ok" : why);
 }
 
 static void start_dump(console_t *console)
@@ -263,8 +310,11 @@ static void do_line(console_t *console)
         show_status(console);
     } else if (same(line, "dump")) {
         ask_for_dump(console);
+    } else if (same(line, "record")) {
+        record_anew(console);
     } else {
-        console_say(console, "error: the commands are run, stop, clear, speed RPM, status, dump");
+        console_say(console,
+                    "error: the commands are run, stop, clear, speed RPM, status, dump, record");
     }
 }
 

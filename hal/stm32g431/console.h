@@ -1,7 +1,7 @@
 /*
  * The console: one command a line, one line as answer; and the status when the drive changes its state.
  *
- *     run  stop  clear  speed RPM  status  dump
+ *     run  stop  clear  speed RPM  status  dump  record
  *
  * Runs in the background. It writes app_t.command and reads the drive; both may be interrupted by the
  * control tick at any instruction, each field is one aligned access.

@@ -58,9 +58,6 @@ void Writer::add(const Tick &tick)
     drive_ = sim.drive();
     drive_.cfg = &cfg_;
     in_ = sim.in();
-    if (recorder_.frozen) { // the first fault is the one
-        recorder_hold(&recorder_, &drive_);
-    }
 }
 
 // It closes in the tick behind the last.

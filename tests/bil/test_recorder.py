@@ -155,18 +155,76 @@ class Recorder(unittest.TestCase):
         self.assertRegex(run.stdout, rf"drive\.fault\.tick .*raw {tick} ")
         self.assertRegex(run.stdout, r"state +(?!FAULT)[A-Z_]+ ")
 
-    def test_a_clear_begins_a_new_recording(self):
+    def failed_and_cleared(self, fails_after=POST_TICKS + 3):
+        """A drive that runs after a fault, and the tick of that."""
         drive = Drive()
         drive.tick(200)
-        drive.fail()
-        drive.tick(POST_TICKS + 3)
+        tick = drive.fail()
+        drive.tick(fails_after)
         drive.board.type("clear")
         drive.tick(CALIBRATION_TICKS)
         drive.board.type("run")
-        drive.tick(1500)
+        drive.tick(100)
+        self.assertTrue(drive.board.chip.timer.gates_on())
+        return drive, tick
+
+    def status(self, drive):
+        drive.board.said()
+        drive.board.type("status")
+        drive.tick(2)
+        return drive.board.said()
+
+    def test_a_clear_keeps_the_recording_of_the_fault_until_it_is_dumped(self):
+        for cleared_after in (3, POST_TICKS + 3):
+            with self.subTest(cleared_after):
+                drive, first = self.failed_and_cleared(cleared_after)
+                self.assertIn(", keeps the recording of a fault: dump or record\r\n", self.status(drive))
+                drive.fail()
+                drive.board.type("clear")
+                drive.tick(CALIBRATION_TICKS)
+                self.assertIn(f" to {first + POST_TICKS}: ", self.assert_replays(drive.dump()))
+                self.assertNotIn("keeps", self.status(drive))
+                drive.tick(100)
+                last = drive.fail()
+                drive.tick(POST_TICKS + 3)
+                self.assertIn(f"fault at tick {last}, ", self.assert_replays(drive.dump()))
+
+    def test_record_gives_up_the_recording_of_a_fault(self):
+        drive, _ = self.failed_and_cleared()
+        drive.board.said()
+        drive.board.type("record")
+        drive.tick(2)
+        self.assertEqual(drive.board.said(), "ok\r\n")
+        self.assertNotIn("keeps", self.status(drive))
         tick = drive.fail()
         drive.tick(POST_TICKS + 3)
         self.assertIn(f"fault at tick {tick}, ", self.assert_replays(drive.dump()))
+
+    def test_record_does_not_touch_what_is_being_dumped(self):
+        drive, tick = self.failed_and_cleared()
+        drive.board.type("dump")
+        drive.tick(20)
+        drive.board.type("record")
+        log = drive.dump(ask=False)
+        self.assertIn("error: a dump is under way", log)
+        self.assertIn(f"fault at tick {tick}, ", self.assert_replays(log))
+
+    def test_without_a_tick_a_dump_is_refused_in_one_line(self):
+        """Before the first one, and when the next one does not come."""
+        made = board.Board(IMAGE, BOARD)
+        made.set_inputs(MIDDLE, MIDDLE, BUS)
+        made.boot()
+        made.said()
+        made.type("dump")
+        self.assertEqual(made.said(),
+                         "error: the control tick does not run, nothing is recorded\r\n")
+        made.tick(10)
+        made.said()
+        made.chip.timer.trigger = lambda: None  # no conversion: the tick guard comes
+        self.assertEqual(made.handle_next(), made.chip.system.SYSTICK)
+        made.type("dump")
+        self.assertEqual(made.said(),
+                         "error: the control tick does not run, nothing is recorded\r\n")
 
     def test_without_a_fault_the_drive_goes_on_and_is_recorded_again(self):
         drive = Drive()

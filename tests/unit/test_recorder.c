@@ -109,10 +109,24 @@ static void clear(void)
     run.in.command.request = DRIVE_REQUEST_RUN;
 }
 
-static void test_clear_begins_anew(void)
+static void test_what_was_read_is_there_again_until_the_fault_is_left(void)
+{
+    uint32_t ticks = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    ticks = replay();
+    recorder_release(&run.recorder);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(ticks, replay());
+}
+
+static void test_begins_anew_when_it_is_released_and_the_fault_is_left(void)
 {
     recorded_run_ticks(&run, LONG_RUN);
     fail_and_freeze();
+    recorder_release(&run.recorder);
     clear();
     TEST_ASSERT_FALSE(run.recorder.frozen);
     recorded_run_ticks(&run, LONG_RUN);
@@ -121,14 +135,13 @@ static void test_clear_begins_anew(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
 }
 
-static void test_what_is_held_stays_until_it_is_released(void)
+static void test_a_recording_of_a_fault_stays_until_it_is_released(void)
 {
     uint32_t ticks = 0U;
 
     recorded_run_ticks(&run, LONG_RUN);
     fail_and_freeze();
     ticks = replay();
-    recorder_hold(&run.recorder, &run.drive);
     clear();
     recorded_run_ticks(&run, LONG_RUN);
     TEST_ASSERT_TRUE(run.recorder.frozen);
@@ -337,8 +350,9 @@ int main(void)
     RUN_TEST(test_all_but_one_segments_of_history_are_there_whenever_it_ends);
     RUN_TEST(test_freezes_after_the_fault_and_the_ticks_behind_it);
     RUN_TEST(test_fault_in_the_first_tick_is_recorded);
-    RUN_TEST(test_clear_begins_anew);
-    RUN_TEST(test_what_is_held_stays_until_it_is_released);
+    RUN_TEST(test_what_was_read_is_there_again_until_the_fault_is_left);
+    RUN_TEST(test_begins_anew_when_it_is_released_and_the_fault_is_left);
+    RUN_TEST(test_a_recording_of_a_fault_stays_until_it_is_released);
     RUN_TEST(test_holding_freezes_without_a_fault);
     RUN_TEST(test_holding_does_not_cut_off_what_follows_a_fault);
     RUN_TEST(test_history_is_the_run_with_a_background_that_comes_irregularly);
