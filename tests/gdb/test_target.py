@@ -4,6 +4,8 @@ test_target.py GDB MOTORSIM IMAGE
 """
 
 import re
+import socket
+import subprocess
 import sys
 import unittest
 
@@ -41,6 +43,32 @@ class OnTheTarget(support.GdbTest):
         self.assertIn("Q15 of I_b = 40 A", kept)
         self.assertTrue(re.fullmatch(r"scales: the drive's configuration has crc \S+, that of s1 \S+: choose the one "
                                      r"that the program was built for", refused.strip()), refused)
+
+    def emulator(self, port):
+        made = subprocess.Popen([support.ROOT / "tools/gdb/emulator", IMAGE, "s1_robust", "deadtime", "--port", str(port)],
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(made.communicate)
+        self.addCleanup(made.kill)
+        return made
+
+    def test_the_port_is_open_once_the_emulator_says_so(self):
+        said = ""
+        emulator = self.emulator(0)
+        while "waits for gdb at" not in said:
+            said = emulator.stdout.readline()
+            self.assertTrue(said, "it has ended")
+        host, port = re.search(r"tcp:(\S+):(\d+)$", said.strip()).groups()
+        first, there = self.gdb(["step-isr", "step-isr 3"], (f"target remote {host}:{port}",))
+        self.assertEqual(first.strip(), "before the first tick  INIT")
+        self.assertTrue(there.startswith("tick 2 "), there)
+
+    def test_a_port_in_use_is_refused_in_one_line(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            emulator = self.emulator(port)
+            error = emulator.communicate()[1]
+        self.assertEqual(emulator.returncode, 2)
+        self.assertRegex(error, rf"^emulator: --port {port}: .*in use.*\n$")
 
 
 if __name__ == "__main__":
