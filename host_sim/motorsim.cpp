@@ -277,10 +277,11 @@ int debug_recording(const nf::replay::Recording &recording, const ReplayArgument
 {
     nf::debug::Session session(recording.run,
                                std::filesystem::path(arguments.file).filename().string());
-    const recorder_header_t &header = recording.header;
-    const uint32_t behind = header.fault_tick - header.first_tick;
-    const bool seen = header.fault_id != FAULT_NONE && behind < recording.run.frames.size();
-    session.timeline.go_to(seen ? behind : session.timeline.last());
+    const nf::debug::Timeline &timeline = session.timeline;
+    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
+    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= timeline.first() &&
+                      fault <= timeline.last();
+    session.timeline.go_to(seen ? fault : timeline.last());
     return converse(session, arguments.script);
 }
 

@@ -7,6 +7,7 @@ extern "C" {
 #include "drive.h"
 }
 
+#include <cstdint>
 #include <vector>
 
 namespace nf
@@ -21,6 +22,16 @@ struct DriveImage {
 struct RecordedRun {
     DriveImage image;
     std::vector<drive_in_t> frames;
+
+    int64_t first() const
+    {
+        return image.state.tick;
+    }
+    // The drive's count wraps, a run's does not. For what is within 2^31 ticks of the first.
+    int64_t tick_of(uint32_t count) const
+    {
+        return first() + static_cast<int32_t>(count - image.state.tick);
+    }
 };
 
 } // namespace nf

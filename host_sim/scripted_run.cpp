@@ -19,24 +19,25 @@ std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
 } // namespace
 
 ScriptedRun::ScriptedRun(const Config &config)
-    : mode_(config.scenario.mode), sim_(config), zero_(ticks_in(config.scenario.prelude_s)),
+    : mode_(config.scenario.mode), sim_(config), first_(0),
+      zero_(ticks_in(config.scenario.prelude_s)),
       end_(zero_ + ticks_in(config.scenario.duration_s)),
       command_(config.scenario.command, sim_.bases().control_period_s, zero_),
       load_(scaled(config.scenario.load, config.scenario.load_scale), sim_.bases().control_period_s,
             zero_),
       injection_(config, sim_.bases().control_period_s, zero_),
-      operator_(config.scenario.requests, sim_.bases().control_period_s, zero_)
+      operator_(config.scenario.requests, sim_.bases().control_period_s, zero_), tick_(first_)
 {
     send_command();
 }
 
 ScriptedRun::ScriptedRun(const RecordedRun &recorded)
-    : mode_(DriveMode::speed), frames_(recorded.frames), sim_(recorded.image), zero_(0),
-      end_(static_cast<int64_t>(frames_.size())),
+    : mode_(DriveMode::speed), frames_(recorded.frames), sim_(recorded.image),
+      first_(recorded.first()), zero_(0), end_(first_ + static_cast<int64_t>(frames_.size())),
       command_({}, sim_.bases().control_period_s, zero_),
       load_({}, sim_.bases().control_period_s, zero_),
       injection_({}, sim_.bases().control_period_s, zero_),
-      operator_({}, sim_.bases().control_period_s, zero_)
+      operator_({}, sim_.bases().control_period_s, zero_), tick_(first_)
 {
 }
 
@@ -95,7 +96,7 @@ void ScriptedRun::view_frame(Tick &tick) const
     constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
     constexpr double Q16 = 65536.0;
     constexpr double TWO_PI = 6.28318530717958647693;
-    const drive_command_t &command = frames_[static_cast<std::size_t>(tick_)].command;
+    const drive_command_t &command = frames_[frame()].command;
     tick.truth = {
         tick.time_s, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, {UNKNOWN, UNKNOWN, UNKNOWN},
         UNKNOWN,     UNKNOWN};
@@ -128,7 +129,7 @@ Tick ScriptedRun::view() const
 Tick ScriptedRun::control()
 {
     if (is_recorded()) {
-        sim_.feed(frames_[static_cast<std::size_t>(tick_)]);
+        sim_.feed(frames_[frame()]);
     } else {
         act();
     }

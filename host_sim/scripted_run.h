@@ -2,8 +2,9 @@
 // the tick nearest to its time. Or the frames of a recording: then there is no motor, what is true is not known (NaN),
 // and command and requests are the frames'.
 //
-// Tick 0 is the first of the prelude. A tick is control(), then advance(). What a run has become lies in
-// its snapshot alone: the same snapshot goes on in the same way.
+// Ticks are those of the drive: of a scenario the first is 0 and begins the prelude, a recording begins at any, and its
+// time is since the drive's tick 0. A tick is control(), then advance(). What a run has become lies in its snapshot
+// alone: the same snapshot goes on in the same way.
 #pragma once
 
 #include "injection.h"
@@ -79,7 +80,11 @@ public:
     {
         return tick_;
     }
-    // Tick of t = 0, and the one after the last.
+    // The first tick, that of t = 0, and the one after the last.
+    int64_t first() const
+    {
+        return first_;
+    }
     int64_t zero() const
     {
         return zero_;
@@ -99,18 +104,23 @@ private:
     void send_command();
     void act();
     Tick view() const;
+    std::size_t frame() const
+    {
+        return static_cast<std::size_t>(tick_ - first_);
+    }
     void view_frame(Tick &tick) const;
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
     Simulation sim_;
+    int64_t first_;
     int64_t zero_;
     int64_t end_;
     Profile command_;
     Profile load_;
     Injection injection_;
     Operator operator_;
-    int64_t tick_ = 0;
+    int64_t tick_;
     bool new_command_ = false;
     bool new_load_ = false;
 };

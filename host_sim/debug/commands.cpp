@@ -106,8 +106,9 @@ std::string step(Session &session, const std::string &rest)
 std::string back(Session &session, const std::string &rest)
 {
     const int64_t wanted = session.timeline.now() - count(rest);
-    session.timeline.go_to(std::max<int64_t>(wanted, 0));
-    return (wanted < 0 ? "beginning of the run\n" : "") + session.position_text();
+    const int64_t first = session.timeline.first();
+    session.timeline.go_to(std::max(wanted, first));
+    return (wanted < first ? "beginning of the run\n" : "") + session.position_text();
 }
 
 std::string run(Session &session, const std::string &rest)
@@ -133,7 +134,7 @@ std::string go_to(Session &session, const std::string &rest)
         char *end = nullptr;
         const double time_s = std::strtod(rest.c_str(), &end);
         const double period = timeline.run().sim().bases().control_period_s;
-        const double first = -static_cast<double>(timeline.run().zero()) * period;
+        const double first = static_cast<double>(timeline.first() - timeline.run().zero()) * period;
         const double last = static_cast<double>(timeline.last() - timeline.run().zero()) * period;
         const bool whole = end != rest.c_str() && trimmed(end) == "s";
         const bool inside = time_s >= first - period / 2 && time_s < last + period / 2;
@@ -143,9 +144,9 @@ std::string go_to(Session &session, const std::string &rest)
         }
         tick = timeline.run().tick_at(time_s);
     } else {
-        tick = integer(rest, "a tick", 0, timeline.last());
+        tick = integer(rest, "a tick", timeline.first(), timeline.last());
     }
-    session.timeline.go_to(std::clamp<int64_t>(tick, 0, timeline.last()));
+    session.timeline.go_to(std::clamp(tick, timeline.first(), timeline.last()));
     return session.position_text();
 }
 

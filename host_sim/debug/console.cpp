@@ -21,8 +21,8 @@ bool converse(Session &session, LineReader &reader, std::FILE *out)
 {
     bool all_done = true;
     std::string last;
-    fmt::print(out, "{}: {} ticks of {:g} us; `help` lists the commands\n{}", session.scenario,
-               session.timeline.last() + 1,
+    fmt::print(out, "{}: ticks {} to {} of {:g} us; `help` lists the commands\n{}",
+               session.scenario, session.timeline.first(), session.timeline.last(),
                session.timeline.run().sim().bases().control_period_s * 1e6,
                session.position_text());
     while (std::optional<std::string> line =

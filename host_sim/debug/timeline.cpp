@@ -37,7 +37,7 @@ void Timeline::control()
 
 void Timeline::keep_snapshot()
 {
-    if (now() % spacing_ == 0 && snapshots_.count(now()) == 0) {
+    if ((now() - first()) % spacing_ == 0 && snapshots_.count(now()) == 0) {
         snapshots_.emplace(now(), run_.save());
         thin_out();
     }
@@ -51,7 +51,7 @@ void Timeline::thin_out()
     }
     spacing_ *= 2;
     for (auto at = snapshots_.begin(); at != snapshots_.end();) {
-        at = at->first % spacing_ == 0 ? std::next(at) : snapshots_.erase(at);
+        at = (at->first - first()) % spacing_ == 0 ? std::next(at) : snapshots_.erase(at);
     }
 }
 

@@ -22,13 +22,17 @@ public:
     static constexpr int64_t SPACING_MIN = 1024;
     static constexpr std::size_t SNAPSHOTS_MAX = 256;
 
-    // At tick 0. Throws ConfigError. The configuration must outlive it.
+    // At the first tick. Throws ConfigError. The configuration must outlive it.
     explicit Timeline(const Config &config);
     explicit Timeline(const RecordedRun &recorded);
 
     int64_t now() const
     {
         return run_.tick();
+    }
+    int64_t first() const
+    {
+        return run_.first();
     }
     int64_t last() const
     {
@@ -50,7 +54,7 @@ public:
 
     // One tick on; false at the last one.
     bool step();
-    // To a tick, 0 … last().
+    // To a tick, first() … last().
     void go_to(int64_t tick);
 
     // What is done to the run, after the control interrupt of each tick from the present one to `until`; on the way

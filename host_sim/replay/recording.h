@@ -26,6 +26,10 @@ struct Recording {
 
     std::string name() const;  // of motor, board, tuning
     std::string build() const; // of the image, in hex; empty for the simulator
+    int64_t last() const       // tick of the run
+    {
+        return run.first() + static_cast<int64_t>(run.frames.size()) - 1;
+    }
     // Of the end; none without a FAULT.
     fault_t fault() const;
 };

@@ -14,7 +14,7 @@ namespace nf::replay
 namespace
 {
 
-std::optional<Difference> compare(uint32_t tick, const drive_out_t &recorded,
+std::optional<Difference> compare(int64_t tick, const drive_out_t &recorded,
                                   const drive_out_t &computed)
 {
     for (std::size_t leg = 0; leg < 3; leg++) {
@@ -34,7 +34,7 @@ std::optional<Difference> compare(uint32_t tick, const drive_out_t &recorded,
 std::optional<Difference> compare_end(const Recording &recording, const drive_t &drive)
 {
     const recorder_header_t &h = recording.header;
-    const uint32_t last = h.end_tick - 1;
+    const int64_t last = recording.last();
     const fault_id_t id = drive.state == DRIVE_STATE_FAULT ? drive.fault.id : FAULT_NONE;
     if (static_cast<uint32_t>(id) != h.fault_id) {
         return Difference{last, "drive.fault.id", h.fault_id, id};
@@ -58,8 +58,9 @@ std::string end_text(const Recording &recording, const Result &result)
                            result.speed_rpm);
     }
     const fault_t fault = recording.fault();
-    return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n",
-                       fault.tick, (h.end_tick - 1 - fault.tick) * bases.control_period_s,
+    const int64_t at = recording.run.tick_of(fault.tick);
+    return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n", at,
+                       static_cast<double>(recording.last() - at) * bases.control_period_s,
                        result.speed_rpm, fault_measure(fault, bases));
 }
 
@@ -87,7 +88,7 @@ Result replay(const Recording &recording)
     Result result{};
     step_t speed = drive_speed(&drive);
     for (std::size_t k = 0; k < recording.outputs.size(); k++) {
-        const uint32_t tick = drive.tick;
+        const int64_t tick = recording.run.first() + static_cast<int64_t>(k);
         drive_out_t out{};
         if (drive.state != DRIVE_STATE_FAULT) {
             speed = drive_speed(&drive);
@@ -109,13 +110,12 @@ Result replay(const Recording &recording)
 
 std::string summary(const Recording &recording, const Result &result)
 {
-    const recorder_header_t &h = recording.header;
     const double period_s = recording.run.image.bases.control_period_s;
     const std::string build = recording.build();
     return fmt::format("{}\n  build {}, configuration {:08x}\n"
                        "  ticks {} to {}: {} of {:g} us, {:.4f} s\n",
                        recording.name(), build.empty() ? "of the simulator" : build,
-                       recording.run.image.cfg.crc, h.first_tick, h.end_tick - 1,
+                       recording.run.image.cfg.crc, recording.run.first(), recording.last(),
                        recording.outputs.size(), period_s * 1e6,
                        static_cast<double>(recording.outputs.size()) * period_s) +
            end_text(recording, result) + verdict(recording, result);

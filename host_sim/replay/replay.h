@@ -11,7 +11,7 @@ namespace nf::replay
 
 // Where the drive departs from what was recorded: "tick 4711: out.compare.phase[1], recorded 4250, computed 4251".
 struct Difference {
-    uint32_t tick;
+    int64_t tick; // of the run
     std::string signal;
     int64_t recorded;
     int64_t computed;

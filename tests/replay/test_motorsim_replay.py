@@ -3,6 +3,7 @@
 test_motorsim_replay.py MOTORSIM
 """
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -53,6 +54,23 @@ class Replay(unittest.TestCase):
         self.assertRegex(before, r"\nstate +RUN ")
         self.assertRegex(after, r"\nstate +FAULT ")
         self.assertRegex(after, r"drive\.fault\.id +BREAK ")
+
+    def test_ticks_are_those_of_the_drive_everywhere(self):
+        self.record("s1", "--set", FAULT)
+        script = self.file.with_name("script")
+        script.write_text("print drive.fault.tick\nback 100000\ngoto 0\nrun until state == FAULT\n"
+                          "goto 100000\nrun\n")
+        run = motorsim("replay", self.file, "--debug", "--script", script)
+        first, last, fault = map(int, re.search(
+            r"ticks (\d+) to (\d+): .*\n +fault at tick (\d+),", run.stdout).groups())
+        self.assertGreater(first, 0)
+        self.assertIn(f": ticks {first} to {last} of", run.stdout)
+        self.assertIn(f"\ntick {fault} ", run.stdout)
+        self.assertRegex(run.stdout, rf"\ndrive\.fault\.tick +{fault} ")
+        self.assertIn(f"beginning of the run\ntick {first} ", run.stdout)
+        self.assertIn(f"a tick is a whole number from {first} to {last}, found '0'", run.stdout)
+        self.assertIn(f"stopped: state == FAULT\ntick {fault} ", run.stdout)
+        self.assertIn(f"stopped: end of the scenario\ntick {last} ", run.stdout)
 
     def test_a_configuration_that_changed_under_way_departs_or_is_refused(self):
         self.record("s1", "--set",

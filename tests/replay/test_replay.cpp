@@ -192,6 +192,16 @@ void what_is_no_recording_is_refused()
     assert_contains("its CRC is", refusal_of("~" + std::string(RECORDER_LINE_CHARACTERS - 1, 'A')));
 }
 
+void ticks_go_on_where_the_drives_count_wraps()
+{
+    nf::RecordedRun run{};
+    run.image.state.tick = 0xFFFFFFF0U;
+    TEST_ASSERT_EQUAL_INT64(0xFFFFFFF0LL, run.first());
+    TEST_ASSERT_EQUAL_INT64(0xFFFFFFF8LL, run.tick_of(0xFFFFFFF8U));
+    TEST_ASSERT_EQUAL_INT64(0x100000005LL, run.tick_of(5U));
+    TEST_ASSERT_EQUAL_INT64(0xFFFFFFE0LL, run.tick_of(0xFFFFFFE0U)); // before the first
+}
+
 void a_missing_line_is_named()
 {
     std::vector<std::string> lines = lines_of(recorded());
@@ -400,6 +410,7 @@ int main()
     RUN_TEST(damage_behind_what_a_logger_adds_is_named);
     RUN_TEST(of_several_the_last_whole_one_counts);
     RUN_TEST(what_is_no_recording_is_refused);
+    RUN_TEST(ticks_go_on_where_the_drives_count_wraps);
     RUN_TEST(a_missing_line_is_named);
     RUN_TEST(damage_is_refused);
     RUN_TEST(what_the_header_says_is_checked);
