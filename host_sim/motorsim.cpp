@@ -272,16 +272,22 @@ int debug(const DebugArguments &arguments)
     return converse(session, arguments.script);
 }
 
-// The stepper on the tick that failed, or else on the last.
-int debug_recording(const nf::replay::Recording &recording, const ReplayArguments &arguments)
+// Of what departs, or else of the fault, or else the last.
+int64_t tick_of_interest(const nf::replay::Recording &recording, const nf::replay::Result &result)
+{
+    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
+    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= recording.run.first() &&
+                      fault <= recording.last();
+    const int64_t end = seen ? fault : recording.last();
+    return result.difference ? result.difference->tick : end;
+}
+
+int debug_recording(const nf::replay::Recording &recording, const nf::replay::Result &result,
+                    const ReplayArguments &arguments)
 {
     nf::debug::Session session(recording.run,
                                std::filesystem::path(arguments.file).filename().string());
-    const nf::debug::Timeline &timeline = session.timeline;
-    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
-    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= timeline.first() &&
-                      fault <= timeline.last();
-    session.timeline.go_to(seen ? fault : timeline.last());
+    session.timeline.go_to(tick_of_interest(recording, result));
     return converse(session, arguments.script);
 }
 
@@ -293,10 +299,8 @@ int replay(const ReplayArguments &arguments)
     const nf::replay::Recording recording = nf::replay::read_file(arguments.file);
     const nf::replay::Result result = nf::replay::replay(recording);
     nf::write_text("-", nf::replay::summary(recording, result));
-    if (arguments.debug) {
-        return debug_recording(recording, arguments);
-    }
-    return result.difference ? LIMIT_BROKEN : LIMITS_HOLD;
+    const int done = arguments.debug ? debug_recording(recording, result, arguments) : LIMITS_HOLD;
+    return done == LIMITS_HOLD && result.difference ? LIMIT_BROKEN : done;
 }
 
 int signals(const Choice &choice)
@@ -401,7 +405,8 @@ void describe_replay(CLI::App &command, ReplayArguments &arguments)
         .add_option("file", arguments.file,
                     "a recording: what the console's `dump` sent, as it was logged")
         ->required();
-    command.add_flag("--debug", arguments.debug, "step through it, beginning at the fault");
+    command.add_flag("--debug", arguments.debug,
+                     "step through it, beginning where it departs, else at the fault");
     describe_script(command, arguments.script);
 }
 

@@ -1,4 +1,4 @@
-// A drive as it was in the field, and what it was told from there on.
+// A drive as it was in the field, what it was told from there on, and what it answered.
 #pragma once
 
 #include "config/per_unit.h"
@@ -22,6 +22,7 @@ struct DriveImage {
 struct RecordedRun {
     DriveImage image;
     std::vector<drive_in_t> frames;
+    std::vector<drive_out_t> outputs; // one for each frame
 
     int64_t first() const
     {

@@ -32,8 +32,9 @@ ScriptedRun::ScriptedRun(const Config &config)
 }
 
 ScriptedRun::ScriptedRun(const RecordedRun &recorded)
-    : mode_(DriveMode::speed), frames_(recorded.frames), sim_(recorded.image),
-      first_(recorded.first()), zero_(0), end_(first_ + static_cast<int64_t>(frames_.size())),
+    : mode_(DriveMode::speed), frames_(recorded.frames), outputs_(recorded.outputs),
+      sim_(recorded.image), first_(recorded.first()), zero_(0),
+      end_(first_ + static_cast<int64_t>(frames_.size())),
       command_({}, sim_.bases().control_period_s, zero_),
       load_({}, sim_.bases().control_period_s, zero_),
       injection_({}, sim_.bases().control_period_s, zero_),
@@ -105,6 +106,7 @@ void ScriptedRun::view_frame(Tick &tick) const
                        ? command.target / Q16 * TWO_PI / sim_.bases().pole_pairs
                        : sim_.bases().rpm_from_step(command.target);
     tick.load_nm = UNKNOWN;
+    tick.recorded = &outputs_[frame()];
 }
 
 Tick ScriptedRun::view() const

@@ -22,7 +22,7 @@ class ScriptedRun
 public:
     // Throws ConfigError. The configuration must outlive the run.
     explicit ScriptedRun(const Config &config);
-    // At least one frame.
+    // At least one frame, and as many outputs.
     explicit ScriptedRun(const RecordedRun &recorded);
 
     struct Snapshot {
@@ -112,6 +112,7 @@ private:
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
+    std::vector<drive_out_t> outputs_;
     Simulation sim_;
     int64_t first_;
     int64_t zero_;

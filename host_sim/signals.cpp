@@ -795,6 +795,15 @@ std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick)
     return read_word(signal.word, place(signal.word, *tick.sim));
 }
 
+std::optional<int64_t> recorded_value(const SignalInfo &signal, const Tick &tick)
+{
+    const bool output = signal.value == nullptr && signal.word.home == Word::Home::out;
+    if (!output || tick.recorded == nullptr) {
+        return std::nullopt;
+    }
+    return read_word(signal.word, at<const unsigned char>(*tick.recorded, signal.word));
+}
+
 double si_value(const SignalInfo &signal, const Tick &tick)
 {
     if (signal.value != nullptr) {

@@ -99,6 +99,8 @@ const char *home_text(Word::Home home);
 
 double si_value(const SignalInfo &signal, const Tick &tick);
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick);
+// What a recording has of it: of the drive's outputs, in a run of a recording.
+std::optional<int64_t> recorded_value(const SignalInfo &signal, const Tick &tick);
 
 // "A", or "" for a number.
 const char *unit_text(const SignalInfo &signal, const Simulation &sim);

@@ -18,6 +18,7 @@ struct Tick {
     DriveMode mode;
     double command; // rpm, or mechanical rad in position mode
     double load_nm;
+    const drive_out_t *recorded; // what a recording has of this tick; NULL: the run is of none
 };
 
 // θ − θ̂, electrical, within ±180°; NaN where θ is not known.

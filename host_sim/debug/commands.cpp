@@ -370,7 +370,8 @@ const std::vector<Command> &commands()
         {"watch", "NAME...", "print them at each stop", "`unwatch` ends it.", watch},
         {"unwatch", "[NAME...]", "watch them no more; alone: none", "See `watch`.", unwatch},
         {"stages", "", "every intermediate of this tick, in order",
-         "From the raw counts of the converter to the compare values, each in SI units and raw.",
+         "From the raw counts of the converter to the compare values, each in SI units and raw.\n"
+         "In a recording the outputs have the recorded values beside them; a * marks another one.",
          stages},
         {"diff", "", "this tick beside its double-precision twin",
          "Each module of the tick is computed again in double precision from what it was given; a *\n"

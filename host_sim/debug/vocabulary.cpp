@@ -53,6 +53,12 @@ std::string unknown_text(const std::string &name)
     return line;
 }
 
+std::string recorded_text(const SignalInfo &signal, int64_t raw, const Tick &tick)
+{
+    const std::optional<int64_t> recorded = recorded_value(signal, tick);
+    return recorded ? fmt::format("  recorded {}{}", *recorded, *recorded == raw ? "" : " *") : "";
+}
+
 } // namespace
 
 Named named_signal(const std::string &name)
@@ -98,7 +104,8 @@ std::string signal_line(const Named &named, const Tick &tick)
         return fmt::format("{:<{}} {}", signal.name, NAME_WIDTH, si);
     }
     return fmt::format("{:<{}} {:<{}} raw {:<11} {}", signal.name, NAME_WIDTH, si, VALUE_WIDTH,
-                       *raw, format_text(signal, *tick.sim));
+                       *raw, format_text(signal, *tick.sim)) +
+           recorded_text(signal, *raw, tick);
 }
 
 const std::vector<std::string> &all_words()

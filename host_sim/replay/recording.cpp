@@ -124,12 +124,12 @@ void take_frames(Recording &recording, const uint32_t *words)
         }
         if (complete) {
             recording.run.frames.push_back(frame.in);
-            recording.outputs.push_back(frame.out);
+            recording.run.outputs.push_back(frame.out);
         }
     }
     const uint32_t ticks = recording.header.end_tick - recording.header.first_tick;
-    if (recording.outputs.size() != ticks || ticks == 0) {
-        refuse("{} frames for the ticks {} to {}", recording.outputs.size(),
+    if (recording.run.outputs.size() != ticks || ticks == 0) {
+        refuse("{} frames for the ticks {} to {}", recording.run.outputs.size(),
                recording.header.first_tick, recording.header.end_tick);
     }
 }

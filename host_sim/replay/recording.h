@@ -21,8 +21,7 @@ struct RecordingError : std::runtime_error {
 
 struct Recording {
     recorder_header_t header;
-    RecordedRun run; // its frames' inputs
-    std::vector<drive_out_t> outputs;
+    RecordedRun run;
 
     std::string name() const;  // of motor, board, tuning
     std::string build() const; // of the image, in hex; empty for the simulator

@@ -69,7 +69,7 @@ std::string verdict(const Recording &recording, const Result &result)
     if (!result.difference) {
         return fmt::format("  replayed: the outputs of all {} ticks and the state's hash "
                            "{:08x} are those recorded\n",
-                           recording.outputs.size(), result.end_hash);
+                           recording.run.outputs.size(), result.end_hash);
     }
     const Difference &d = *result.difference;
     const bool hash = d.signal == "the state's hash";
@@ -87,7 +87,7 @@ Result replay(const Recording &recording)
     drive.cfg = &image.cfg;
     Result result{};
     step_t speed = drive_speed(&drive);
-    for (std::size_t k = 0; k < recording.outputs.size(); k++) {
+    for (std::size_t k = 0; k < recording.run.outputs.size(); k++) {
         const int64_t tick = recording.run.first() + static_cast<int64_t>(k);
         drive_out_t out{};
         if (drive.state != DRIVE_STATE_FAULT) {
@@ -95,7 +95,7 @@ Result replay(const Recording &recording)
         }
         drive_step(&drive, &recording.run.frames[k], &out);
         if (!result.difference) {
-            result.difference = compare(tick, recording.outputs[k], out);
+            result.difference = compare(tick, recording.run.outputs[k], out);
         }
     }
     if (!result.difference) {
@@ -116,8 +116,8 @@ std::string summary(const Recording &recording, const Result &result)
                        "  ticks {} to {}: {} of {:g} us, {:.4f} s\n",
                        recording.name(), build.empty() ? "of the simulator" : build,
                        recording.run.image.cfg.crc, recording.run.first(), recording.last(),
-                       recording.outputs.size(), period_s * 1e6,
-                       static_cast<double>(recording.outputs.size()) * period_s) +
+                       recording.run.outputs.size(), period_s * 1e6,
+                       static_cast<double>(recording.run.outputs.size()) * period_s) +
            end_text(recording, result) + verdict(recording, result);
 }
 

@@ -3,11 +3,14 @@
 test_motorsim_replay.py MOTORSIM
 """
 
+import base64
 import re
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
 
 MOTORSIM = sys.argv[1]
@@ -15,6 +18,29 @@ FAULT = ('scenario.fault=[{time_s = 0.3, what = "break_input", until_s = 0.31}, 
          '{time_s = 0.4, what = "adc_a_high"}]')
 CLEAR = "scenario.request=[{time_s = 0.32, clear = true}]"
 SAME, DEPARTS, REFUSED = 0, 1, 2
+
+# Of the recording, see firmware/drive/recorder_dump.h.
+LINE_WORDS = 13
+ENTRY_WORDS = 4
+COMPARE_B = 2   # word of an entry
+COMPARE_B_BIT = 1 << 17
+
+
+def words_of(text):
+    lines = [base64.b64decode(line[1:]) for line in text.splitlines()]
+    words = [word for line in lines for word in struct.unpack(f"<{LINE_WORDS + 2}I", line)[1:-1]]
+    return words[:words[2]]
+
+
+def crc(words):
+    return zlib.crc32(struct.pack(f"<{len(words)}I", *words))
+
+
+def text_of(words):
+    padded = words + [0] * (-len(words) % LINE_WORDS)
+    lines = [[k, *padded[k * LINE_WORDS:(k + 1) * LINE_WORDS]] for k in range(len(padded) // LINE_WORDS)]
+    return "".join("~" + base64.b64encode(struct.pack(f"<{LINE_WORDS + 2}I", *line, crc(line))).decode()
+                   + "\n" for line in lines)
 
 
 def motorsim(*arguments):
@@ -71,6 +97,39 @@ class Replay(unittest.TestCase):
         self.assertIn(f"a tick is a whole number from {first} to {last}, found '0'", run.stdout)
         self.assertIn(f"stopped: state == FAULT\ntick {fault} ", run.stdout)
         self.assertIn(f"stopped: end of the scenario\ntick {last} ", run.stdout)
+
+    def alter_an_output(self, entries_before_the_end):
+        words = words_of(self.file.read_text())
+        self.assertEqual(words[-1], crc(words[:-1]))
+        words[-1 - ENTRY_WORDS * entries_before_the_end + COMPARE_B] ^= COMPARE_B_BIT
+        words[-1] = crc(words[:-1])
+        self.file.write_text(text_of(words))
+
+    def test_stepping_begins_where_it_departs_beside_what_was_recorded(self):
+        self.record("s1", "--set", FAULT)
+        self.alter_an_output(300)
+        script = self.file.with_name("script")
+        script.write_text("stages\nback\nprint out.compare.phase[1]\n")
+        run = motorsim("replay", self.file, "--debug", "--script", script)
+        self.assertEqual(run.returncode, DEPARTS, run.stdout + run.stderr)
+        tick, recorded, computed = re.search(
+            r"departs at tick (\d+): out\.compare\.phase\[1\], recorded (\d+), computed (\d+)\n",
+            run.stdout).groups()
+        fault = re.search(r"fault at tick (\d+)", run.stdout)[1]
+        self.assertLess(int(tick), int(fault))
+        there, before = re.split(r"\(run\.log \d+\) back\n", run.stdout)
+        self.assertIn(f"(run.log {tick}) stages\n", there)
+        self.assertRegex(there, r"phase\[0\] +\S+ +raw (\d+) .*  recorded \1\n")
+        self.assertRegex(there, rf"phase\[1\] +\S+ +raw {computed} .*  recorded {recorded} \*\n")
+        self.assertRegex(before, r"phase\[1\] +\S+ +raw (\d+) .*  recorded \1\n")
+
+    def test_a_bad_command_counts_more_than_a_departure(self):
+        self.record("s1", "--set", FAULT)
+        self.alter_an_output(300)
+        script = self.file.with_name("script")
+        script.write_text("nonsense\n")
+        run = motorsim("replay", self.file, "--debug", "--script", script)
+        self.assertEqual(run.returncode, REFUSED, run.stdout + run.stderr)
 
     def test_a_configuration_that_changed_under_way_departs_or_is_refused(self):
         self.record("s1", "--set",

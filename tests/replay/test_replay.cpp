@@ -348,14 +348,16 @@ void another_output_is_named_with_its_tick()
     const Recording after = nf::replay::parse(words);
     const Result result = nf::replay::replay(after);
     std::size_t frame = 0;
-    while (after.outputs[frame].compare.phase[1] == before.outputs[frame].compare.phase[1]) {
+    while (after.run.outputs[frame].compare.phase[1] ==
+           before.run.outputs[frame].compare.phase[1]) {
         frame++;
     }
     TEST_ASSERT_TRUE(result.difference.has_value());
     TEST_ASSERT_EQUAL_UINT32(good[6] + frame, result.difference->tick);
     TEST_ASSERT_EQUAL_STRING("out.compare.phase[1]", result.difference->signal.c_str());
-    TEST_ASSERT_EQUAL_INT64(before.outputs[frame].compare.phase[1], result.difference->computed);
-    TEST_ASSERT_EQUAL_INT64(after.outputs[frame].compare.phase[1], result.difference->recorded);
+    TEST_ASSERT_EQUAL_INT64(before.run.outputs[frame].compare.phase[1],
+                            result.difference->computed);
+    TEST_ASSERT_EQUAL_INT64(after.run.outputs[frame].compare.phase[1], result.difference->recorded);
     assert_contains("departs at tick", summary(after, result));
 }
 
