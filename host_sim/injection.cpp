@@ -140,19 +140,20 @@ void Injection::impose_on_plant(const Fault &fault, plant_t &plant)
 }
 
 // All that lasts, from a healthy state anew.
-void Injection::impose(int64_t tick, const Seam &seam) const
+void Injection::impose(int64_t tick, const Seam &seam)
 {
-    seam.hal = {};
+    binding_ = {};
     plant_break_phases(&seam.plant, 0);
     plant_set_supply(&seam.plant, board_.bus_nominal_v);
     plant_set_temperature(&seam.plant, PLANT_AMBIENT_C);
     plant_block_rotor(&seam.plant, false);
     for (const Fault &fault : faults_) {
         if (fault.begun && tick < fault.until) {
-            impose_on_binding(fault, seam.hal);
+            impose_on_binding(fault, binding_);
             impose_on_plant(fault, seam.plant);
         }
     }
+    seam.hal = binding_;
 }
 
 void Injection::change(int64_t tick, Simulation &sim)

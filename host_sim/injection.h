@@ -17,12 +17,20 @@ public:
     // Times count from tick `zero`. Faults before tick 0 begin there.
     Injection(const Config &config, double period_s, int64_t zero);
 
-    // Before control() of each tick, which sees it. Call with ticks that rise.
-    void act(int64_t tick, Simulation &sim)
+    // Before control() of each tick, which sees it. Call with ticks that rise. True: what lasts was imposed anew.
+    bool act(int64_t tick, Simulation &sim)
     {
-        if (tick >= next_) {
+        const bool due = tick >= next_;
+        if (due) {
             change(tick, sim);
         }
+        return due;
+    }
+
+    // What it has put into the hardware binding.
+    const hal_host_faults_t &binding() const
+    {
+        return binding_;
     }
 
 private:
@@ -38,7 +46,7 @@ private:
 
     void change(int64_t tick, Simulation &sim);
     static void strike(const Fault &fault, const Seam &seam);
-    void impose(int64_t tick, const Seam &seam) const;
+    void impose(int64_t tick, const Seam &seam);
     void impose_on_binding(const Fault &fault, hal_host_faults_t &hal) const;
     static void impose_on_plant(const Fault &fault, plant_t &plant);
     uint16_t current_count(double ampere) const;
@@ -47,6 +55,7 @@ private:
 
     std::vector<Fault> faults_;
     int64_t next_ = NEVER; // tick at which one begins or ends
+    hal_host_faults_t binding_{};
     BoardSettings board_;
 };
 

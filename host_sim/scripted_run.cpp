@@ -68,6 +68,28 @@ void ScriptedRun::set_load_nm(double torque_nm)
     sim_.set_load_nm(torque_nm);
 }
 
+void ScriptedRun::impose_forced()
+{
+    hal_host_faults_t &hal = sim_.seam().hal;
+    for (const Channel channel :
+         {&hal_host_faults_t::ia, &hal_host_faults_t::ib, &hal_host_faults_t::bus,
+          &hal_host_faults_t::temperature, &hal_host_faults_t::angle}) {
+        hal.*channel = (forced_.*channel).forced ? forced_.*channel : injection_.binding().*channel;
+    }
+}
+
+void ScriptedRun::force_channel(Channel channel, uint16_t count)
+{
+    forced_.*channel = {true, count};
+    impose_forced();
+}
+
+void ScriptedRun::release_channel(Channel channel)
+{
+    forced_.*channel = {};
+    impose_forced();
+}
+
 void ScriptedRun::restore(const Snapshot &snapshot)
 {
     tick_ = snapshot.tick;
@@ -76,6 +98,7 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     load_ = snapshot.load;
     injection_ = snapshot.injection;
     operator_ = snapshot.user;
+    forced_ = snapshot.forced;
 }
 
 void ScriptedRun::act()
@@ -88,7 +111,9 @@ void ScriptedRun::act()
     if (new_load_) {
         sim_.set_load_nm(load_.value());
     }
-    injection_.act(tick_, sim_);
+    if (injection_.act(tick_, sim_)) {
+        impose_forced();
+    }
     operator_.act(tick_, sim_);
 }
 

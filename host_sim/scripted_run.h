@@ -32,11 +32,12 @@ public:
         Profile load;
         Injection injection;
         Operator user;
+        hal_host_faults_t forced;
     };
     // Between advance() and control(), of this run and no other.
     Snapshot save() const
     {
-        return {tick_, sim_.save(), command_, load_, injection_, operator_};
+        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_};
     }
     void restore(const Snapshot &snapshot);
 
@@ -57,6 +58,12 @@ public:
     // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
     void set_load_nm(double torque_nm);
+
+    // What the converter or the angle sensor reads from the next control() on, whatever the script says, and the end of
+    // it: the channel is the script's again.
+    using Channel = hal_host_channel_t hal_host_faults_t::*;
+    void force_channel(Channel channel, uint16_t count);
+    void release_channel(Channel channel);
 
     // The last control() brought a new value.
     bool new_command() const
@@ -103,6 +110,7 @@ private:
     int64_t ticks_in(double seconds) const;
     void send_command();
     void act();
+    void impose_forced();
     Tick view() const;
     std::size_t frame() const
     {
@@ -121,6 +129,7 @@ private:
     Profile load_;
     Injection injection_;
     Operator operator_;
+    hal_host_faults_t forced_{}; // its channels
     int64_t tick_;
     bool new_command_ = false;
     bool new_load_ = false;

@@ -38,7 +38,7 @@ constexpr std::array<Command, 3> COMMANDS = {{
 
 struct Channel {
     const char *name;
-    hal_host_channel_t hal_host_faults_t::*channel;
+    ScriptedRun::Channel channel;
 };
 
 constexpr std::array<Channel, 5> CHANNELS = {{
@@ -49,13 +49,11 @@ constexpr std::array<Channel, 5> CHANNELS = {{
     {"in.angle", &hal_host_faults_t::angle},
 }};
 
-Change force_channel(const Channel &channel, int64_t raw)
+Change force_channel(ScriptedRun::Channel channel, int64_t raw)
 {
-    const auto write = [member = channel.channel](ScriptedRun &run, hal_host_channel_t value) {
-        run.sim().seam().hal.*member = value;
-    };
-    return {[=](ScriptedRun &run) { write(run, {true, static_cast<uint16_t>(raw)}); },
-            [=](ScriptedRun &run) { write(run, {false, 0}); }};
+    const auto count = static_cast<uint16_t>(raw);
+    return {[=](ScriptedRun &run) { run.force_channel(channel, count); },
+            [=](ScriptedRun &run) { run.release_channel(channel); }};
 }
 
 // The drive keeps watch over its configuration: what a person sets is sealed as if it had been built so.
@@ -104,7 +102,7 @@ Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run
 {
     for (const Channel &channel : CHANNELS) {
         if (find_signal(channel.name) == &signal) {
-            return force_channel(channel, raw);
+            return force_channel(channel.channel, raw);
         }
     }
     if (signal.word.home == Word::Home::cfg) {

@@ -197,6 +197,36 @@ static void test_what_is_set_over_what_is_forced_gives_way_to_it_again()
     }
 }
 
+// A scenario's own fault on a channel is there again when what a person has put over it ends, and a fault that begins or
+// ends on another channel does not uncover it.
+static void test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them()
+{
+    const nf::Config config = nf::load_scenario(
+        "s1_robust", {},
+        {R"(scenario.fault=[{time_s=0.3, until_s=0.4, what="adc_a_stuck", value=2}, )"
+         R"({time_s=0.301, until_s=0.302, what="adc_bus_stuck", value=310}])"});
+    Timeline timeline(config);
+    const auto read = [&] { return timeline.run().sim().in().adc_ia; };
+    timeline.go_to(timeline.run().tick_at(0.3) + 5);
+    const int stuck = read();
+    TEST_ASSERT_NOT_EQUAL(2100, stuck);
+    (void)set_signal(timeline, "in.adc_ia.raw = 2100", Span::once);
+    for (const int count : {2100, stuck, stuck}) {
+        timeline.step();
+        TEST_ASSERT_EQUAL_INT(count, read());
+    }
+    (void)set_signal(timeline, "in.adc_ia.raw = 2101", Span::for_ever);
+    const int64_t from = timeline.now() + 1;
+    for (timeline.step(); timeline.now() < timeline.run().tick_at(0.303); timeline.step()) {
+        TEST_ASSERT_EQUAL_INT(2101, read());
+    }
+    timeline.go_to(from); // a snapshot knows of it
+    TEST_ASSERT_EQUAL_INT(2101, read());
+    TEST_ASSERT_TRUE(timeline.release("in.adc_ia"));
+    timeline.step();
+    TEST_ASSERT_EQUAL_INT(stuck, read());
+}
+
 // The firmware takes its own state for granted: an index, a shift, a choice beyond its range would be its end.
 static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
 {
@@ -231,6 +261,7 @@ int main()
     RUN_TEST(test_what_is_set_is_repeated_on_the_way_and_ends_when_released);
     RUN_TEST(test_a_forced_count_is_read_until_it_is_released);
     RUN_TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again);
+    RUN_TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them);
     RUN_TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused);
     return UNITY_END();
 }
