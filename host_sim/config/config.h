@@ -26,6 +26,11 @@ enum class DriveMode {
     position
 };
 
+// A command of the user and a load are at most so large, either sign, in a scenario and from a person.
+constexpr double SPEED_COMMAND_MAX_RPM = 200000;
+constexpr double POSITION_COMMAND_MAX_RAD = 10000;
+constexpr double LOAD_MAX_NM = 10000;
+
 struct TimedValue {
     double time_s;
     double value;

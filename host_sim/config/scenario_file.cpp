@@ -38,9 +38,9 @@ struct TimedKey {
     const char *unit;
     double largest; // either sign
 };
-constexpr TimedKey SPEED = {"speed_rpm", "rpm", 200000};
-constexpr TimedKey POSITION = {"position_rad", "rad", 10000};
-constexpr TimedKey TORQUE = {"torque_nm", "N·m", 10000};
+constexpr TimedKey SPEED = {"speed_rpm", "rpm", SPEED_COMMAND_MAX_RPM};
+constexpr TimedKey POSITION = {"position_rad", "rad", POSITION_COMMAND_MAX_RAD};
+constexpr TimedKey TORQUE = {"torque_nm", "N·m", LOAD_MAX_NM};
 
 std::vector<TimedValue> read_list(const std::string &list, const TimedKey &value_key,
                                   const Node &node)

@@ -28,12 +28,13 @@ struct Change {
 struct Command {
     const char *name;
     void (ScriptedRun::*set)(double);
+    double largest; // either sign
 };
 
 constexpr std::array<Command, 3> COMMANDS = {{
-    {"speed_command_rpm", &ScriptedRun::set_command},
-    {"position_command_rad", &ScriptedRun::set_command},
-    {"load_torque_nm", &ScriptedRun::set_load_nm},
+    {"speed_command_rpm", &ScriptedRun::set_command, SPEED_COMMAND_MAX_RPM},
+    {"position_command_rad", &ScriptedRun::set_command, POSITION_COMMAND_MAX_RAD},
+    {"load_torque_nm", &ScriptedRun::set_load_nm, LOAD_MAX_NM},
 }};
 
 struct Channel {
@@ -133,6 +134,15 @@ int64_t checked_raw(const Named &named, double value, const Simulation &sim)
     return static_cast<int64_t>(raw);
 }
 
+void check_range(const char *name, double value, double lowest, double highest, const char *unit)
+{
+    const bool inside = value >= lowest && value <= highest; // NaN is nowhere
+    if (!inside) {
+        throw std::runtime_error(
+            fmt::format("{} is from {} to {} {}, found {:g}", name, lowest, highest, unit, value));
+    }
+}
+
 void refuse_in_recording(const SignalInfo &signal, const ScriptedRun &run)
 {
     if (run.is_recorded()) {
@@ -155,10 +165,8 @@ Change change_of(const Named &named, double value, const ScriptedRun &run)
     for (const Command &command : COMMANDS) {
         if (find_signal(command.name) == &signal) {
             refuse_in_recording(signal, run);
-            if (!std::isfinite(value)) {
-                throw std::runtime_error(
-                    fmt::format("{} is a finite number, found {}", signal.name, value));
-            }
+            check_range(signal.name, value, -command.largest, command.largest,
+                        unit_text(signal, run.sim()));
             return {[set = command.set, value](ScriptedRun &r) { (r.*set)(value); }, {}};
         }
     }

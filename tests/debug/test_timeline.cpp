@@ -10,6 +10,7 @@ extern "C" {
 #include <chrono>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "unity.h"
@@ -227,6 +228,30 @@ static void test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_t
     TEST_ASSERT_EQUAL_INT(stuck, read());
 }
 
+static void test_a_command_is_bounded_as_in_a_scenario()
+{
+    const nf::Config config = nf::load_scenario("s1");
+    Timeline timeline(config);
+    for (const auto &[assignment, refusal] : std::vector<std::pair<const char *, const char *>>{
+             {"speed_command_rpm = 200000", ""},
+             {"speed_command_rpm = 1e9",
+              "speed_command_rpm is from -200000 to 200000 rpm, found 1e+09"},
+             {"speed_command_rpm = 0/0",
+              "speed_command_rpm is from -200000 to 200000 rpm, found nan"},
+             {"load_torque_nm = -10001",
+              "load_torque_nm is from -10000 to 10000 N m, found -10001"}}) {
+        std::string answer;
+        try {
+            (void)set_signal(timeline, assignment, Span::once);
+        } catch (const std::runtime_error &error) {
+            answer = error.what();
+        }
+        const std::size_t sign = answer.find("-nan"); // 0/0 is a NaN of either sign
+        answer.erase(std::min(sign, answer.size()), sign == std::string::npos ? 0 : 1);
+        TEST_ASSERT_EQUAL_STRING(refusal, answer.c_str());
+    }
+}
+
 // The firmware takes its own state for granted: an index, a shift, a choice beyond its range would be its end.
 static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
 {
@@ -262,6 +287,7 @@ int main()
     RUN_TEST(test_a_forced_count_is_read_until_it_is_released);
     RUN_TEST(test_what_is_set_over_what_is_forced_gives_way_to_it_again);
     RUN_TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them);
+    RUN_TEST(test_a_command_is_bounded_as_in_a_scenario);
     RUN_TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused);
     return UNITY_END();
 }
