@@ -22,9 +22,11 @@ class Assembly
 public:
     void add(std::string_view text, std::size_t place)
     {
+        place_ = place;
         try {
             put(decode_line(text), place);
         } catch (const RecordingError &error) {
+            begin_after_a_whole_one();
             spoil(fmt::format("line {}: {}", place, error.what()));
         }
     }
@@ -32,7 +34,9 @@ public:
     Recording finish() const
     {
         if (whole_) {
-            return *whole_;
+            Recording last = *whole_;
+            last.remark = remark();
+            return last;
         }
         if (problem_.empty() && words_.empty()) {
             throw RecordingError(fmt::format("there is no recording in it: no line has {} "
@@ -43,6 +47,32 @@ public:
     }
 
 private:
+    // Of what comes after the last whole one.
+    std::string remark() const
+    {
+        if (number_ == whole_number_) {
+            return "";
+        }
+        return fmt::format("recording {} of {}; a later one, {}", whole_number_, number_,
+                           problem_.empty() ? fmt::format("line {}: {}", place_, cut_off())
+                                            : problem_);
+    }
+
+    void begin()
+    {
+        words_.clear();
+        problem_.clear();
+        number_++;
+    }
+
+    // Whatever is damaged behind the end of one belongs to the next.
+    void begin_after_a_whole_one()
+    {
+        if (whole_ && number_ == whole_number_) {
+            begin();
+        }
+    }
+
     void spoil(const std::string &problem)
     {
         problem_ = problem_.empty() ? problem : problem_;
@@ -68,10 +98,10 @@ private:
 
     void put(const Line &line, std::size_t place)
     {
-        if (line.number == 0) { // a new one
-            words_.clear();
-            problem_.clear();
+        if (line.number == 0) {
+            begin();
         }
+        begin_after_a_whole_one();
         if (line.number != lines()) {
             spoil(fmt::format("line {}: it is number {} of the recording, {} is missing", place,
                               line.number, lines()));
@@ -99,11 +129,15 @@ private:
                                              words_.back(), crc));
         }
         whole_ = parse(words_);
+        whole_number_ = number_;
     }
 
     std::vector<uint32_t> words_; // of the lines so far
     std::string problem_;         // the first of this recording
     std::optional<Recording> whole_;
+    std::size_t number_ = 0;       // of this one in the file, from 1
+    std::size_t whole_number_ = 0; // of the last whole one
+    std::size_t place_ = 0;        // the last line of a recording, in the file
 };
 
 } // namespace

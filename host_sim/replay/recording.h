@@ -22,6 +22,8 @@ struct RecordingError : std::runtime_error {
 struct Recording {
     recorder_header_t header;
     RecordedRun run;
+    std::string
+        remark; // what a person should know of the file beside it, in one line; may be empty
 
     std::string name() const;  // of motor, board, tuning
     std::string build() const; // of the image, in hex; empty for the simulator

@@ -118,6 +118,7 @@ std::string summary(const Recording &recording, const Result &result)
                        recording.run.image.cfg.crc, recording.run.first(), recording.last(),
                        recording.run.outputs.size(), period_s * 1e6,
                        static_cast<double>(recording.run.outputs.size()) * period_s) +
+           (recording.remark.empty() ? "" : fmt::format("  {}\n", recording.remark)) +
            end_text(recording, result) + verdict(recording, result);
 }
 

@@ -181,6 +181,32 @@ void of_several_the_last_whole_one_counts()
     assert_contains("cut off", refusal_of(half + '\n' + half));
 }
 
+void a_later_damaged_one_is_told()
+{
+    const std::string &whole = recorded();
+    const std::vector<std::string> all = lines_of(whole);
+    const std::size_t lines = all.size();
+    const auto remark = [](const std::string &text) { return nf::replay::read(text).remark; };
+    TEST_ASSERT_EQUAL_STRING("", remark(whole).c_str());
+    TEST_ASSERT_EQUAL_STRING("", remark(whole + whole).c_str());
+    TEST_ASSERT_EQUAL_STRING("", remark(whole.substr(0, whole.size() / 2) + '\n' + whole).c_str());
+
+    const std::vector<std::string> later(all.begin(), all.begin() + 3);
+    const std::string cut = "recording 1 of 2; a later one, line " + std::to_string(lines + 3) +
+                            ": it ends after 3 of " + std::to_string(lines) +
+                            " lines: it is cut off";
+    TEST_ASSERT_EQUAL_STRING(cut.c_str(), remark(whole + joined(later)).c_str());
+    const std::string damaged = "recording 2 of 3; a later one, line " +
+                                std::to_string(2 * lines + 1) + ": it has 3 characters";
+    for (const std::string &rest : {std::string("~ab\n"), "~ab\n" + joined(later).substr(82)}) {
+        const std::string found = remark(whole + whole + rest);
+        TEST_ASSERT_EQUAL_STRING(damaged.c_str(), found.substr(0, damaged.size()).c_str());
+    }
+    const Recording recording = nf::replay::read(whole + "~ab\n");
+    assert_contains("\n  recording 1 of 2; a later one, line",
+                    summary(recording, nf::replay::replay(recording)));
+}
+
 void what_is_no_recording_is_refused()
 {
     assert_contains("no recording", refusal_of(std::string()));
@@ -411,6 +437,7 @@ int main()
     RUN_TEST(what_a_logger_adds_to_its_lines_does_not_matter);
     RUN_TEST(damage_behind_what_a_logger_adds_is_named);
     RUN_TEST(of_several_the_last_whole_one_counts);
+    RUN_TEST(a_later_damaged_one_is_told);
     RUN_TEST(what_is_no_recording_is_refused);
     RUN_TEST(ticks_go_on_where_the_drives_count_wraps);
     RUN_TEST(a_missing_line_is_named);
