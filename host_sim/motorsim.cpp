@@ -16,6 +16,7 @@
 #include "writer.h"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -214,6 +215,13 @@ void check_window(const RunArguments &arguments)
     const bool window = arguments.vcd_from_s || arguments.vcd_to_s;
     if (window && arguments.vcd.empty()) {
         throw FileError("--vcd-from and --vcd-to need --vcd FILE");
+    }
+    for (const auto &[option, time_s] : {std::pair("--vcd-from", arguments.vcd_from_s),
+                                         std::pair("--vcd-to", arguments.vcd_to_s)}) {
+        if (time_s && !std::isfinite(*time_s)) {
+            throw FileError(
+                fmt::format("{} is a finite number of seconds, found {}", option, *time_s));
+        }
     }
     if (arguments.vcd_from_s && arguments.vcd_to_s && *arguments.vcd_from_s > *arguments.vcd_to_s) {
         throw FileError(fmt::format("--vcd-from {:g} is after --vcd-to {:g}", *arguments.vcd_from_s,

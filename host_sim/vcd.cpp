@@ -2,11 +2,16 @@
 
 #include "names.h"
 
+extern "C" {
+#include "fault_text.h"
+}
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <iterator>
 
 namespace nf
@@ -64,12 +69,16 @@ std::string binary(unsigned value)
     return digits;
 }
 
-// The numbers of the states.
-std::string states_comment()
+// The numbers of states and faults.
+std::string legend()
 {
     std::string text = "state:";
     for (int state = DRIVE_STATE_INIT; state <= DRIVE_STATE_FAULT; state++) {
         text += fmt::format(" {}={}", state, state_name(static_cast<drive_state_t>(state)));
+    }
+    text += "; fault:";
+    for (int id = FAULT_NONE; id < FAULT_COUNT; id++) {
+        text += fmt::format(" {}={}", id, fault_text(static_cast<fault_id_t>(id))->name);
     }
     return text;
 }
@@ -95,13 +104,21 @@ Vcd::Vcd(const std::string &path, const TimeWindow &window)
     }
 }
 
+Vcd::~Vcd()
+{
+    std::error_code ignored;
+    if (!whole_ && std::filesystem::is_regular_file(path_, ignored)) { // a device stays
+        std::filesystem::remove(path_, ignored);
+    }
+}
+
 void Vcd::declare()
 {
     const auto out = std::back_inserter(buffer_);
     fmt::format_to(
         out,
         "$version motorsim $end\n$timescale 1 ns $end\n$comment time 0 is t = {:g} s; {} $end\n",
-        std::min(window_.from_s, 0.0), states_comment());
+        std::min(window_.from_s, 0.0), legend());
     declare_variables();
     fmt::format_to(out, "$enddefinitions $end\n");
     declared_ = true;
@@ -138,7 +155,7 @@ void Vcd::write_signals(const Tick &tick)
     const auto out = std::back_inserter(buffer_);
     move_to(tick.time_s);
     for (Variable &variable : variables_) {
-        const double value = si_value(*variable.signal, tick);
+        const double value = si_value(*variable.signal, tick) + 0.0; // −0 is no change from 0
         const std::string text = is_enumeration(*variable.signal)
                                      ? binary(static_cast<unsigned>(value))
                                      : fmt::format("r{:.9g}", value);
@@ -218,6 +235,7 @@ void Vcd::close()
     if (std::fclose(file_.release()) != 0) {
         fail("cannot write the value change dump");
     }
+    whole_ = true;
 }
 
 void Vcd::fail(const char *doing) const

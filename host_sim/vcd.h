@@ -36,6 +36,10 @@ class Vcd : public TickSink
 public:
     // Creates the file. Throws VcdError.
     Vcd(const std::string &path, const TimeWindow &window);
+    // What was not closed is not left there.
+    ~Vcd() override;
+    Vcd(const Vcd &) = delete;
+    Vcd &operator=(const Vcd &) = delete;
 
     void add(const Tick &tick) override;
     // Call after the last tick. Throws VcdError; also when no tick was in the window.
@@ -78,6 +82,7 @@ private:
     std::vector<Switch> switches_;
     double end_s_ = 0; // of the last period written
     bool declared_ = false;
+    bool whole_ = false;
     std::optional<int64_t> time_ns_;
 };
 

@@ -155,9 +155,28 @@ class VcdTest(unittest.TestCase):
         self.assertIn("need --vcd FILE", self.refused("s1", "--vcd-from", "0"))
         self.assertIn("is after", self.refused("s1", "--vcd", "a", "--vcd-from", "2", "--vcd-to", "1"))
         self.assertIn("no tick of the run", self.refused("s1", "--vcd", "a", "--vcd-from", "5"))
+        for option, time in (("--vcd-from", "nan"), ("--vcd-to", "inf"), ("--vcd-from", "-inf")):
+            self.assertIn(f"{option} is a finite number of seconds, found {time}",
+                          self.refused("s1", "--vcd", "a", option, time))
         self.assertIn("same file", self.refused("s1", "--vcd", "a", "--trace", "./a"))
         self.assertIn("cannot create", self.refused("s1", "--vcd", "no/such/folder"))
         self.assertIn("/dev/full", self.refused("s1", "--vcd", "/dev/full"))
+        self.assertTrue(Path("/dev/full").exists())
+
+    def test_a_dump_that_fails_leaves_no_file(self):
+        self.refused("s1", "--vcd", "a", "--vcd-from", "5")
+        self.refused("s1", "--vcd", "a", "--set", "motor.inductance_d_h=1")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_states_and_faults_have_a_legend(self):
+        self.motorsim("s1_robust", "--vcd", "run.vcd", "--vcd-from", "0.3",
+                      "--set", 'scenario.fault=[{time_s=0.4, what="overcurrent", value=19}]')
+        text = (self.folder / "run.vcd").read_text(encoding="utf-8")
+        states, faults = re.search(r"state:((?: \d+=\w+)+); fault:((?: \d+=\w+)+) \$end", text).groups()
+        legends = [dict(pair.split("=") for pair in legend.split()) for legend in (states, faults)]
+        dump = Dump(text)
+        self.assertEqual([legends[0][str(value)] for _, value in dump.changes["state"]], ["RUN", "FAULT"])
+        self.assertEqual([legends[1][str(value)] for _, value in dump.changes["fault"]], ["NONE", "OVERCURRENT"])
 
 
 unittest.main()
