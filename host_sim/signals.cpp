@@ -762,7 +762,7 @@ std::vector<std::string> near_signals(const std::string &name, std::size_t count
     for (const SignalInfo &signal : all_signals()) {
         known.emplace_back(signal.name);
     }
-    return nearest(name, known, count);
+    return nearest_at_all(name, known, count);
 }
 
 const char *home_text(Word::Home home)

@@ -83,7 +83,7 @@ const std::vector<SignalInfo> &all_signals();
 // NULL when there is none of this name.
 const SignalInfo *find_signal(const std::string &name);
 
-// For a misspelt name: those it may have meant, the nearest first, at most `count`.
+// For an unknown name: those it may have meant or else the least unlike, the nearest first, at most `count`.
 std::vector<std::string> near_signals(const std::string &name, std::size_t count);
 
 // SI = (raw − zero) · one.

@@ -87,6 +87,28 @@ std::vector<std::string> nearest(const std::string &wrong, const std::vector<std
     return names;
 }
 
+std::vector<std::string> nearest_at_all(const std::string &wrong,
+                                        const std::vector<std::string> &known, std::size_t count)
+{
+    std::vector<std::string> names = nearest(wrong, known, count);
+    if (!names.empty() || wrong.empty() || wrong.size() > NAME_MAX_LENGTH) {
+        return names;
+    }
+    std::vector<std::pair<std::size_t, std::size_t>> found;
+    for (std::size_t k = 0; k < known.size(); k++) {
+        const bool part = known[k].find(wrong) != std::string::npos;
+        const std::size_t far =
+            std::min(distance(wrong, known[k]), distance(after_dot(wrong), after_dot(known[k])));
+        found.emplace_back(part ? 0 : far, k);
+    }
+    std::sort(found.begin(), found.end());
+    found.resize(std::min(found.size(), count));
+    for (const auto &[far, index] : found) {
+        names.push_back(known[index]);
+    }
+    return names;
+}
+
 std::string nearest(const std::string &wrong, const std::vector<std::string> &known)
 {
     const std::vector<std::string> best = nearest(wrong, known, 1);

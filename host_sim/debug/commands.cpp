@@ -4,6 +4,7 @@
 #include "set.h"
 #include "stages.h"
 #include "suggest.h"
+#include "trimmed.h"
 
 extern "C" {
 #include "drive_words.h"
@@ -18,11 +19,14 @@ extern "C" {
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nf::debug
 {
 namespace
 {
+
+constexpr std::size_t NEAR_COUNT = 3;
 
 // What is wrong with a command, as the line for the user.
 struct Refusal : std::runtime_error {
@@ -38,15 +42,6 @@ struct Command {
 };
 
 const std::vector<Command> &commands();
-
-std::string trimmed(const std::string &text)
-{
-    constexpr const char *BLANKS = " \t\r\n\v\f";
-    const std::size_t first = text.find_first_not_of(BLANKS);
-    return first == std::string::npos
-               ? ""
-               : text.substr(first, text.find_last_not_of(BLANKS) - first + 1);
-}
 
 struct Split {
     std::string first;
@@ -305,9 +300,10 @@ const Command &command_of(const std::string &name)
         }
         names.emplace_back(command.name);
     }
-    const std::string near = nearest(name, names);
+    const std::vector<std::string> near = nearest_at_all(name, names, NEAR_COUNT);
     throw Refusal(near.empty() ? fmt::format("there is no command {}; `help` lists them", name)
-                               : fmt::format("there is no command {}; {}?", name, near));
+                               : fmt::format("there is no command {}; near: {}; `help` lists all",
+                                             name, fmt::join(near, " ")));
 }
 
 std::string help(const Session &session, const std::string &rest)

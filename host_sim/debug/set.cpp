@@ -1,6 +1,7 @@
 #include "set.h"
 
 #include "state_check.h"
+#include "trimmed.h"
 #include "vocabulary.h"
 
 extern "C" {
@@ -8,6 +9,7 @@ extern "C" {
 #include "params.h"
 }
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -119,28 +121,44 @@ Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run
     return {[&signal, raw](ScriptedRun &r) { write_word(signal.word, raw, r.sim().seam()); }, {}};
 }
 
+[[noreturn]] void refuse_value(const char *name, double value, double lowest, double highest,
+                               const char *unit)
+{
+    throw std::runtime_error(fmt::format("{} is from {:.10g} to {:.10g}{}{}, found {}", name,
+                                         lowest, highest, *unit == '\0' ? "" : " ", unit, value));
+}
+
+bool is_within(double value, double lowest, double highest)
+{
+    return value >= lowest && value <= highest; // NaN is nowhere
+}
+
+// An expression's value is a double: beyond this it is no longer each whole number.
+RawRange exact_range(const Word &word)
+{
+    constexpr int64_t EXACT = int64_t{1} << 53U;
+    const RawRange range = raw_range(word);
+    return {std::max(range.lowest, -EXACT), std::min(range.highest, EXACT)};
+}
+
 int64_t checked_raw(const Named &named, double value, const Simulation &sim)
 {
     const SignalInfo &signal = *named.signal;
+    const RawRange range = exact_range(signal.word);
+    const auto lowest = static_cast<double>(range.lowest);
+    const auto highest = static_cast<double>(range.highest);
     const double raw = named.raw ? value : raw_from_si(signal, value, sim);
-    const RawRange range = raw_range(signal.word);
-    const bool fits = raw >= static_cast<double>(range.lowest) &&
-                      raw <= static_cast<double>(range.highest) && std::abs(raw) < 0x1p62;
-    if (!fits || std::floor(raw) < raw) {
-        throw std::runtime_error(
-            fmt::format("{}.raw is a whole number from {} to {}, found {:.10g}", signal.name,
-                        range.lowest, range.highest, raw));
+    const bool fits = is_within(raw, lowest, highest);
+    if (named.raw && (!fits || std::floor(raw) < raw)) {
+        throw std::runtime_error(fmt::format("{}.raw is a whole number from {} to {}, found {}",
+                                             signal.name, range.lowest, range.highest, raw));
+    }
+    if (!fits) {
+        const Scale scale = word_scale(signal, sim);
+        refuse_value(signal.name, value, (lowest - scale.zero) * scale.one,
+                     (highest - scale.zero) * scale.one, scale.unit);
     }
     return static_cast<int64_t>(raw);
-}
-
-void check_range(const char *name, double value, double lowest, double highest, const char *unit)
-{
-    const bool inside = value >= lowest && value <= highest; // NaN is nowhere
-    if (!inside) {
-        throw std::runtime_error(
-            fmt::format("{} is from {} to {} {}, found {:g}", name, lowest, highest, unit, value));
-    }
 }
 
 void refuse_in_recording(const SignalInfo &signal, const ScriptedRun &run)
@@ -165,20 +183,14 @@ Change change_of(const Named &named, double value, const ScriptedRun &run)
     for (const Command &command : COMMANDS) {
         if (find_signal(command.name) == &signal) {
             refuse_in_recording(signal, run);
-            check_range(signal.name, value, -command.largest, command.largest,
-                        unit_text(signal, run.sim()));
+            if (!is_within(value, -command.largest, command.largest)) {
+                refuse_value(signal.name, value, -command.largest, command.largest,
+                             unit_text(signal, run.sim()));
+            }
             return {[set = command.set, value](ScriptedRun &r) { (r.*set)(value); }, {}};
         }
     }
     refuse_result(signal);
-}
-
-std::string trimmed(const std::string &text)
-{
-    const std::size_t first = text.find_first_not_of(" \t");
-    return first == std::string::npos
-               ? ""
-               : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 // A command of the other mode would change nothing.

@@ -50,7 +50,7 @@ std::string unknown_text(const std::string &name)
     for (const std::string &other : near) {
         line += ' ' + other;
     }
-    return line;
+    return line + "; `signals` lists all";
 }
 
 std::string recorded_text(const SignalInfo &signal, int64_t raw, const Tick &tick)

@@ -182,11 +182,18 @@ class Refuses(SessionTest):
     def test_an_unknown_signal_lists_near_names(self):
         self.assertRegex(self.refused("print speed_rmp"), r"no signal speed_rmp; near: speed_rpm\b")
         self.assertIn("near: drive.observer.speed_out", self.refused("watch drive.observer.sped_out"))
-        self.assertIn("`signals` lists them", self.refused("print xyzzyplugh"))
+
+    def test_what_is_like_no_name_lists_the_least_unlike(self):
+        for command in ("print xyzzyplugh", "print x", "set zzz = 1", "watch cfg.qqqqqq.wwwwww", "release flux"):
+            self.assertRegex(self.refused(command), r"there is no signal \S+; near:( \S+){5}; `signals` lists all$")
+        self.assertIn("flux_q30", self.refused("print flux"))
+        for command in ("xyzzyplugh", "q", "help zzzzzz"):
+            self.assertRegex(self.refused(command), r"there is no command \S+; near:( \S+){1,3}; `help` lists all$")
+        self.assertRegex(self.refused("x" * 101), "there is no command x+; `help` lists them$")
 
     def test_a_bad_line_says_what_where_and_what_is_allowed(self):
         for command, part in (
-                ("stepp", "there is no command stepp; step?"),
+                ("stepp", "there is no command stepp; near: step; `help` lists all"),
                 ("step 0", "from 1 to 1000000000, found '0'"),
                 ("step x", "found 'x'"),
                 ("back 99999999999999999999", "found '99999999999999999999'"),
@@ -211,7 +218,14 @@ class Refuses(SessionTest):
                 ("set drive.observer.speed", "NAME = VALUE; found 'drive.observer.speed'"),
                 ("set in.adc_ia.raw = 65536", "from 0 to 65535, found 65536"),
                 ("set drive.observer.speed.raw = 0.5", "found 0.5"),
-                ("set drive.observer.speed = 1e300", "is a whole number from -2147483648"),
+                ("set drive.observer.speed = 1e300", "drive.observer.speed is from -150000 to 149999.9999 rpm, found 1e+300"),
+                ("set drive.observer.speed.raw = 1e10",
+                 "drive.observer.speed.raw is a whole number from -2147483648 to 2147483647, found 10000000000"),
+                ("set drive.position.turns_q32.raw = 9007199254740994",
+                 "is a whole number from -9007199254740992 to 9007199254740992, found 9007199254740994"),
+                ("set drive.position.turns_q32 = 3e6",
+                 "drive.position.turns_q32 is from -2097152 to 2097152 turns el, found 3000000"),
+                ("set drive.residual = 0/0", "drive.residual is from -"),
                 ("set cfg.slow_ticks.raw = 5", "refused by the drive: slow_ticks"),
                 ("set position_command_rad = 1", "commands nothing in a run in speed mode"),
                 ("release i_q_a", "i_q_a is not set at tick 0"),

@@ -235,7 +235,7 @@ static void test_a_command_is_bounded_as_in_a_scenario()
     for (const auto &[assignment, refusal] : std::vector<std::pair<const char *, const char *>>{
              {"speed_command_rpm = 200000", ""},
              {"speed_command_rpm = 1e9",
-              "speed_command_rpm is from -200000 to 200000 rpm, found 1e+09"},
+              "speed_command_rpm is from -200000 to 200000 rpm, found 1000000000"},
              {"speed_command_rpm = 0/0",
               "speed_command_rpm is from -200000 to 200000 rpm, found nan"},
              {"load_torque_nm = -10001",
