@@ -93,17 +93,19 @@ int64_t count(const std::string &rest)
 std::string step(Session &session, const std::string &rest)
 {
     const int64_t wanted = session.timeline.now() + count(rest);
-    session.timeline.go_to(std::min(wanted, session.timeline.last()));
-    const bool all = session.timeline.now() == wanted;
-    return (all ? "" : "end of the scenario\n") + session.position_text();
+    const int64_t last = session.timeline.last();
+    const std::string stopped = session.go_to(std::min(wanted, last));
+    const bool short_of_it = stopped.empty() && wanted > last;
+    return stopped + (short_of_it ? "end of the scenario\n" : "") + session.position_text();
 }
 
 std::string back(Session &session, const std::string &rest)
 {
     const int64_t wanted = session.timeline.now() - count(rest);
     const int64_t first = session.timeline.first();
-    session.timeline.go_to(std::max(wanted, first));
-    return (wanted < first ? "beginning of the run\n" : "") + session.position_text();
+    const std::string stopped = session.go_to(std::max(wanted, first));
+    const bool short_of_it = stopped.empty() && wanted < first;
+    return stopped + (short_of_it ? "beginning of the run\n" : "") + session.position_text();
 }
 
 std::string run(Session &session, const std::string &rest)
@@ -141,8 +143,8 @@ std::string go_to(Session &session, const std::string &rest)
     } else {
         tick = integer(rest, "a tick", timeline.first(), timeline.last());
     }
-    session.timeline.go_to(std::clamp(tick, timeline.first(), timeline.last()));
-    return session.position_text();
+    const std::string stopped = session.go_to(std::clamp(tick, timeline.first(), timeline.last()));
+    return stopped + session.position_text();
 }
 
 std::string list_breaks(const Session &session)
@@ -319,7 +321,9 @@ std::string help(const Session &session, const std::string &rest)
         text += fmt::format("  {:<28}{}\n", fmt::format("{} {}", command.name, command.arguments),
                             command.summary);
     }
-    return text + "`help COMMAND` says more. An empty line repeats the last step or back.\n";
+    return text +
+           "`help COMMAND` says more. An empty line repeats the last step or back. Ctrl-C stops what "
+           "runs.\n";
 }
 
 std::string quit(const Session &session, const std::string &rest)

@@ -1,10 +1,16 @@
 #include "line_reader.h"
 
+#include "interrupt.h"
+
+#include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
 #include <editline/readline.h>
 #include <fmt/format.h>
+#include <sys/select.h>
+#include <unistd.h>
 
 namespace nf::debug
 {
@@ -31,6 +37,29 @@ char **attempt(const char *word, int start, int end)
     return rl_completion_matches(word, next_candidate);
 }
 
+// The library's own reading goes on after a signal. An interrupt is let in only while it waits, so that none is missed.
+int next_key(std::FILE *from)
+{
+    const int file = fileno(from);
+    sigset_t interrupt;
+    sigset_t before;
+    sigemptyset(&interrupt);
+    sigaddset(&interrupt, SIGINT);
+    sigprocmask(SIG_BLOCK, &interrupt, &before);
+    bool ready = false;
+    bool broken = false;
+    while (!ready && !broken && !was_interrupted()) {
+        fd_set keys;
+        FD_ZERO(&keys);
+        FD_SET(file, &keys);
+        ready = pselect(file + 1, &keys, nullptr, nullptr, nullptr, &before) > 0;
+        broken = !ready && errno != EINTR;
+    }
+    sigprocmask(SIG_SETMASK, &before, nullptr);
+    unsigned char key = 0;
+    return ready && read(file, &key, 1) == 1 ? key : EOF;
+}
+
 class Terminal : public LineReader
 {
 public:
@@ -38,14 +67,21 @@ public:
     {
         complete_line = complete;
         rl_attempted_completion_function = attempt;
+        rl_getc_function = next_key;
         using_history();
     }
 
     std::optional<std::string> next(const std::string &prompt) override
     {
-        char *const text = readline(prompt.c_str());
+        char *text = nullptr;
+        do { // Ctrl-C: another line in place of this one
+            forget_interrupt();
+            text = readline(prompt.c_str());
+            if (text == nullptr) {
+                std::fputc('\n', stdout);
+            }
+        } while (text == nullptr && was_interrupted());
         if (text == nullptr) {
-            std::fputc('\n', stdout);
             return std::nullopt;
         }
         std::string line(text);
@@ -60,6 +96,9 @@ public:
     {
         return false;
     }
+
+private:
+    InterruptWatch watch_;
 };
 
 class Stream : public LineReader

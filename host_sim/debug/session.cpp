@@ -1,5 +1,6 @@
 #include "session.h"
 
+#include "interrupt.h"
 #include "names.h"
 
 extern "C" {
@@ -12,6 +13,8 @@ namespace nf::debug
 {
 namespace
 {
+
+constexpr const char *INTERRUPTED = "interrupted";
 
 // RUN has a second form.
 std::string state_text(const drive_t &drive)
@@ -54,8 +57,16 @@ std::string Session::run_until(const Value &condition, const std::string &text)
         if (condition && is_true(condition(timeline.tick()))) {
             return text;
         }
+        if (was_interrupted()) {
+            return INTERRUPTED;
+        }
     }
     return "end of the scenario";
+}
+
+std::string Session::go_to(int64_t tick)
+{
+    return timeline.go_to(tick, was_interrupted) ? "" : fmt::format("stopped: {}\n", INTERRUPTED);
 }
 
 std::string Session::position_text() const

@@ -34,8 +34,11 @@ public:
     {
     }
 
-    // Forwards until one of the breaks, the condition, or the last tick. The reason as a line.
+    // Forwards until one of the breaks, the condition, an interrupt or the last tick. The reason as a line.
     std::string run_until(const Value &condition, const std::string &text);
+
+    // What to say before the position there: nothing, or that an interrupt came before.
+    std::string go_to(int64_t tick);
 
     // "tick 4711  t = 0.4711 s  RUN  999.8 rpm", then what is watched.
     std::string position_text() const;

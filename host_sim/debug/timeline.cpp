@@ -71,15 +71,16 @@ bool Timeline::step()
     return true;
 }
 
-void Timeline::go_to(int64_t tick)
+bool Timeline::go_to(int64_t tick, bool (*stop)())
 {
     const auto nearest = std::prev(snapshots_.upper_bound(tick));
     if (tick < now() || nearest->first > now()) {
         run_.restore(nearest->second);
         control();
     }
-    while (now() < tick && step()) {
+    while (now() < tick && (stop == nullptr || !stop()) && step()) {
     }
+    return now() == tick;
 }
 
 void Timeline::edit(const std::string &subject, const std::string &text, int64_t until,

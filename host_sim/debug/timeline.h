@@ -54,8 +54,8 @@ public:
 
     // One tick on; false at the last one.
     bool step();
-    // To a tick, first() … last().
-    void go_to(int64_t tick);
+    // To a tick, first() … last(). Ends at an earlier one, with false, when `stop` says so after some tick.
+    bool go_to(int64_t tick, bool (*stop)() = nullptr);
 
     // What is done to the run, after the control interrupt of each tick from the present one to `until`; on the way
     // again it happens again. `subject` names it for release().

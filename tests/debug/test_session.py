@@ -1,5 +1,6 @@
 """motorsim debug as its users meet it: sessions from a file or a pipe, and what they are told."""
 
+import fcntl
 import os
 import pty
 import re
@@ -7,12 +8,16 @@ import select
 import subprocess
 import sys
 import tempfile
+import termios
+import time
 import unittest
 from pathlib import Path
 
 MOTORSIM = Path(sys.argv.pop(1)).resolve()
 DONE, BAD_INPUT = 0, 2
 ROUND_TRIP = 10000
+CTRL_C = "\x03"
+LAST = 600000   # of a prolonged scenario
 
 
 class SessionTest(unittest.TestCase):
@@ -249,22 +254,26 @@ class Refuses(SessionTest):
 
 class Terminal(SessionTest):
     ANSWER_S = 20
+    UNDER_WAY_S = 0.3
+    PROLONGED = "scenario.duration_s=60"   # some seconds to run
 
     def setUp(self):
         super().setUp()
         self.screen, line = pty.openpty()
         self.addCleanup(os.close, self.screen)
-        self.process = subprocess.Popen([MOTORSIM, "debug", "s1"], stdin=line, stdout=line,
-                                        stderr=line, cwd=self.folder,
+        self.process = subprocess.Popen([MOTORSIM, "debug", "s1", "--set", self.PROLONGED], stdin=line, stdout=line,
+                                        stderr=line, cwd=self.folder, start_new_session=True,
+                                        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
                                         env={**os.environ, "TERM": "xterm"})
         os.close(line)
         self.addCleanup(self.process.wait)
         self.addCleanup(self.process.kill)
         self.shown_until(r"\(s1 0\)")
+        time.sleep(self.UNDER_WAY_S)   # the terminal is switched to keys behind the prompt
 
     def shown_until(self, pattern):
         text = ""
-        while not re.search(pattern, text):
+        while not re.search(pattern, text, flags=re.DOTALL):
             ready, _, _ = select.select([self.screen], [], [], self.ANSWER_S)
             self.assertTrue(ready, f"no {pattern} in {text!r}")
             text += os.read(self.screen, 4096).decode(errors="replace")
@@ -282,6 +291,36 @@ class Terminal(SessionTest):
         self.types("goto 42\n", r"tick 42 ")
         self.types("step 3\n", r"tick 45 ")
         self.types("\x1b[A\x1b[A\n", r"tick 42 ")
+
+
+    def test_ctrl_c_stops_a_run_at_a_whole_tick(self):
+        self.types("run until speed_rpm > 1e9\n", "until speed_rpm")
+        time.sleep(self.UNDER_WAY_S)
+        stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
+        tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
+        self.assertIn(f"(s1 {tick})", stopped)
+        there = self.types("hash\n", r"drive \w{8}")
+        self.types("goto 0\n", "tick 0 ")
+        self.types(f"goto {tick}\n", f"tick {tick} ")
+        again = self.types("hash\n", r"drive \w{8}")
+        self.assertEqual(*[re.search(r"drive \w{8}", text)[0] for text in (there, again)])
+
+    def test_ctrl_c_stops_the_way_to_a_tick_there_and_back(self):
+        for command in (f"goto {LAST}\n", f"step {LAST}\n"):
+            self.types(command, command[:4])
+            time.sleep(self.UNDER_WAY_S)
+            stopped = self.types(CTRL_C, r"\(s1 \d+\) $")
+            tick = int(re.search(r"stopped: interrupted\r?\ntick (\d+) ", stopped)[1])
+            self.assertTrue(0 < tick < LAST, stopped)
+            self.types("goto 0\n", "tick 0 ")
+
+    def test_ctrl_c_clears_the_line_at_the_prompt(self):
+        self.types("step 5\n", r"tick 5 .*\(s1 5\)")
+        self.types("nonsense", "nonsense")
+        self.types(CTRL_C, r"\(s1 5\) $")
+        answer = self.types("step\n", r"tick \d+ ")
+        self.assertIn("tick 6 ", answer)
+        self.assertNotIn("no command", answer)
 
 
 class Teaches(SessionTest):
