@@ -2,6 +2,8 @@
 
 #include "vocabulary.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace nf::debug
@@ -30,6 +32,37 @@ const std::vector<Stage> &all_stages()
         {"training (18)-(21): descent, weight change dW2/T",
          {"drive.observer.descent", "weight_change_rpm"}},
         {"speed (22) and inner speed", {"drive.observer.speed", "drive.observer.speed_out"}},
+        {"catching a rotor that may turn: pulses of a short circuit, what they found",
+         {"drive.catch_spin.phase", "drive.catch_spin.tick", "drive.catch_spin.length",
+          "drive.catch_spin.gates", "drive.catch_spin.first.alpha", "drive.catch_spin.first.beta",
+          "drive.catch_spin.speed", "drive.catch_spin.angle"},
+         nullptr,
+         true,
+         {DRIVE_STATE_CATCH_SPIN}},
+        {"alignment: vector, means of voltage and current, fall of the current after the step",
+         {"drive.align.phase", "drive.align.tick", "drive.align.current_ref",
+          "drive.align.frame_speed", "drive.align.high.voltage", "drive.align.high.current",
+          "drive.align.low.voltage", "drive.align.low.current", "drive.align.step_start",
+          "drive.align.step_fall"},
+         nullptr,
+         true,
+         {DRIVE_STATE_ALIGN}},
+        {"imposed current: its frame, the current in it, how well the rotor follows",
+         {"drive.frame.turns_q32", "drive.frame_speed", "drive.signals.current_frame.d",
+          "drive.signals.current_frame.q", "drive.signals.current_mean.d",
+          "drive.signals.current_mean.q", "drive.residual", "drive.lost_periods",
+          "drive.handover_periods", "drive.attempts"},
+         nullptr,
+         true,
+         {DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER}},
+        {"speed PI, in the last tick of a slow period: ticks to it, planned and ramped reference, "
+         "integral, range",
+         {"drive.slow_count", "drive.speed_reference", "drive.speed_loop.reference",
+          "drive.speed_loop.pi.integral_q26", "drive.torque_range.lower",
+          "drive.torque_range.upper"},
+         nullptr,
+         true,
+         {DRIVE_STATE_RUN}},
         {"references",
          {"speed_reference_rpm", "drive.signals.current_ref.d", "drive.signals.current_ref.q"},
          "drive.voltage_driven",
@@ -63,7 +96,10 @@ bool is_shown(const Stage &stage, const Tick &tick)
 {
     const int64_t flag =
         stage.flag == nullptr ? 1 : raw_value(*find_signal(stage.flag), tick).value_or(1);
-    return (flag != 0) == stage.shown_with;
+    const std::vector<drive_state_t> &states = stage.states;
+    const bool here =
+        states.empty() || std::count(states.begin(), states.end(), tick.sim->drive().state) != 0;
+    return here && (flag != 0) == stage.shown_with;
 }
 
 } // namespace

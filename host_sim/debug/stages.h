@@ -14,7 +14,8 @@ struct Stage {
     std::vector<const char *> signals;
     // A word of which it depends whether a tick has this stage; NULL: each has.
     const char *flag = nullptr;
-    bool shown_with = true; // while the flag is not 0, or while it is
+    bool shown_with = true;                 // while the flag is not 0, or while it is
+    std::vector<drive_state_t> states = {}; // only in these; empty: in each
 };
 
 const std::vector<Stage> &all_stages();

@@ -46,6 +46,9 @@ Json stages()
             one["flag"] = stage.flag;
             one["shown_with"] = stage.shown_with;
         }
+        if (!stage.states.empty()) {
+            one["states"] = stage.states;
+        }
         all.push_back(one);
     }
     return all;

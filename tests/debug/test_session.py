@@ -155,6 +155,18 @@ class Prints(SessionTest):
         places = [answer.index(name) for name in order]
         self.assertEqual(places, sorted(places))
 
+    def test_stages_are_those_of_the_state(self):
+        own = {"CATCH_SPIN": "drive.catch_spin.phase ", "ALIGN": "drive.align.phase ",
+               "RUN": "drive.speed_loop.pi.integral_q26 "}
+        imposed = "drive.signals.current_mean.d "
+        for state, part in own.items():
+            shown = self.session([f"run until state == {state}", "stages"])[1]
+            self.assertEqual([one for one in own.values() if f"  {one}" in shown], [part])
+            self.assertEqual(f"  {imposed}" in shown, state == "ALIGN")
+        ramp = self.session(["run until state == IF_RAMP", "stages"])
+        self.assertIn("IF_RAMP", ramp[0])
+        self.assertIn(f"  {imposed}", ramp[1])
+
     def test_stages_are_those_of_the_drive_that_runs(self):
         sensed = self.session(["goto 0.5s", "stages"], "s4")[1]
         self.assertIn(" RUN, voltage-driven  ", sensed)

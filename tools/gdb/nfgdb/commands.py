@@ -112,8 +112,14 @@ class Stages(gdb.Command):
             raise gdb.GdbError(f"stages: '{argument}' is one word too many")
         print(position_text(need_table()))
         for stage in program.table.stages:
-            if "flag" not in stage or (program.value(stage["flag"]) != 0) == stage["shown_with"]:
+            if self._is_shown(stage):
                 self._show(stage)
+
+    @staticmethod
+    def _is_shown(stage):
+        here = "states" not in stage or program.value("drive.state") in stage["states"]
+        return here and ("flag" not in stage or
+                         (program.value(stage["flag"]) != 0) == stage["shown_with"])
 
     @staticmethod
     def _show(stage):
