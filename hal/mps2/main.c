@@ -17,8 +17,7 @@
 /* Ticks that are read, run and written together: the RAM of the smallest board is small. */
 #define BLOCK_TICKS (64U)
 
-/* The flight recorder's: as few as it takes, for it is here to be counted. */
-#define SEGMENT_ENTRIES RECORDER_ENTRIES_MIN
+/* The flight recorder's. */
 #define POST_TICKS (8U)
 
 static hal_t hardware;
@@ -104,7 +103,7 @@ int main(void)
 {
     static const char from_name[] = "frames.nfr";
     static const char to_name[] = "results.nfr";
-    static recorder_entry_t recorded[RECORDER_SEGMENTS * SEGMENT_ENTRIES];
+    static recorder_entry_t recorded[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
     const int32_t from = semihost_open(from_name, sizeof(from_name) - 1U, SEMIHOST_READ);
     const int32_t to = semihost_open(to_name, sizeof(to_name) - 1U, SEMIHOST_WRITE);
     uint32_t ticks;
@@ -112,7 +111,7 @@ int main(void)
     need(from >= 0, "frames.nfr cannot be read\n");
     need(to >= 0, "results.nfr cannot be written\n");
     need(app_init(&app, &hardware, &DRIVE_CONFIG) == NULL, "the drive refuses its configuration\n");
-    need(recorder_init(&recorder, recorded, SEGMENT_ENTRIES, POST_TICKS) == NULL,
+    need(recorder_init(&recorder, recorded, DRIVE_RECORDER_ENTRIES, POST_TICKS) == NULL,
          "the recorder refuses its size\n");
     app_record(&app, &recorder);
     ticks = begin(from, to, recording_config_hash(&DRIVE_CONFIG));

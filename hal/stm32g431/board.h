@@ -10,11 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/*
- * The flight recorder's share of the RAM: entries of 16 bytes in each of its segments, at least three of which are
- * history at any time; and the ticks that it goes on for after a fault.
- */
-#define BOARD_RECORDER_ENTRIES (352U)
+/* The ticks that the flight recorder goes on for after a fault. */
 #define BOARD_RECORDER_POST_TICKS (64U)
 
 typedef struct {

@@ -85,14 +85,14 @@ static void background(void)
 
 static const char *bring_up(void)
 {
-    static recorder_entry_t ring[RECORDER_SEGMENTS * BOARD_RECORDER_ENTRIES];
+    static recorder_entry_t ring[RECORDER_SEGMENTS * DRIVE_RECORDER_ENTRIES];
     const char *why = hal_g431_init(&hardware);
 
     if (why == NULL) {
         why = app_init(&app, &hardware, &DRIVE_CONFIG);
     }
     if (why == NULL) {
-        why = recorder_init(&recorder, ring, BOARD_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
+        why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
         app_record(&app, &recorder);
     }
     if (why == NULL) {

@@ -2,6 +2,10 @@
 
 #include "describe.h"
 
+extern "C" {
+#include "recorder.h"
+}
+
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -89,25 +93,33 @@ std::string initialiser(const std::vector<ConfigRow> &rows)
 
 } // namespace
 
+uint32_t recorder_segment_entries(const BoardSettings &board)
+{
+    return static_cast<uint32_t>(board.recorder_entries) / RECORDER_SEGMENTS;
+}
+
 std::string make_header(const Config &config)
 {
     const std::vector<ConfigRow> rows = describe(config, build(config));
-    return fmt::format("/*\n"
-                       " * Configuration of the drive, made by nfconfig from\n"
-                       "{}"
-                       " * Change those and make it again. Behind each number is what it means.\n"
-                       " */\n"
-                       "#ifndef DRIVE_CONFIG_H\n"
-                       "#define DRIVE_CONFIG_H\n"
-                       "\n"
-                       "#include \"params.h\"\n"
-                       "\n"
-                       "static const drive_cfg_t DRIVE_CONFIG = {{\n"
-                       "{}"
-                       "}};\n"
-                       "\n"
-                       "#endif\n",
-                       provenance(config), initialiser(rows));
+    return fmt::format(
+        "/*\n"
+        " * Configuration of the drive, made by nfconfig from\n"
+        "{}"
+        " * Change those and make it again. Behind each number is what it means.\n"
+        " */\n"
+        "#ifndef DRIVE_CONFIG_H\n"
+        "#define DRIVE_CONFIG_H\n"
+        "\n"
+        "#include \"params.h\"\n"
+        "\n"
+        "#define DRIVE_RECORDER_ENTRIES ({}U) /* of a segment: board.recorder_entries */\n"
+        "\n"
+        "static const drive_cfg_t DRIVE_CONFIG = {{\n"
+        "{}"
+        "}};\n"
+        "\n"
+        "#endif\n",
+        provenance(config), recorder_segment_entries(config.board), initialiser(rows));
 }
 
 } // namespace nf

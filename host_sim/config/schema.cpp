@@ -1,5 +1,9 @@
 #include "schema.h"
 
+extern "C" {
+#include "recorder.h"
+}
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -77,6 +81,7 @@ const std::vector<Field> FIELDS = {
     {"board", "temperature_full_scale_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_full_scale_c>, "temperature at full scale, linear in between; may be the lower one"},
     {"board", "temperature_warn_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_warn_c>, "torque is derated above, down to nothing at the maximum; 0: 20 °C below it"},
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
+    {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
 
     {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
     {"hal", "adc_sampling_ns", "ns", 10, 100000, OPTIONAL, hal<&H::adc_sampling_ns>, "the converter's sample switch closed at least as long"},

@@ -54,6 +54,7 @@ struct BoardSettings {
     double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
     double temperature_warn_c = 0;         // derating begins; 0: 20 °C below the maximum
     double temperature_max_c = 100;        // the drive stops above it
+    int recorder_entries = 1408;           // ring of the flight recorder, 16 bytes each
 };
 
 // What controls the motor in RUN.

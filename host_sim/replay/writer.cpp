@@ -1,5 +1,6 @@
 #include "writer.h"
 
+#include "header.h"
 #include "recording.h"
 
 #include <array>
@@ -12,8 +13,6 @@ namespace nf::replay
 namespace
 {
 
-// A PC has memory: at least 4.9 s at 10 kHz.
-constexpr uint32_t SEGMENT_ENTRIES = 16384;
 constexpr uint32_t POST_TICKS = 64;
 
 uint32_t rounded(double value)
@@ -42,9 +41,11 @@ recorder_about_t about(const Config &config)
 } // namespace
 
 Writer::Writer(const Config &config)
-    : about_(about(config)), entries_(std::size_t{RECORDER_SEGMENTS} * SEGMENT_ENTRIES)
+    : about_(about(config)),
+      entries_(std::size_t{RECORDER_SEGMENTS} * recorder_segment_entries(config.board))
 {
-    if (recorder_init(&recorder_, entries_.data(), SEGMENT_ENTRIES, POST_TICKS) != nullptr) {
+    if (recorder_init(&recorder_, entries_.data(), recorder_segment_entries(config.board),
+                      POST_TICKS) != nullptr) {
         throw std::logic_error("the recorder refuses its size");
     }
 }

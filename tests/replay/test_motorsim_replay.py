@@ -17,6 +17,7 @@ MOTORSIM = sys.argv[1]
 FAULT = ('scenario.fault=[{time_s = 0.3, what = "break_input", until_s = 0.31}, '
          '{time_s = 0.4, what = "adc_a_high"}]')
 CLEAR = "scenario.request=[{time_s = 0.32, clear = true}]"
+MARGIN = 17  # of a segment: RECORDER_MARGIN, and the change that begins it
 SAME, DEPARTS, REFUSED = 0, 1, 2
 
 # Of the recording, see firmware/drive/recorder_dump.h.
@@ -58,11 +59,20 @@ class Replay(unittest.TestCase):
         self.assertTrue(self.file.is_file(), run.stderr)
 
     def test_a_whole_run_is_what_it_was(self):
-        self.record("s1_robust", "--with", "all")
+        self.record("s1_robust", "--with", "all", "--set", "board.recorder_entries=65536")
         run = motorsim("replay", self.file)
+        self.assertRegex(run.stdout, r"ticks 0 to ")
         self.assertEqual(run.returncode, SAME, run.stdout)
         self.assertIn("ends in RUN", run.stdout)
         self.assertIn("are those recorded", run.stdout)
+
+    def test_the_ring_is_that_of_the_board(self):
+        for entries in (256, 512, 1408):
+            with self.subTest(entries):
+                self.record("s1", "--set", f"board.recorder_entries={entries}")
+                ticks = int(re.search(r": (\d+) of", motorsim("replay", self.file).stdout)[1])
+                self.assertGreaterEqual(ticks, 3 * (entries // 4 - MARGIN))
+                self.assertLess(ticks, entries)
 
     def test_the_first_fault_is_the_one_that_is_kept(self):
         self.record("s1", "--set", FAULT, "--set", CLEAR)

@@ -38,6 +38,7 @@ const std::string &recorded()
         const nf::Config config =
             nf::load_scenario("s1", {"adc"},
                               {"scenario.duration_s=0.05", "scenario.evaluate_from_s=0",
+                               "board.recorder_entries=65536",
                                "scenario.fault=[{time_s = 0.03, what = \"adc_a_high\"}]"});
         nf::replay::Writer writer(config);
         nf::RunOptions options;
