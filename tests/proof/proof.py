@@ -20,6 +20,13 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+sys.path.insert(0, str(ROOT / "tools" / "evidence"))
+
+import part  # noqa: E402
+
+SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init and drive_step have no run-time error, for every "
+        "valid configuration, every frame and every state that can be: no overflow, no conversion that changes a value, "
+        "no index out of its array, no division by zero, no shift too far, no uninitialised read.")
 FLOORS = ("math", "control", "drive")
 ENTRIES = ("proof_init", "proof_startup", "proof_plain", "proof_sensor")
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("drive_words", "fault_text", "recorder", "recorder_dump")
@@ -40,6 +47,8 @@ OPTIONS = [
 ]
 NOT_CALLED = {"drive_position_q32", "fx_add_sat", "fx_mul_q15", "fx_sub_sat"}  # by the firmware itself
 A_BRANCH_AN_ENTRY = {"leave_ready"}  # start-up, none, sensor
+UNREACHED = "never gone through"
+UNREACHED_STATEMENTS = "statements cannot be reached"
 
 FUNCTION = re.compile(r"^\w[\w \*]*?\b(\w+)\([^;]*?\)\s*\n\{", re.MULTILINE)
 COVERED = re.compile(r"^  (\w+): (\d+) stmts out of (\d+) \(", re.MULTILINE)
@@ -112,15 +121,15 @@ def ranges(root, outputs):
             if field and field[1].startswith("signals."):
                 note(field[1], text)
         for text in OUT.findall(output):
-            parts = re.findall(r"\[[^\]]*\]|\{[^}]*\}", text)
-            for name, part in zip(("compare.phase[0]", "compare.phase[1]", "compare.phase[2]", "gate_enable"),
-                                  parts):
-                note(f"out.{name}", part)
+            values = re.findall(r"\[[^\]]*\]|\{[^}]*\}", text)
+            for name, value in zip(("compare.phase[0]", "compare.phase[1]", "compare.phase[2]", "gate_enable"),
+                                   values):
+                note(f"out.{name}", value)
     return {name: {"min": low, "max": high} for name, (low, high) in proven.items()}
 
 
 def findings(root, entries, folder):
-    """All that is not as it has to be, and the outputs."""
+    """All that is not as it has to be, what Eva said of each entry, and function → (statements reached, statements)."""
     bad, outputs, reached = [], [], {}
     fields = (root / "tests/proof/state.def").read_text(encoding="utf-8").splitlines()
     for entry in entries:
@@ -129,30 +138,57 @@ def findings(root, entries, folder):
         if code != 0 or "ANALYSIS SUMMARY" not in output:
             bad.append(f"{entry}: frama-c ended with {code}: {output.strip().splitlines()[-1:]}")
         bad += [f"{entry}: {named(row, fields)}" for row in rows]
-        for name, (part, whole) in covered(output).items():
-            reached[name] = max(reached.get(name, (0, whole)), (part, whole))
+        for name, (share, whole) in covered(output).items():
+            reached[name] = max(reached.get(name, (0, whole)), (share, whole))
     needed = functions(root) - NOT_CALLED
-    bad += [f"never gone through: {name}" for name in sorted(needed - set(reached))]
-    bad += [f"{name}: {whole - part} of {whole} statements cannot be reached"
-            for name, (part, whole) in sorted(reached.items())
-            if part < whole and name in needed - A_BRANCH_AN_ENTRY]
-    return bad, outputs
+    bad += [f"{UNREACHED}: {name}" for name in sorted(needed - set(reached))]
+    bad += [f"{name}: {whole - share} of {whole} {UNREACHED_STATEMENTS}"
+            for name, (share, whole) in sorted(reached.items())
+            if share < whole and name in needed - A_BRANCH_AN_ENTRY]
+    return bad, outputs, {name: reached.get(name, (0, 0)) for name in needed}
+
+
+def text_of(some, whole):
+    return f"{some} of {whole}"
+
+
+def evidence(bad, entries, reached, proven):
+    """Figures and tables of the page."""
+    unreached = [line for line in bad if line.startswith(UNREACHED)]
+    unproven = len([line for line in bad if line not in unreached and not line.endswith(UNREACHED_STATEMENTS)])
+    gone_through = len(reached) - len(unreached)
+    statements, of_all = (sum(column) for column in zip(*reached.values()))
+    figures = [
+        part.figure("alarms and other properties not proven", unproven, 0, unproven == 0),
+        part.figure("functions gone through", text_of(gone_through, len(reached)), "all", not unreached),
+        part.figure("statements reached by an entry", text_of(statements, of_all),
+                    f"all but the branch an entry of {', '.join(sorted(A_BRANCH_AN_ENTRY))}",
+                    not [line for line in bad if line.endswith(UNREACHED_STATEMENTS)]),
+        part.figure("entries analysed", text_of(len(entries), len(ENTRIES)), "all", len(entries) == len(ENTRIES)),
+    ]
+    tables = [
+        part.table("Proven range of each signal and output, raw", ("Name", "Smallest", "Largest"),
+                   [(name, limits["min"], limits["max"]) for name, limits in sorted(proven.items())]),
+        part.table("Functions gone through", ("Function", "Statements reached"),
+                   [(name, text_of(*reached[name])) for name in sorted(reached)]),
+    ]
+    return figures, tables
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--root", type=Path, default=ROOT)
     parser.add_argument("--entry", action="append", help="only from this entry; may be repeated")
-    parser.add_argument("--out", type=Path, help="write the proven range of each signal there, as JSON")
-    args = parser.parse_args()
+    parser.add_argument("--ranges", type=Path, help="write the proven range of each signal there, as JSON")
+    args = part.arguments(parser)
+    entries = args.entry or ENTRIES
     with tempfile.TemporaryDirectory() as folder:
-        bad, outputs = findings(args.root.resolve(), args.entry or ENTRIES, Path(folder))
-    for finding in bad:
-        print(finding)
-    if args.out:
-        args.out.write_text(json.dumps(ranges(args.root, outputs), indent=1) + "\n", encoding="utf-8")
-    print(f"evidence.proof: {len(bad)} finding(s)." if bad else "evidence.proof: proven")
-    return 1 if bad else 0
+        bad, outputs, reached = findings(args.root.resolve(), entries, Path(folder))
+    proven = ranges(args.root, outputs)
+    if args.ranges:
+        args.ranges.parent.mkdir(parents=True, exist_ok=True)
+        args.ranges.write_text(json.dumps(proven, indent=1) + "\n", encoding="utf-8")
+    return part.end(args.out, "proof", "Proof", SAYS, *evidence(bad, entries, reached, proven), bad)
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ class ProofCanFail(unittest.TestCase):
                 source = (root / path).read_text(encoding="utf-8")
                 self.assertEqual(source.count(text), 1, path)
                 (root / path).write_text(source.replace(text, fault), encoding="utf-8")
-                bad, _ = proof.findings(root, ["proof_startup"], root)
+                bad, _, _ = proof.findings(root, ["proof_startup"], root)
                 self.assertTrue([line for line in bad if line.startswith("proof_startup: ") and found in line], bad)
 
 

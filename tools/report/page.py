@@ -4,7 +4,7 @@ import html
 from dataclasses import dataclass
 
 from report import claim
-from report.css import STYLE
+from report.document import anchor, document
 from report.panels import with_unit
 
 TITLES = {
@@ -52,27 +52,10 @@ def page(entries, more=()):
     sections = "\n".join([*(section(run, pictures) for run, pictures in entries),
                           *(text for _, _, text in more)])
     links = "".join([*map(link, runs), *(anchor(name, title) for name, title, _ in more)])
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>neurofoc: simulated runs</title>
-<style>{STYLE}</style>
-</head>
-<body>
-<header>
-<h1>Sensorless drive: simulated runs</h1>
+    header = f"""<h1>Sensorless drive: simulated runs</h1>
 <p>{summary(runs)}</p>
-<nav aria-label="Runs">{links}</nav>
-</header>
-<main>
-{claims(runs)}
-{sections}
-</main>
-</body>
-</html>
-"""
+<nav aria-label="Runs">{links}</nav>"""
+    return document("neurofoc: simulated runs", header, f"{claims(runs)}\n{sections}")
 
 
 def summary(runs):
@@ -88,10 +71,6 @@ def summary(runs):
 
 def count(number, noun):
     return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
-def anchor(name, title):
-    return f'<a href="#{html.escape(name)}">{html.escape(title)}</a>'
 
 
 def link(run):
