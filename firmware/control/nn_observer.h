@@ -7,6 +7,7 @@
  *
  *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled so that saliency needs no weight
  *     v_x = (v_d + R·φ/L_d)/L_d,  v_y = v_q/L_d               (8)
+ * With these the motor's (3), (4) become (5), (6), (9), and in the estimated frame (12), (13); sampled as (10), (11):
  *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1)             (14)–(16)
  *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1)
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T

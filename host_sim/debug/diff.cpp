@@ -430,7 +430,7 @@ void TickDiff::turned_error()
         Vector(2.0 + std::abs(rho), 2.0) * si_.current(1));
 }
 
-// (18)–(22). The drive's speed has a limit, its descent 16 bits.
+// Paper A (18)–(22). The drive's speed has a limit, its descent 16 bits.
 void TickDiff::training()
 {
     module_ = "observer training";
@@ -789,7 +789,7 @@ void TickDiff::duties(double angle)
     }
 }
 
-// (23), exact; while θ̂ does not run free it closes up to the frame by 1/64, rounded down.
+// Paper A (23), exact; while θ̂ does not run free it closes up to the frame by 1/64, rounded down.
 void TickDiff::position()
 {
     module_ = "rotor position";

@@ -6,6 +6,9 @@
  *   T_e = 1.5 P (phi i_q + (L_d - L_q) i_d i_q)
  *   J dw_m/dt = T_e - T_L - B w_m - T_C sign(w_m)
  *
+ * The first two are paper A (1), (2), solved for the derivatives as in paper A (3), (4), with saliency; the torque is
+ * paper B (8), the shaft paper B (9) with a motor's signs and with dry friction.
+ *
  * Amplitude-invariant Clarke, d axis on the magnet flux, currents positive into the motor. No
  * saturation, no iron loss, sinusoidal flux, star point floating (no zero-sequence current).
  *

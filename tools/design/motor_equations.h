@@ -56,7 +56,7 @@ struct Drive {
     double supply_rad_s; // ω_s
 };
 
-// (11): the derivative of [i_q, i_d, ω_r, δ], from (4)–(7), (8), (9) with the motor's signs, (10).
+// (11): the derivative of [i_q, i_d, ω_r, δ], (12) in the order of (46), from (4)–(7), (8), (9) with the motor's signs, (10).
 Eigen::Vector4d derivative(const Machine &m, const Eigen::Vector4d &x, const Drive &drive);
 
 } // namespace nf::design

@@ -1,6 +1,7 @@
 """gate.misra: cppcheck with its MISRA C:2012 addon over the firmware and target HALs."""
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -16,6 +17,7 @@ PC = "host"          # the host's HAL is not part of any product
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
+parser.add_argument("--out", type=Path, help="write findings and files there, as JSON for tools/evidence/misra.py")
 args = parser.parse_args()
 tools = Path(sys.executable).parent
 
@@ -28,8 +30,7 @@ def binding_of(path):
 
 def check(binding, port):
     """Findings in one image: rules on identifiers hold across the files of a program."""
-    files = [p for p in sources.files(args.root, "firmware/*.[ch]", "hal/*.[ch]")
-             if binding_of(p) in (None, binding)]
+    files = [p for p in every_file if binding_of(p) in (None, binding)]
     folders = sorted({p.parent for p in files if p.suffix == ".h" and p.parent.parent != PORTS} | {port})
     run = subprocess.run(
         [tools / "cppcheck", "--quiet", "--std=c11", "--language=c", "--platform=arm32-wchar_t4",
@@ -51,9 +52,14 @@ def check(binding, port):
     return bad or ([f"cppcheck ended with {run.returncode}"] if run.returncode else [])
 
 
+every_file = [p for p in sources.files(args.root, "firmware/*.[ch]", "hal/*.[ch]") if binding_of(p) != PC]
 bindings = {binding_of(p) for p in sources.files(args.root, "hal/*.c")} - {PC}
 ports = {p.parent for p in sources.files(args.root, f"{PORTS}/*/*.h")} or {Path("firmware")}
 findings = dict.fromkeys(line for binding in sorted(bindings - {None}) or [None]
                          for port in sorted(ports) for line in check(binding, port))
+if args.out:
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    args.out.write_text(json.dumps({"findings": list(findings), "files": [p.as_posix() for p in every_file]}, indent=1),
+                        encoding="utf-8")
 sources.finish("misra", list(findings), "Change the code, or tag and register a deviation: "
                f"{misra_register.REGISTER} says how.")

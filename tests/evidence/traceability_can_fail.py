@@ -1,0 +1,59 @@
+"""evidence.traceability_can_fail: each kind of broken link is found, in a copy of the register and the sources."""
+
+import shutil
+import tempfile
+import unittest
+from pathlib import Path
+
+import part
+import traceability
+
+BUILD = part.ROOT / "build" / "host"
+REGISTER = traceability.REGISTER
+
+# What is done to which file: text, what stands there in its place, what is said.
+FAULTS = {
+    "a function that is gone": (REGISTER, 'functions = ["rotor_position_step"]', 'functions = ["rotor_position_move"]',
+                                "A (23): no function rotor_position_move"),
+    "a test that is gone": (REGISTER, '"test_position_equals_the_twin_to_the_last_unit"', '"test_position_equals"',
+                            "A (23): ctest runs no test test_position_equals"),
+    "no function": (REGISTER, 'functions = ["rotor_position_step"]', "functions = []", "A (23): has no functions"),
+    "no test": (REGISTER, 'tests = ["gate.no_float"]', "tests = []", "H2: has no tests"),
+    "a key misspelt": (REGISTER, 'title = "no float, no heap"', 'titel = "no float, no heap"', "H2: there is no key 'titel'"),
+    "an equation left out": (REGISTER, 'id = "A (23)"', 'id = "H23"', "equation (23) of paper A is missing"),
+    "an equation twice": (REGISTER, 'id = "H2"', 'id = "A (23)"', "A (23) stands twice"),
+    "an equation that is not cited": ("firmware/control/rotor_position.h", "paper A (23): ", "",
+                                      "A (23): no comment beside rotor_position_step names it"),
+    "an equation that there is not": ("firmware/control/rotor_position.h", "paper A (23)", "paper A (24)",
+                                      "rotor_position.h:2: there is no equation (24) of paper A"),
+}
+
+
+def copy(folder):
+    for name in (*traceability.SOURCES, REGISTER.parent):
+        shutil.copytree(part.ROOT / name, folder / name)
+
+
+class TraceabilityCanFail(unittest.TestCase):
+    def findings(self, path=None, text="", fault=""):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            copy(root)
+            if path:
+                content = (root / path).read_text(encoding="utf-8")
+                self.assertIn(text, content, path)
+                (root / path).write_text(content.replace(text, fault), encoding="utf-8")
+            return traceability.Finder(root, BUILD, REGISTER).check()
+
+    def test_nothing_is_found_in_what_there_is(self):
+        self.assertEqual(self.findings(), [])
+
+    def test_each_fault_is_found(self):
+        for name, (path, text, fault, said) in FAULTS.items():
+            with self.subTest(name):
+                bad = self.findings(path, text, fault)
+                self.assertTrue([line for line in bad if said in line], bad)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,267 @@
+"""evidence.traceability: each equation of the papers and each requirement has its functions and tests.
+
+tests/evidence/requirements.toml says which. It holds when every equation of both papers and every requirement has a
+function and a test, every function that is named is defined in the sources, every test is one that ctest runs (its own
+name, or that of a Unity or Python test in it), each equation's number stands in a comment beside one of its functions,
+and no comment cites an equation that there is not.
+"""
+
+import argparse
+import functools
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import part
+
+REGISTER = Path("tests/evidence/requirements.toml")
+EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
+SOURCES = ("firmware", "hal", "host_sim", "tools/design")
+KEYS = {"id", "title", "source", "functions", "tests", "note"}
+
+COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
+DEFINED = re.compile(r"\b([A-Za-z_]\w*)\s*\((?:[^(){};]|\([^(){};]*\))*\)\s*(?:const\s*)?(?::\s[^;{}]*)?\{")
+NO_FUNCTION = {"if", "for", "while", "switch", "catch"}
+NUMBERS = r"\(\d+\)(?:(?:–|, | and )\(\d+\))*"
+OF_A_PAPER = re.compile(rf"[Pp]aper ([AB]) ({NUMBERS})|({NUMBERS}) of\s+paper ([AB])")
+PAPER = re.compile(r"\b[Pp]aper ([AB])\b")
+BARE = re.compile(rf"(?<![\w)])({NUMBERS})")
+RUN_TEST = re.compile(r"\bRUN_TEST\((\w+)\)")
+PYTHON_TEST = re.compile(r"^\s+def (test_\w+)\(", re.MULTILINE)
+
+
+# --- What the sources say ---
+
+def c_files(root):
+    return sorted(path for folder in SOURCES for path in (root / folder).rglob("*")
+                  if path.suffix in (".h", ".c", ".cpp"))
+
+
+@functools.cache
+def text_of(path):
+    return path.read_text(encoding="utf-8")
+
+
+def functions(root):
+    """Function → files that define it."""
+    found = {}
+    for path in c_files(root):
+        code = STRING.sub('""', COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path)))
+        for name in DEFINED.findall(code):
+            if name not in NO_FUNCTION:
+                found.setdefault(name, set()).add(path.relative_to(root))
+    return found
+
+
+def numbers(text):
+    """`(14)–(16), (22)` as 14, 15, 16, 22."""
+    for first, last in re.findall(r"\((\d+)\)(?:–\((\d+)\))?", text):
+        yield from range(int(first), int(last or first) + 1)
+
+
+def unit(path):
+    """A header and its source are one."""
+    return path.with_suffix("")
+
+
+def papers_of_units(root):
+    """Unit → the papers that its comments name: a number alone is of the one that the unit names."""
+    named = {}
+    for path in c_files(root):
+        for comment in COMMENT.findall(text_of(path)):
+            named.setdefault(unit(path), set()).update(PAPER.findall(comment))
+    return named
+
+
+def cited(path, paper_of_unit):
+    """(line, paper, number) of each equation that the comments of a file name."""
+    text = text_of(path)
+    for comment in COMMENT.finditer(text):
+        rest = comment[0]
+        for match in OF_A_PAPER.finditer(comment[0]):
+            line = text.count("\n", 0, comment.start() + match.start()) + 1
+            for number in numbers(match[2] or match[3]):
+                yield line, match[1] or match[4], number
+            rest = rest[:match.start()] + re.sub(r"[^\n]", " ", match[0]) + rest[match.end():]
+        if len(paper_of_unit) == 1:
+            for match in BARE.finditer(rest):
+                line = text.count("\n", 0, comment.start() + match.start()) + 1
+                for number in numbers(match[1]):
+                    yield line, *paper_of_unit, number
+
+
+def citations(root):
+    """(paper, number) → {file: line of the first place}."""
+    papers, found = papers_of_units(root), {}
+    for path in c_files(root):
+        for line, paper, number in cited(path, papers.get(unit(path), set())):
+            found.setdefault((paper, number), {}).setdefault(path.relative_to(root), line)
+    return found
+
+
+# --- What ctest runs ---
+
+def registered(build):
+    """The tests of a build that are not disabled, as ctest lists them."""
+    shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True,
+                           check=True)
+    for test in json.loads(shown.stdout[shown.stdout.index("{"):])["tests"]:
+        properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}
+        if not properties.get("DISABLED"):
+            yield test["name"], test.get("command", []), Path(properties.get("WORKING_DIRECTORY", build))
+
+
+def program_sources(build):
+    """Name of a program → its own source files."""
+    found = {}
+    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
+        program = re.search(r"CMakeFiles/([^/]+)\.dir/", entry.get("output", "") or entry["command"])
+        if program:
+            found.setdefault(program[1], []).append(Path(entry["file"]))
+    return found
+
+
+def python_file(argument, folder):
+    """The test file that an argument of a command names, as a path or as a module of the folder."""
+    for path in (Path(argument), folder / argument, folder / f"{argument}.py"):
+        if path.suffix == ".py" and path.is_file():
+            return path
+    return None
+
+
+@functools.cache
+def tests(build):
+    """Name of a test, or of a test function → names of the tests of ctest that run it."""
+    sources, found = program_sources(build), {}
+    for name, command, folder in registered(build):
+        found.setdefault(name, set()).add(name)
+        for argument in command:
+            for path in sources.get(Path(argument).name, []):
+                for function in RUN_TEST.findall(text_of(path)):
+                    found.setdefault(function, set()).add(name)
+            path = python_file(argument, folder)
+            for function in PYTHON_TEST.findall(text_of(path)) if path else []:
+                found.setdefault(function, set()).add(name)
+    return found
+
+
+# --- The register ---
+
+def equation(name):
+    """`A (22)` as ("A", 22); None for a requirement."""
+    match = re.fullmatch(r"([AB]) \((\d+)\)", name)
+    return (match[1], int(match[2])) if match else None
+
+
+def entries(path):
+    """The entries of the register, one an equation or requirement, each with the line it begins at."""
+    text = path.read_text(encoding="utf-8")
+    lines = [number for number, line in enumerate(text.splitlines(), 1) if line.strip() == "[[entry]]"]
+    for line, entry in zip(lines, tomllib.loads(text)["entry"]):
+        names = entry["id"] if isinstance(entry["id"], list) else [entry["id"]]
+        for name in names:
+            yield {"note": "", "functions": [], "tests": [], "source": "", "title": "", **entry, "id": name, "line": line}
+
+
+class Finder:
+    """Compares the register with the sources and the tests."""
+
+    def __init__(self, root, build, register):
+        self.root, self.register = root, register
+        self.functions, self.tests, self.citations = functions(root), tests(build), citations(root)
+        self.entries = list(entries(root / register))
+        self.bad = []
+
+    def say(self, entry, text):
+        self.bad.append(f"{self.register}:{entry['line']}: {entry['id']}: {text}")
+
+    def check_entry(self, entry):
+        for key in sorted(set(entry) - KEYS - {"line"}):
+            self.say(entry, f"there is no key '{key}'")
+        for key in ("title", "source", "functions", "tests"):
+            if not entry[key]:
+                self.say(entry, f"has no {key}")
+        for name in entry["functions"]:
+            if name not in self.functions:
+                self.say(entry, f"no function {name} is defined in {', '.join(SOURCES)}")
+        for name in entry["tests"]:
+            if name not in self.tests:
+                self.say(entry, f"ctest runs no test {name}")
+        if equation(entry["id"]):
+            self.check_citation(entry)
+
+    def check_citation(self, entry):
+        units = {unit(path) for name in entry["functions"] for path in self.functions.get(name, ())}
+        citing = self.citations.get(equation(entry["id"]), {})
+        if not units & {unit(path) for path in citing}:
+            self.say(entry, f"no comment beside {', '.join(entry['functions'])} names it")
+
+    def check(self):
+        for entry in self.entries:
+            self.check_entry(entry)
+        names = [entry["id"] for entry in self.entries]
+        self.bad += [f"{self.register}: {name} stands twice" for name in sorted(set(names)) if names.count(name) > 1]
+        wanted = {(paper, number) for paper, count in EQUATIONS.items() for number in range(1, count + 1)}
+        there = {equation(name) for name in names} - {None}
+        self.bad += [f"{self.register}: equation ({number}) of paper {paper} is missing"
+                     for paper, number in sorted(wanted - there)]
+        self.bad += [f"{path}:{line}: there is no equation ({number}) of paper {paper}"
+                     for (paper, number), places in sorted(self.citations.items()) if (paper, number) not in wanted
+                     for path, line in sorted(places.items())]
+        return self.bad
+
+
+# --- For the page ---
+
+def row(entry, found):
+    where = [f"{name} ({', '.join(path.as_posix() for path in sorted(found.functions.get(name, ())))})"
+             for name in entry["functions"]]
+    run = [name if name in found.tests.get(name, ()) else f"{name} ({', '.join(sorted(found.tests.get(name, ())))})"
+           for name in entry["tests"]]
+    title = entry["title"] + (f" – {entry['note']}" if entry["note"] else "")
+    return entry["id"], title, entry["source"], "; ".join(where), "; ".join(run)
+
+
+def result(found, bad):
+    """Figures and tables."""
+    of_paper = {paper: [entry for entry in found.entries if (equation(entry["id"]) or " ")[0] == paper]
+                for paper in EQUATIONS}
+    requirements = [entry for entry in found.entries if not equation(entry["id"])]
+    whole = [entry for entry in found.entries if not any(f": {entry['id']}: " in line for line in bad)]
+    figures = [part.figure(f"equations of paper {paper} with function and test",
+                           f"{len([entry for entry in listed if entry in whole])} of {EQUATIONS[paper]}", "all",
+                           len([entry for entry in listed if entry in whole]) == EQUATIONS[paper])
+               for paper, listed in of_paper.items()]
+    figures.append(part.figure("requirements with function and test",
+                               f"{len([entry for entry in requirements if entry in whole])} of {len(requirements)}", "all",
+                               requirements and all(entry in whole for entry in requirements)))
+    figures.append(part.figure("broken links", len(bad), 0, not bad))
+    columns = ("Number", "What", "Source", "Functions", "Tests")
+    tables = [part.table(f"Paper {paper}", columns, [row(entry, found) for entry in listed])
+              for paper, listed in of_paper.items()]
+    tables.append(part.table("Requirements", columns, [row(entry, found) for entry in requirements]))
+    return figures, tables
+
+
+SAYS = ("Each equation of both papers and each requirement, with the functions that do it and the tests that hold it. "
+        "Functions are looked up in the sources, tests among those that ctest runs, and each equation's number in the "
+        "comments beside its functions.")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", type=Path, default=part.ROOT)
+    parser.add_argument("--build", type=Path, default=part.ROOT / "build" / "host", help="the build whose tests count")
+    parser.add_argument("--register", type=Path, default=REGISTER, help="relative to the root")
+    args = part.arguments(parser)
+    found = Finder(args.root.resolve(), args.build.resolve(), args.register)
+    bad = found.check()
+    return part.end(args.out, "traceability", "Traceability", SAYS, *result(found, bad), bad)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
