@@ -132,11 +132,11 @@ class Table:
         register, category = self.register, self.guidelines.category(rule)
         if rule in self.violated:
             self.bad += self.violated[rule]
-            return "violated", "; ".join(self.violated[rule])
+            return "violated", "\n".join(self.violated[rule])
         if rule in register.deviations:
             if category == "mandatory":
                 self.bad.append(f"{misra_register.REGISTER}: {rule} is mandatory and has a deviation")
-            return "deviation", "; ".join(register.deviations[rule])
+            return "deviation", "\n".join(register.deviations[rule])
         reason = register.not_applied.get(rule) or self.guidelines.not_followed.get(rule)
         if reason:
             if category != "advisory":

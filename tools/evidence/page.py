@@ -7,6 +7,7 @@ a part that is missing is shown as that.
 import argparse
 import html
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -15,6 +16,7 @@ sys.path.insert(0, str(TOOLS))
 
 from report.document import anchor, document  # noqa: E402
 
+BREAKS = re.compile(r"(?<=\w)[_/.](?=\w)")
 FOLDED_FROM = 13  # rows; a longer table is closed until it is asked for
 HEADS = ("Part", "Figure", "Value", "Threshold", "Verdict")
 SAYS = ("What is known of the control core beside its simulated runs: each part with what it measures and what has to "
@@ -34,6 +36,12 @@ def read(folder, name):
 
 def holds(part):
     return bool(part["figures"]) and all(figure["ok"] for figure in part["figures"])
+
+
+def text(cell):
+    """As HTML that can be broken within long names; a line of the cell is one of the page."""
+    escaped = html.escape(cell).replace("\n", "<br>")
+    return BREAKS.sub(r"\g<0><wbr>", escaped)
 
 
 def verdict(ok):
@@ -60,18 +68,18 @@ def summary(parts):
     for part in parts:
         for number, figure in enumerate(part["figures"]):
             name = anchor(part["part"], part["title"]) if number == 0 else ""
-            cells.append([name, *(html.escape(figure[key]) for key in ("name", "value", "threshold")),
+            cells.append([name, *(text(figure[key]) for key in ("name", "value", "threshold")),
                           verdict(figure["ok"])])
     return f"<section>\n<h2>Summary</h2>\n{rows_and_heads(HEADS, cells)}\n</section>"
 
 
 def table(content):
-    text = rows_and_heads(content["columns"], [[html.escape(cell) for cell in cells] for cells in content["rows"]])
+    shown = rows_and_heads(content["columns"], [list(map(text, cells)) for cells in content["rows"]])
     title = html.escape(content["title"])
     count = len(content["rows"])
     if count < FOLDED_FROM:
-        return f"<h3>{title}</h3>\n{text}"
-    return f"<details>\n<summary>{title} <span class=muted>({count} rows)</span></summary>\n{text}\n</details>"
+        return f"<h3>{title}</h3>\n{shown}"
+    return f"<details>\n<summary>{title} <span class=muted>({count} rows)</span></summary>\n{shown}\n</details>"
 
 
 def section(part):

@@ -4,7 +4,7 @@
      "figures": [{"name": "statements", "value": "100 %", "threshold": "100 %", "ok": true}],
      "tables": [{"title": "...", "columns": ["..."], "rows": [["..."]]}]}
 
-All values and cells are text, as a reader is to see it. A part has no date, no duration and no path outside the
+All values and cells are text, as a reader is to see it; a newline begins a new line of the cell. A part has no date, no duration and no path outside the
 project in it: the same sources give the same page.
 """
 

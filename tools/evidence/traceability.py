@@ -223,23 +223,23 @@ def row(entry, found):
     run = [name if name in found.tests.get(name, ()) else f"{name} ({', '.join(sorted(found.tests.get(name, ())))})"
            for name in entry["tests"]]
     title = entry["title"] + (f" – {entry['note']}" if entry["note"] else "")
-    return entry["id"], title, entry["source"], "; ".join(where), "; ".join(run)
+    return entry["id"], title, entry["source"], "\n".join(where), "\n".join(run)
 
 
 def result(found, bad):
     """Figures and tables."""
-    of_paper = {paper: [entry for entry in found.entries if (equation(entry["id"]) or " ")[0] == paper]
-                for paper in EQUATIONS}
+    of_paper = {paper: sorted((entry for entry in found.entries if (equation(entry["id"]) or " ")[0] == paper),
+                              key=lambda entry: equation(entry["id"])) for paper in EQUATIONS}
     requirements = [entry for entry in found.entries if not equation(entry["id"])]
     whole = [entry for entry in found.entries if not any(f": {entry['id']}: " in line for line in bad)]
-    figures = [part.figure(f"equations of paper {paper} with function and test",
-                           f"{len([entry for entry in listed if entry in whole])} of {EQUATIONS[paper]}", "all",
-                           len([entry for entry in listed if entry in whole]) == EQUATIONS[paper])
-               for paper, listed in of_paper.items()]
-    figures.append(part.figure("requirements with function and test",
-                               f"{len([entry for entry in requirements if entry in whole])} of {len(requirements)}", "all",
-                               requirements and all(entry in whole for entry in requirements)))
-    figures.append(part.figure("broken links", len(bad), 0, not bad))
+
+    def share(of_what, listed, count):
+        kept = len([entry for entry in listed if entry in whole])
+        return part.figure(f"{of_what} with function and test", f"{kept} of {count}", "all", 0 < kept == count)
+
+    figures = [*(share(f"equations of paper {paper}", listed, EQUATIONS[paper]) for paper, listed in of_paper.items()),
+               share("requirements", requirements, len(requirements)),
+               part.figure("broken links", len(bad), 0, not bad)]
     columns = ("Number", "What", "Source", "Functions", "Tests")
     tables = [part.table(f"Paper {paper}", columns, [row(entry, found) for entry in listed])
               for paper, listed in of_paper.items()]

@@ -31,6 +31,8 @@ caption { text-align: left; color: var(--muted); padding-bottom: .4rem; }
 th, td { text-align: left; vertical-align: top; padding: .45rem .7rem .45rem 0;
   border-bottom: 1px solid var(--grid); }
 thead th { font-size: .85rem; color: var(--muted); font-weight: 600; }
+summary { cursor: pointer; margin: .4rem 0; }
+details table { font-size: .85rem; }
 .good { color: var(--good); } .bad { color: var(--bad); }
 .verdict { font-weight: 600; white-space: nowrap; }
 dt { font-weight: 600; margin-top: .5rem; } dd { margin: 0; }
@@ -59,6 +61,7 @@ figure svg * { stroke-linejoin: round; stroke-linecap: butt; }
   @page { margin: 14mm; }
   body { max-width: none; padding: 0; font-size: 10pt; }
   nav, .files { display: none; }
+  details::details-content { content-visibility: visible; display: block; }
   h2, h3 { break-after: avoid; }
   tr, figure, .metrics div { break-inside: avoid; }
   section.run { break-before: page; }
