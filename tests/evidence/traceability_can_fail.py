@@ -26,6 +26,8 @@ FAULTS = {
                                       "A (23): no comment beside rotor_position_step names it"),
     "an equation that there is not": ("firmware/control/rotor_position.h", "paper A (23)", "paper A (24)",
                                       "rotor_position.h:2: there is no equation (24) of paper A"),
+    "a function that nothing asks for": ("firmware/control/rotor_position.h", "#endif", "int32_t rotor_extra(void);\n#endif",
+                                         "no equation and no requirement names rotor_extra"),
 }
 
 

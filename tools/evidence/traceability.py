@@ -3,7 +3,7 @@
 tests/evidence/requirements.toml says which. It holds when every equation of both papers and every requirement has a
 function and a test, every function that is named is defined in the sources, every test is one that ctest runs (its own
 name, or that of a Unity or Python test in it), each equation's number stands in a comment beside one of its functions,
-and no comment cites an equation that there is not.
+no comment cites an equation that there is not, and every public function of the firmware is there for one of them.
 """
 
 import argparse
@@ -20,11 +20,13 @@ import part
 REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 SOURCES = ("firmware", "hal", "host_sim", "tools/design")
+PUBLIC = "firmware"  # whose headers declare nothing that no entry names
 KEYS = {"id", "title", "source", "functions", "tests", "note"}
 
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
 DEFINED = re.compile(r"\b([A-Za-z_]\w*)\s*\((?:[^(){};]|\([^(){};]*\))*\)\s*(?:const\s*)?(?::\s[^;{}]*)?\{")
+DECLARED = re.compile(r"^(?!typedef|return|#)(?:[a-z_]\w*[ \*]+)+(\w+)\((?:[^(){};]|\([^(){};]*\))*\)\s*[;{]", re.MULTILINE)
 NO_FUNCTION = {"if", "for", "while", "switch", "catch"}
 NUMBERS = r"\(\d+\)(?:(?:–|, | and )\(\d+\))*"
 OF_A_PAPER = re.compile(rf"[Pp]aper ([AB]) ({NUMBERS})|({NUMBERS}) of\s+paper ([AB])")
@@ -55,6 +57,14 @@ def functions(root):
             if name not in NO_FUNCTION:
                 found.setdefault(name, set()).add(path.relative_to(root))
     return found
+
+
+def declared(root):
+    """Each public function of the firmware with the place of its declaration."""
+    for path in sorted((root / PUBLIC).rglob("*.h")):
+        code = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path))
+        for match in DECLARED.finditer(code):
+            yield match[1], f"{path.relative_to(root)}:{code.count(chr(10), 0, match.start()) + 1}"
 
 
 def numbers(text):
@@ -212,6 +222,9 @@ class Finder:
         self.bad += [f"{path}:{line}: there is no equation ({number}) of paper {paper}"
                      for (paper, number), places in sorted(self.citations.items()) if (paper, number) not in wanted
                      for path, line in sorted(places.items())]
+        named = {name for entry in self.entries for name in entry["functions"]}
+        self.bad += [f"{place}: no equation and no requirement names {name}"
+                     for name, place in declared(self.root) if name not in named]
         return self.bad
 
 
@@ -232,6 +245,11 @@ def result(found, bad):
                               key=lambda entry: equation(entry["id"])) for paper in EQUATIONS}
     requirements = [entry for entry in found.entries if not equation(entry["id"])]
     whole = [entry for entry in found.entries if not any(f": {entry['id']}: " in line for line in bad)]
+    public = dict(declared(found.root))
+    served = {}
+    for entry in found.entries:
+        for name in entry["functions"]:
+            served.setdefault(name, []).append(entry["id"])
 
     def share(of_what, listed, count):
         kept = len([entry for entry in listed if entry in whole])
@@ -239,15 +257,21 @@ def result(found, bad):
 
     figures = [*(share(f"equations of paper {paper}", listed, EQUATIONS[paper]) for paper, listed in of_paper.items()),
                share("requirements", requirements, len(requirements)),
+               part.figure("public functions of the firmware with what they are there for",
+                           f"{len(set(public) & set(served))} of {len(public)}", "all", set(public) <= set(served)),
                part.figure("broken links", len(bad), 0, not bad)]
     columns = ("Number", "What", "Source", "Functions", "Tests")
     tables = [part.table(f"Paper {paper}", columns, [row(entry, found) for entry in listed])
               for paper, listed in of_paper.items()]
     tables.append(part.table("Requirements", columns, [row(entry, found) for entry in requirements]))
+    tables.append(part.table("Public functions of the firmware", ("Function", "Declared", "There for"),
+                             [(name, public[name].rsplit(":", 1)[0], ", ".join(served.get(name, ["nothing"])))
+                              for name in sorted(public)]))
     return figures, tables
 
 
-SAYS = ("Each equation of both papers and each requirement, with the functions that do it and the tests that hold it. "
+SAYS = ("Each equation of both papers and each requirement, with the functions that do it and the tests that hold it; and "
+        "each public function of the firmware with what it is there for. "
         "Functions are looked up in the sources, tests among those that ctest runs, and each equation's number in the "
         "comments beside its functions.")
 
