@@ -48,12 +48,16 @@ def text_of(path):
     return path.read_text(encoding="utf-8")
 
 
+def code_of(path):
+    """Without comments; lines stay where they are."""
+    return COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path))
+
+
 def functions(root):
     """Function → files that define it."""
     found = {}
     for path in c_files(root):
-        code = STRING.sub('""', COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path)))
-        for name in DEFINED.findall(code):
+        for name in DEFINED.findall(STRING.sub('""', code_of(path))):
             if name not in NO_FUNCTION:
                 found.setdefault(name, set()).add(path.relative_to(root))
     return found
@@ -62,7 +66,7 @@ def functions(root):
 def declared(root):
     """Each public function of the firmware with the place of its declaration."""
     for path in sorted((root / PUBLIC).rglob("*.h")):
-        code = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path))
+        code = code_of(path)
         for match in DECLARED.finditer(code):
             yield match[1], f"{path.relative_to(root)}:{code.count(chr(10), 0, match.start()) + 1}"
 
@@ -116,13 +120,17 @@ def citations(root):
 # --- What ctest runs ---
 
 def registered(build):
-    """The tests of a build that are not disabled, as ctest lists them."""
+    """The tests of a build that are not disabled, as ctest lists them: name, command, folder."""
+    if not (build / "compile_commands.json").is_file():
+        sys.exit(f"{build}: no build; expected one of the preset host, with all tests")
     shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True,
                            check=True)
     for test in json.loads(shown.stdout[shown.stdout.index("{"):])["tests"]:
         properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}
+        if "command" not in test:
+            sys.exit(f"{build}: {test['name']} is not built; `cmake --build --preset host` builds all tests")
         if not properties.get("DISABLED"):
-            yield test["name"], test.get("command", []), Path(properties.get("WORKING_DIRECTORY", build))
+            yield test["name"], test["command"], Path(properties.get("WORKING_DIRECTORY", build))
 
 
 def program_sources(build):
@@ -146,12 +154,13 @@ def python_file(argument, folder):
 @functools.cache
 def tests(build):
     """Name of a test, or of a test function → names of the tests of ctest that run it."""
-    sources, found = program_sources(build), {}
-    for name, command, folder in registered(build):
+    listed, found = list(registered(build)), {}
+    sources = program_sources(build)
+    for name, command, folder in listed:
         found.setdefault(name, set()).add(name)
         for argument in command:
             for path in sources.get(Path(argument).name, []):
-                for function in RUN_TEST.findall(text_of(path)):
+                for function in RUN_TEST.findall(code_of(path)):
                     found.setdefault(function, set()).add(name)
             path = python_file(argument, folder)
             for function in PYTHON_TEST.findall(text_of(path)) if path else []:
