@@ -59,6 +59,11 @@ class MisraCanFail(unittest.TestCase):
         self.assertEqual(status["11.4"], "violated")
         self.assertTrue(bad[0].startswith(f"{SOURCE}:6: "), bad)
 
+    def test_a_finding_of_cppcheck_itself_is_one(self):
+        self.replace(SOURCE, "{\n", "{\n    int32_t x;\n    x = x + 1;\n")
+        _, bad = self.table(self.gate())
+        self.assertTrue([line for line in bad if "[uninitvar]" in line], bad)
+
     def test_a_mandatory_rule_takes_no_deviation(self):
         self.replace("firmware/MISRA.md", "| D1 | 11.4 |", "| D1 | 9.1 |")
         self.assertIn("9.1 is mandatory and has a deviation", " ".join(self.table()[1]))

@@ -25,8 +25,6 @@ import sources  # noqa: E402
 RULES = Path("tests/evidence/misra_rules.toml")
 DIRECTIVES = {1: 1, 2: 1, 3: 1, 4: 14}
 FOUND = re.compile(r"\[misra-c2012-(\d+\.\d+)\]")
-DEVIATION = re.compile(r"^\|\s*(D\d+)\s*\|\s*(\d+\.\d+)\s*\|\s*([^|]+?)\s*\|\s*([^|]+?)\s*\|", re.MULTILINE)
-NOT_APPLIED = re.compile(r"^\|\s*(\d+\.\d+(?:, \d+\.\d+)*)\s*\|\s*([^|]+?)\s*\|$", re.MULTILINE)
 ASKED = """
 import json, pathlib, sys, cppcheck
 sys.path.insert(0, str(pathlib.Path(cppcheck.__file__).parent / "data" / "addons"))
@@ -80,15 +78,13 @@ class Guidelines:
         return self.categories.get(rule, "required")
 
 
-class Register:
-    """What firmware/MISRA.md says."""
-
-    def __init__(self, root):
-        text = (root / misra_register.REGISTER).read_text(encoding="utf-8")
-        self.deviations = {}
-        for name, rule, where, reason in DEVIATION.findall(text):
-            self.deviations.setdefault(rule, []).append(f"{name}, {where.replace('`', '')}: {reason.replace('`', '')}")
-        self.not_applied = {rule: reason for rules, reason in NOT_APPLIED.findall(text) for rule in rules.split(", ")}
+def deviations(root):
+    """Rule → its rows in the register, as text."""
+    found = {}
+    text = (root / misra_register.REGISTER).read_text(encoding="utf-8").replace("`", "")
+    for name, rule, where, reason in misra_register.ROW.findall(text):
+        found.setdefault(rule, []).append(f"{name}, {where.strip()}: {reason.strip()}")
+    return found
 
 
 def matches(root, pattern, checked):
@@ -103,13 +99,17 @@ class Table:
     """Status and reason of each guideline; what is wrong with that is in `bad`."""
 
     def __init__(self, root, guidelines, checked, run_by_ctest):
-        self.guidelines, self.register = guidelines, Register(root)
+        self.guidelines = guidelines
+        self.deviations = deviations(root)
+        self.not_followed = misra_register.disapplied(root) | guidelines.not_followed
         self.checker, self.run_by_ctest = decided_by_checker(), run_by_ctest
         self.violated, self.absent, self.bad = {}, {}, []
         for line in checked["findings"]:
             match = FOUND.search(line)
             if match:
                 self.violated.setdefault(match[1], []).append(line)
+            else:
+                self.bad.append(line)  # of cppcheck itself, which decides some rules under names of its own
         for entry in guidelines.absent:
             places = list(matches(root, entry["pattern"], checked["files"]))
             self.bad += [f"{place}: not so: {entry['reason']} ({entry['rules'][0]})" for place in places]
@@ -129,19 +129,18 @@ class Table:
 
     def status(self, rule):
         """Status and reason."""
-        register, category = self.register, self.guidelines.category(rule)
+        category = self.guidelines.category(rule)
         if rule in self.violated:
             self.bad += self.violated[rule]
             return "violated", "\n".join(self.violated[rule])
-        if rule in register.deviations:
+        if rule in self.deviations:
             if category == "mandatory":
                 self.bad.append(f"{misra_register.REGISTER}: {rule} is mandatory and has a deviation")
-            return "deviation", "\n".join(register.deviations[rule])
-        reason = register.not_applied.get(rule) or self.guidelines.not_followed.get(rule)
-        if reason:
+            return "deviation", "\n".join(self.deviations[rule])
+        if rule in self.not_followed:
             if category != "advisory":
                 self.bad.append(f"{misra_register.REGISTER}: {rule} is {category} and is not followed")
-            return "not followed", reason
+            return "not followed", self.not_followed[rule]
         if rule in self.absent:
             return "not applicable", self.absent[rule]
         known = self.means(rule)

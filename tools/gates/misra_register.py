@@ -15,13 +15,13 @@ REGISTER = Path("firmware/MISRA.md")
 TAG = re.compile(r"cppcheck-suppress(?P<rest>.*?)(?=cppcheck-suppress|$)")
 GOOD_TAG = re.compile(r"\s+misra-c2012-(?P<rule>\d+\.\d+)\s*;\s*(?P<id>D\d+)\b")
 ROW = re.compile(r"^\|\s*(D\d+)\s*\|\s*(\d+\.\d+)\s*\|([^|]+)\|([^|]+)\|", re.MULTILINE)
-OFF = re.compile(r"^\|\s*(\d+\.\d+(?:, \d+\.\d+)*)\s*\|[^|]+\|$", re.MULTILINE)
+OFF = re.compile(r"^\|\s*(\d+\.\d+(?:, \d+\.\d+)*)\s*\|\s*([^|]+?)\s*\|$", re.MULTILINE)
 
 
 def disapplied(root):
-    """The advisory rules that the register lays down for the whole firmware."""
+    """Each rule that the register lays down for the whole firmware, and why."""
     text = (root / REGISTER).read_text(encoding="utf-8")
-    return [rule for row in OFF.findall(text) for rule in row.split(", ")]
+    return {rule: reason for rules, reason in OFF.findall(text) for rule in rules.split(", ")}
 
 
 def tags(root, bad):
