@@ -15,7 +15,6 @@
 #define RESIDUAL_MAX (8191)
 #define TURN_QUARTER (0x40000000)
 #define SOFTNESS_MAX (12288)
-#define REACH_MAX (65000) /* times a current of 1 it stays below 2^31 */
 #define TICKS_MAX (0x100000)
 #define POLE_PAIRS_MAX (50)
 
@@ -159,7 +158,8 @@ static const char *check_reach(const char *before, const drive_cfg_t *cfg,
     if (bad == NULL) {
         const int32_t speed = fx_sat16(fx_asr(cfg->observer.speed_limit, cfg->speed_shift));
 
-        bad = range(bad, "observer.speed_limit", fx_asr(speed * largest_gain, 13U), 0, REACH_MAX);
+        bad = range(bad, "observer.speed_limit", fx_asr(speed * largest_gain, 13U), 0,
+                    CURRENT_LOOP_REACH_MAX);
     }
     return bad;
 }

@@ -11,8 +11,8 @@
 
 #define ONE (32768.0)
 
-/* Decoupling in LSB: speed × reactance rounded down to 4 (carried over by |i| ≤ 1), then the product. */
-#define DECOUPLING_LSB (5.0)
+/* Decoupling in LSB: speed × reactance rounded down (carried over by |i| ≤ 1), then the product. */
+#define DECOUPLING_LSB (2.0)
 #define EMF_LSB (1.0)
 #define DROP_LSB (1.0) /* R·i* rounded down */
 
