@@ -1146,6 +1146,30 @@ static void test_voltage_demand_is_that_of_the_current_loop_with_no_current_alon
     run_beside(1, check_voltage);
 }
 
+/* ---- what the legs lose ---- */
+
+/* 1.2 V of 310 V are 33 counts of 8500. */
+#define DROP_COUNTS (33)
+
+static void test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current(void)
+{
+    drive_cfg_t lossy = cfg;
+    drive_t with_drop;
+    drive_out_t without;
+
+    go_to(DRIVE_STATE_RUN);
+    in.adc_ia =
+        MID_COUNTS + 200U; /* 2 A of which the reference has nothing: a quarter is expected */
+    lossy.modulator.drop_q15 = 87;
+    with_drop = drive;
+    with_drop.cfg = &lossy;
+    drive_step(&drive, &in, &without);
+    drive_step(&with_drop, &in, &out);
+    TEST_ASSERT_INT_WITHIN(1, DROP_COUNTS, out.compare.phase[0] - without.compare.phase[0]);
+    TEST_ASSERT_INT_WITHIN(1, 0, out.compare.phase[1] - without.compare.phase[1]);
+    TEST_ASSERT_INT_WITHIN(1, -DROP_COUNTS, out.compare.phase[2] - without.compare.phase[2]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1201,5 +1225,6 @@ int main(void)
     RUN_TEST(test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates);
     RUN_TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer);
     RUN_TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux);
+    RUN_TEST(test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current);
     return UNITY_END();
 }

@@ -238,6 +238,22 @@ static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
     }
 }
 
+static void test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pulled_in(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const double rpm = sign * 150.0; /* of 180 */
+
+        begin();
+        motor = example_motor_at(1.0, rpm * RAD_S_PER_RPM);
+        run_at(sign * FAST_RPM);
+        tick();
+        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        /* The pulses are to say which way and roughly how fast: noise is a factor of two off. */
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * 150.0, rpm, drive.catch_spin.speed / STEPS_PER_RPM);
+        expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
+    }
+}
+
 static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
 {
     motor = example_motor_at(1.0, FAST_RPM * RAD_S_PER_RPM);
@@ -348,6 +364,26 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_st
     }
 }
 
+/* Heat found in any tick of the search, also in those in which a pulse flows. */
+static void test_a_fault_found_during_the_search_opens_the_gates_in_its_tick(void)
+{
+    uint32_t in_a_pulse = 0U;
+
+    for (uint32_t phase = 0U; phase < (cfg.slow_ticks * SUPERVISION_STEPS); phase++) {
+        setUp();
+        cfg.derating.temperature_periods = 0U;
+        begin();
+        ticks(phase);
+        go_to(DRIVE_STATE_CATCH_SPIN);
+        in.adc_temperature = 2100U; /* limit 2048 */
+        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_FAULT);
+        TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, drive.fault.id);
+        TEST_ASSERT_FALSE(out.gate_enable);
+        in_a_pulse += drive.catch_spin.gates ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, in_a_pulse);
+}
+
 /* ---- a start that fails ---- */
 
 /* A residual of less than 1 LSB is never reached: the observer cannot prove itself. */
@@ -421,6 +457,26 @@ static void test_a_rotor_that_turns_when_its_start_is_repeated_is_caught(void)
     ticks(15000U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, FAST_RPM, motor.speed / RAD_S_PER_RPM);
+}
+
+#define TORN_RPM (300.0) /* 10 turns of the field a second */
+#define TORN_PERIODS \
+    (20U) /* of the 100 in a turn; the residual falls towards the end of each half */
+
+/* A load turns the rotor away under the vector; what else would notice that is switched off. */
+static void test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again(void)
+{
+    example_supervise_nothing(&cfg);
+    cfg.startup.lost_periods = TORN_PERIODS;
+    begin();
+    go_to(DRIVE_STATE_HOLD);
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state == DRIVE_STATE_HOLD); k++) {
+        motor.speed = TORN_RPM * RAD_S_PER_RPM;
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+    assert_gates_open();
 }
 
 /* Else the current of the last attempt flows on into a search that takes it for the rotor's. */
@@ -593,14 +649,17 @@ int main(void)
     RUN_TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame);
     RUN_TEST(test_alignment_measures_what_was_configured);
     RUN_TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on);
+    RUN_TEST(test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pulled_in);
     RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
     RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
     RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
     RUN_TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor);
     RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start);
+    RUN_TEST(test_a_fault_found_during_the_search_opens_the_gates_in_its_tick);
     RUN_TEST(test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault);
     RUN_TEST(test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing);
     RUN_TEST(test_a_rotor_that_turns_when_its_start_is_repeated_is_caught);
+    RUN_TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again);
     RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
     RUN_TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor);
     RUN_TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state);

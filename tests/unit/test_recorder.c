@@ -1,11 +1,15 @@
 /* Flight recorder: what it keeps is the run, however interrupt and background meet. */
+#define _POSIX_C_SOURCE 200809L /* signals and their timer */
+
 #include "drive_words.h"
 #include "recorded_run.h"
 #include "recorder.h"
 #include "unity.h"
 
+#include <signal.h>
 #include <stdbool.h>
 #include <string.h>
+#include <time.h>
 
 #define LONG_RUN (5000U)
 
@@ -211,6 +215,70 @@ static void test_snapshot_of_another_tick_is_rejected(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
 }
 
+/* First and last word of the state that change in a tick. */
+static void interrupt_by_signal(int number)
+{
+    volatile drive_t *const live = &run.drive;
+
+    (void)number;
+    live->tick++;
+    live->fault.tick = live->tick;
+}
+
+static timer_t start_interrupts(long period_ns)
+{
+    const struct itimerspec period = {{0, period_ns}, {0, period_ns}};
+    struct sigaction action = {.sa_handler = interrupt_by_signal};
+    timer_t timer;
+
+    TEST_ASSERT_EQUAL_INT(0, sigaction(SIGALRM, &action, NULL));
+    TEST_ASSERT_EQUAL_INT(0, timer_create(CLOCK_MONOTONIC, NULL, &timer));
+    TEST_ASSERT_EQUAL_INT(0, timer_settime(timer, 0, &period, NULL));
+    return timer;
+}
+
+/* A timer's signal comes between any two instructions, as an interrupt does. */
+static void test_offered_is_only_a_state_that_no_tick_came_into(void)
+{
+    const timer_t timer = start_interrupts(100000L);
+    const time_t start = time(NULL);
+    recorder_t *const recorder = &run.recorder;
+    uint32_t offers = 0U;
+    uint32_t rejected = 0U;
+
+    run.drive.fault.tick = run.drive.tick;
+    while (((offers < 100U) || (rejected < 10U)) && (difftime(time(NULL), start) < 60.0)) {
+        recorder->offered = false;
+        recorder_service(recorder, &run.drive);
+        if (recorder->offered) {
+            const drive_t *const state = &recorder->states[recorder->next];
+
+            TEST_ASSERT_EQUAL_UINT32(recorder->next_tick, state->tick);
+            TEST_ASSERT_EQUAL_UINT32(recorder->next_tick, state->fault.tick);
+            offers++;
+        } else {
+            rejected++;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(0, timer_delete(timer));
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(100U, offers);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(10U, rejected);
+}
+
+static void test_an_open_offer_stays_as_it_is_until_a_tick_decides(void)
+{
+    drive_t offered;
+
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_TRUE(run.recorder.offered);
+    offered = run.recorder.states[run.recorder.next];
+    run.drive.speed_reference++;
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_TRUE(run.recorder.offered);
+    TEST_ASSERT_EQUAL_INT32(offered.speed_reference,
+                            run.recorder.states[run.recorder.next].speed_reference);
+}
+
 static void test_offer_that_came_too_late_does_not_end_a_segment(void)
 {
     uint32_t current = 0U;
@@ -357,6 +425,8 @@ int main(void)
     RUN_TEST(test_holding_does_not_cut_off_what_follows_a_fault);
     RUN_TEST(test_history_is_the_run_with_a_background_that_comes_irregularly);
     RUN_TEST(test_snapshot_of_another_tick_is_rejected);
+    RUN_TEST(test_offered_is_only_a_state_that_no_tick_came_into);
+    RUN_TEST(test_an_open_offer_stays_as_it_is_until_a_tick_decides);
     RUN_TEST(test_offer_that_came_too_late_does_not_end_a_segment);
     RUN_TEST(test_history_begins_behind_a_gap);
     RUN_TEST(test_commands_and_temperature_change_in_the_tick_in_which_they_did);

@@ -153,6 +153,36 @@ static void test_without_a_fault_the_header_has_none(void)
     TEST_ASSERT_GREATER_THAN_UINT32(0U, dump.header.entries);
 }
 
+#define NAME_CHARACTERS (RECORDER_NAME_WORDS * WORD_BYTES)
+
+/* A name with something behind it that is not its own. */
+typedef struct {
+    recorder_about_t about;
+    uint32_t behind;
+} named_t;
+
+static void test_a_name_is_readable_as_text_with_zeros_behind_it(void)
+{
+    static const char text[NAME_CHARACTERS] = "motor_a, bench_310v";
+    named_t named = {.behind = 0x55555555U};
+
+    recorder_about_name(&named.about, text);
+    TEST_ASSERT_EQUAL_MEMORY(text, named.about.name, NAME_CHARACTERS); /* the PC is little-endian */
+    TEST_ASSERT_EQUAL_HEX32(0x55555555U, named.behind);
+}
+
+static void test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing(void)
+{
+    char text[NAME_CHARACTERS + 2U];
+    named_t named = {.behind = 0x55555555U};
+
+    (void)memset(text, 'x', sizeof(text) - 1U);
+    text[sizeof(text) - 1U] = '\0';
+    recorder_about_name(&named.about, text);
+    TEST_ASSERT_EQUAL_MEMORY(text, named.about.name, NAME_CHARACTERS);
+    TEST_ASSERT_EQUAL_HEX32(0x55555555U, named.behind);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -160,5 +190,7 @@ int main(void)
     RUN_TEST(test_parts_lie_behind_each_other_and_the_end_is_their_crc);
     RUN_TEST(test_header_says_how_it_ended);
     RUN_TEST(test_without_a_fault_the_header_has_none);
+    RUN_TEST(test_a_name_is_readable_as_text_with_zeros_behind_it);
+    RUN_TEST(test_a_name_that_does_not_fit_is_cut_off_and_overwrites_nothing);
     return UNITY_END();
 }

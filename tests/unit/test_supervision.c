@@ -141,6 +141,30 @@ static void test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lo
     }
 }
 
+/* It has no channel that could be stuck: what stands still there is what both others make of it. */
+static void test_a_third_phase_that_stands_still_is_lost_whatever_its_current(void)
+{
+    static const int32_t current[] = {0, 1500, -1500}; /* at most 275 is zero */
+
+    for (uint32_t k = 0U; k < 3U; k++) {
+        double turns = 0.0;
+
+        setUp();
+        while ((fault.id == FAULT_NONE) && (turns < 40.0)) {
+            const int32_t swing = (int32_t)(2000.0 * cos(TWO_PI * turns));
+            const supervision_phases_t in = {.a = swing,
+                                             .b = -swing - current[k],
+                                             .turns_q16 = (int32_t)(turns * TURN_Q16),
+                                             .speed = 1000000};
+
+            (void)supervision_check_phases(&state, &cfg, &in, &fault);
+            turns += 0.05;
+        }
+        TEST_ASSERT_EQUAL_INT(FAULT_LOST_PHASE, fault.id);
+        TEST_ASSERT_EQUAL_INT32(0, fault.value);
+    }
+}
+
 static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live(void)
 {
     phases_t p = HEALTHY;
@@ -610,6 +634,7 @@ int main(void)
     RUN_TEST(test_healthy_phases_are_no_fault_with_noise_and_gain_error_at_any_speed);
     RUN_TEST(test_each_lost_phase_is_found_in_three_half_turns);
     RUN_TEST(test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase);
+    RUN_TEST(test_a_third_phase_that_stands_still_is_lost_whatever_its_current);
     RUN_TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live);
     RUN_TEST(test_phases_are_not_compared_below_the_least_current);
     RUN_TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel);

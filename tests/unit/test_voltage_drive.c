@@ -36,18 +36,23 @@ static void measure(void)
     in.angle = (uint16_t)((uint32_t)lround((turns - floor(turns)) * 65536.0) & 0xFFFFU);
 }
 
-static void tick(void)
+static void loaded_ticks(uint32_t count, double load_nm)
 {
-    measure();
-    drive_step(&drive, &in, &out);
-    example_motor_tick(&motor, &out, 0.0);
+    for (uint32_t k = 0U; k < count; k++) {
+        measure();
+        drive_step(&drive, &in, &out);
+        example_motor_tick(&motor, &out, load_nm);
+    }
 }
 
 static void ticks(uint32_t count)
 {
-    for (uint32_t k = 0U; k < count; k++) {
-        tick();
-    }
+    loaded_ticks(count, 0.0);
+}
+
+static void tick(void)
+{
+    ticks(1U);
 }
 
 static void begin(double angle, double rpm)
@@ -277,24 +282,69 @@ static void test_a_load_that_drives_is_held_by_current_control(void)
     run_at(600.0);
     ticks(SETTLED_TICKS);
     TEST_ASSERT_TRUE(drive.voltage_driven);
-    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
-        measure();
-        drive_step(&drive, &in, &out);
-        example_motor_tick(&motor, &out, -3.0);
-    }
+    loaded_ticks(PATIENCE_TICKS, -3.0);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_FALSE(drive.voltage_driven);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
+/* With a start-up's current floor of 1.22 A, under a load that takes 1.72 A. */
+static void run_above_the_current_floor(void)
+{
+    cfg.startup.current_floor = 1000;
+    cfg.startup.current_slope = 65;
+    cfg.crc = config_guard_crc(&cfg);
+    run_at(600.0);
+    loaded_ticks(PATIENCE_TICKS, 2.0);
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+}
+
+static void test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept(void)
+{
+    run_above_the_current_floor();
+    ticks(PATIENCE_TICKS); /* 0.05 A of friction */
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_INT32_WITHIN(100, 1000, drive.signals.current_ref.d);
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
+}
+
+/* It takes 4° under 3 N·m. */
+static void test_a_lead_beyond_its_end_is_left_to_current_control(void)
+{
+    cfg.voltage_drive.compensator.lead_max = 11930465; /* 1° */
+    cfg.crc = config_guard_crc(&cfg);
+    run_at(600.0);
+    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
+        loaded_ticks(1U, 3.0);
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
+}
+
+/* Closer than the converter resolves. */
+static void test_no_change_while_currents_are_not_where_they_are_asked_for(void)
+{
+    cfg.voltage_drive.compensator.current_min = 1;
+    cfg.crc = config_guard_crc(&cfg);
+    run_at(600.0);
+    for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
+        tick();
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
+}
+
 static void test_more_than_the_torque_range_gives_back_at_once(void)
 {
-    run_at(600.0);
-    ticks(SETTLED_TICKS);
-    TEST_ASSERT_TRUE(drive.voltage_driven);
-    drive.signals.current_ref.q = drive.torque_range.upper + 2000;
-    ticks(cfg.slow_ticks);
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin_with_sensor(0.0, 0.0);
+        run_at(sign * 600.0);
+        ticks(SETTLED_TICKS);
+        TEST_ASSERT_TRUE(drive.voltage_driven);
+        drive.signals.current_ref.q =
+            (sign > 0) ? (drive.torque_range.upper + 2000) : (drive.torque_range.lower - 2000);
+        ticks(cfg.slow_ticks);
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
 }
 
 static void test_a_drive_that_is_not_asked_to_never_changes_over(void)
@@ -376,6 +426,9 @@ int main(void)
     RUN_TEST(test_no_change_before_the_speed_is_reached);
     RUN_TEST(test_below_its_lowest_speed_current_control_stays);
     RUN_TEST(test_a_load_that_drives_is_held_by_current_control);
+    RUN_TEST(test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept);
+    RUN_TEST(test_a_lead_beyond_its_end_is_left_to_current_control);
+    RUN_TEST(test_no_change_while_currents_are_not_where_they_are_asked_for);
     RUN_TEST(test_more_than_the_torque_range_gives_back_at_once);
     RUN_TEST(test_a_drive_that_is_not_asked_to_never_changes_over);
     RUN_TEST(test_protection_stays_in_force);
