@@ -21,5 +21,17 @@ target_compile_options(nf_warnings INTERFACE
 
 option(NF_GATES "Register the quality gates as tests" ON)
 
+option(NF_COVERAGE "Count what the tests run of the control core (clang)" OFF)
+
+# nf_count(<target>): counted if NF_COVERAGE. What is not stays as fast as ever.
+function(nf_count target)
+    if(NF_COVERAGE)
+        target_compile_options(${target} PRIVATE
+            -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc)
+        target_link_options(${target} PUBLIC -fprofile-instr-generate)
+    endif()
+endfunction()
+
+
 set(UNITY_ROOT ${CMAKE_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
 set(NF_PYTHON ${CMAKE_SOURCE_DIR}/.cache/venv/bin/python CACHE FILEPATH "Python of the tools")

@@ -1,0 +1,239 @@
+"""evidence.coverage: the unit and scenario tests go through all of the control core.
+
+The core is firmware/math, control and drive, built by clang with counters; nothing else of the build has any. Asked for
+are every statement, every branch both ways, and MC/DC: that each condition of a decision has decided it alone. What is
+compiled into several places, as a header's functions are, counts where it is covered in one of them.
+
+What cannot be covered stands in tests/evidence/justified.toml, line by line with its reason; a justification of
+something that is covered, or that is not there, is a finding too.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections import Counter, defaultdict
+from pathlib import Path
+
+import part
+
+PRESET = "host-coverage"
+FLOORS = ("math", "control", "drive")
+TESTS = ("unit", "scenario")
+TARGETS = ("motorsim", *(f"tests/{folder}/all" for folder in TESTS))
+REGISTER = Path("tests/evidence/justified.toml")
+KEYS = {"file", "function", "text", "kind", "reason"}
+KINDS = {"statement": "statements", "branch": "branches", "mcdc": "MC/DC conditions"}
+CODE = 0  # kind of a region that is neither skipped nor a gap nor an expansion
+COMMENT_OR_STRING = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
+OPERATOR = re.compile(r"&&|\|\|")
+FUNCTION = re.compile(r"^\w[^;{}#]*?\b(\w+)\s*\([^;{}]*\)\s*\{", re.MULTILINE)
+
+
+def quietly(command, **options):
+    """Runs a command; what it says is shown only if it fails, and then the program ends."""
+    run = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **options)
+    if run.returncode != 0:
+        sys.exit(f"{run.stdout}{run.stderr}evidence.coverage: failed: {' '.join(map(str, command))}")
+    return run.stdout
+
+
+def objects_of(build):
+    """What is counted. llvm-cov 19 reads every object file, but not every archive of them."""
+    folders = [build / "firmware" / floor for floor in FLOORS] + [build / "tests/unit"]
+    return sorted(path for folder in folders for path in folder.rglob("*.o"))
+
+
+def run_tests(root, definitions):
+    """Builds the core with counters and runs the tests: the object files and the folder of the counts."""
+    build = root / "build" / PRESET
+    profiles = build / "profiles"
+    quietly(["cmake", "--preset", PRESET, *(f"-D{definition}" for definition in definitions)], cwd=root)
+    quietly(["cmake", "--build", "--preset", PRESET, "--target", *TARGETS], cwd=root)
+    shutil.rmtree(profiles, ignore_errors=True)
+    for folder in TESTS:
+        quietly(["ctest", "--test-dir", build / "tests" / folder, "--output-on-failure", "--no-tests=error", "-j2"],
+                env={**os.environ, "LLVM_PROFILE_FILE": str(profiles / "%p.profraw")})
+    return objects_of(build), profiles
+
+
+def export(objects, profiles):
+    """What llvm-cov has counted in each function of the objects."""
+    merged = profiles / "all.profdata"
+    quietly(["llvm-profdata-19", "merge", "-sparse", *sorted(profiles.glob("*.profraw")), "-o", merged])
+    command = ["llvm-cov-19", "export", f"--instr-profile={merged}", *(f"--object={path}" for path in objects)]
+    return json.loads(quietly(command))["data"][0]["functions"]
+
+
+def inside(outer, span):
+    return outer[:2] <= span[:2] and span[2:] <= outer[2:]
+
+
+def items(function):
+    """All that is to be covered in one function: (kind, file, span, which way or condition) and whether it is."""
+    names = function["filenames"]
+    for *span, count, file, _, kind in function["regions"]:
+        if kind == CODE:
+            yield ("statement", names[file], tuple(span), ""), count > 0
+    branches = [(names[file], tuple(span), true, false)
+                for *span, true, false, file, _, _ in function["branches"]]
+    for file, span, true, false in branches:
+        yield ("branch", file, span, "true"), true > 0
+        yield ("branch", file, span, "false"), false > 0
+    for *span, _, _, alone in function["mcdc_records"]:
+        yield ("decision", names[0], tuple(span), ""), True
+        conditions = sorted({(file, inner) for file, inner, _, _ in branches if inside(tuple(span), inner)})
+        for (file, inner), covered in zip(conditions, alone, strict=True):
+            yield ("mcdc", file, inner, ""), covered
+
+
+def measure(functions, root):
+    """Every item within the core, by its file relative to root, and whether it is covered anywhere."""
+    core = [str(root / "firmware" / floor) + os.sep for floor in FLOORS]
+    measured = {}
+    for function in functions:
+        if function["filenames"][0].startswith(tuple(core)):  # not of a test
+            for (kind, file, span, way), covered in items(function):
+                key = (Path(file).relative_to(root).as_posix(), span, kind, way)
+                measured[key] = measured.get(key, False) or covered
+    return measured
+
+
+def without_comments(text):
+    """The text with comments and strings blanked, each character else where it was."""
+    return COMMENT_OR_STRING.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+
+
+def not_counted(measured, root):
+    """Operators of decisions that clang has no MC/DC of: it leaves out those with a decision within, and only warns."""
+    decisions = defaultdict(list)
+    for file, span, kind, _ in measured:
+        decisions[file] += [span] if kind == "decision" else []
+    for file in sorted({file for file, *_ in measured}):
+        text = without_comments((root / file).read_text(encoding="utf-8"))
+        for number, line in enumerate(text.splitlines(), 1):
+            for found in OPERATOR.finditer(line):
+                at = (number, found.start() + 1)
+                if not any(span[:2] <= at < span[2:] for span in decisions[file]):
+                    yield f"{file}:{number}: clang counts no MC/DC of this decision: {line.strip()}"
+
+
+def not_built(measured, root):
+    """Source files with functions of which nothing was counted."""
+    files = {file for file, *_ in measured}
+    for path in sorted(path for floor in FLOORS for path in (root / "firmware" / floor).glob("*.c")):
+        name = path.relative_to(root).as_posix()
+        if name not in files and FUNCTION.search(without_comments(path.read_text(encoding="utf-8"))):
+            yield f"{name}: nothing of it is counted"
+
+
+def excerpt(lines, span):
+    """The source text of a span, on one line."""
+    first, start, last, end = span
+    text = lines[first - 1:last]
+    text[-1] = text[-1][:end - 1]
+    text[0] = text[0][start - 1:]
+    return " ".join(" ".join(text).split())
+
+
+def function_at(lines, number):
+    """The name of the function that has this line."""
+    before = FUNCTION.findall("\n".join(lines[:number]) + "{")
+    return before[-1] if before else ""
+
+
+def gaps(measured, root):
+    """What is not covered: (file, line, function, text, kind, way)."""
+    sources = {}
+    for (file, span, kind, way), covered in sorted(measured.items()):
+        if not covered:
+            lines = sources.setdefault(file, (root / file).read_text(encoding="utf-8").splitlines())
+            yield file, span[0], function_at(lines, span[0]), excerpt(lines, span), kind, way
+
+
+def justified(register):
+    """(file, function, text, kind) → reason, and what is wrong with the register itself."""
+    entries, bad = {}, []
+    for entry in tomllib.loads(register.read_text(encoding="utf-8")).get("justified", []):
+        if set(entry) != KEYS or entry["kind"] not in KINDS or not entry["reason"].strip():
+            bad.append(f"{REGISTER}: {entry}: an entry has {', '.join(sorted(KEYS))}; kind is {', '.join(KINDS)}")
+            continue
+        key = tuple(entry[name] for name in ("file", "function", "text", "kind"))
+        if key in entries:
+            bad.append(f"{REGISTER}: {entry['file']} ({entry['function']}): '{entry['text']}' stands there twice")
+        entries[key] = entry["reason"]
+    return entries, bad
+
+
+def judge(measured, root, register):
+    """The findings, the reasons of what is justified, and how much that is by (file, kind)."""
+    reasons, bad = justified(register)
+    bad += not_counted(measured, root)
+    used = Counter()
+    for file, line, function, text, kind, way in gaps(measured, root):
+        key = (file, function, text, kind)
+        if key in reasons:
+            used[key] += 1
+        else:
+            bad.append(f"{file}:{line}: {kind} not covered in {function}: {text}{way and f' ({way})'}")
+    bad += [f"{REGISTER}: {file} ({function}): {kind} '{text}' needs no justification"
+            for file, function, text, kind in reasons if (file, function, text, kind) not in used]
+    excused = Counter()
+    for (file, _, _, kind), count in used.items():
+        excused[file, kind] += count
+    return bad, {key: reasons[key] for key in used}, excused
+
+
+def percent(covered, whole):
+    """Rounded down, so that 100 % is all of it."""
+    return f"{1000 * covered // whole / 10:g} %" if whole else "–"
+
+
+def report(measured, excused):
+    """The figures of all of the core, and a row for each file."""
+    whole, covered = Counter(), Counter()
+    for (file, _, kind, _), hit in measured.items():
+        for name in (file, ""):
+            whole[name, kind] += 1
+            covered[name, kind] += hit
+    for (file, kind), count in excused.items():
+        covered[file, kind] += count
+        covered["", kind] += count
+    figures = [part.figure(f"{name} covered or justified", f"{percent(covered['', kind], whole['', kind])} of "
+                           f"{whole['', kind]}", "100 %", 0 < whole["", kind] == covered["", kind])
+               for kind, name in KINDS.items()]
+    files = sorted({key[0] for key in measured})
+    rows = [[file, *(f"{covered[file, kind] - excused[file, kind]} of {whole[file, kind]}" for kind in KINDS)]
+            for file in files]
+    return figures, rows
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE",
+                        help="for the build with counters, as of cmake -D; may be repeated")
+    args = part.arguments(parser)
+    root = part.ROOT
+    objects, profiles = run_tests(root, args.define)
+    measured = measure(export(objects, profiles), root)
+    bad, reasons, excused = judge(measured, root, root / REGISTER)
+    bad += not_built(measured, root)
+    figures, rows = report(measured, excused)
+    figures.append(part.figure("gaps justified", sum(excused.values()), "each with a reason", True))
+    says = ("The unit and scenario tests go through every statement of the control core, take every branch both ways, "
+            "and let each condition of a decision decide it alone (MC/DC), counted by clang. What cannot be covered is "
+            "justified line by line. Counted is what a PC compiles; what a Cortex-M has in place of port/generic gives "
+            "the same bits there (target.identity).")
+    tables = [part.table("Covered, by file", ["file", *KINDS.values()], rows)]
+    if reasons:
+        tables.append(part.table("Justified", ["file", "function", "text", "kind", "reason"],
+                                 [[*key, reason] for key, reason in sorted(reasons.items())]))
+    return part.end(args.out, "coverage", "Coverage", says, figures, tables, bad)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
