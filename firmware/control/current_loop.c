@@ -20,9 +20,10 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
 /* speed × reactance × current, Q15. */
 static int32_t cross(int32_t speed, int32_t reactance_q13, int32_t current)
 {
-    const int32_t reach = fx_asr(speed * reactance_q13, REACTANCE_BITS);
+    const int32_t reach = fx_clamp(fx_asr(speed * reactance_q13, REACTANCE_BITS),
+                                   -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX);
 
-    return fx_asr(fx_clamp(reach, -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX) * current, 15U);
+    return fx_asr(reach * fx_sat16(current), 15U);
 }
 
 /* v_q cut to what the circle leaves beside v_d. */

@@ -45,7 +45,8 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle);
 /*
  * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
  * limit 0…32767. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX, where params_check keeps it away
- * from. The square root of the circle is taken only when the demand leaves it; the cut is given back to the q integral.
+ * from, and the current in that product at ±1. The square root of the circle is taken only when the demand
+ * leaves it; the cut is given back to the q integral.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit);
