@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "console.h"
 #include "data_list.h"
+#include "extremes.h"
 #include "program.h"
 #include "reader.h"
 #include "replay.h"
@@ -67,6 +68,7 @@ struct RunArguments : Choice {
     bool trace_prelude = false;
     std::string json;
     std::string record;
+    std::string extremes;
     std::string vcd;
     std::optional<double> vcd_from_s;
     std::optional<double> vcd_to_s;
@@ -124,10 +126,9 @@ void apart(const char *option_a, const std::string &a, const char *option_b, con
 void check_outputs(const RunArguments &arguments, const nf::Config &config)
 {
     const std::vector<std::pair<const char *, std::string>> outputs = {
-        {"--trace", arguments.trace},
-        {"--json", arguments.json},
-        {"--vcd", arguments.vcd},
-        {"--record", arguments.record},
+        {"--trace", arguments.trace},       {"--json", arguments.json},
+        {"--vcd", arguments.vcd},           {"--record", arguments.record},
+        {"--extremes", arguments.extremes},
     };
     for (auto a = outputs.begin(); a != outputs.end(); ++a) {
         nf::check_output(config, a->first, a->second);
@@ -170,11 +171,15 @@ public:
             record_ = std::make_unique<nf::replay::Writer>(config);
             record_path_ = arguments.record;
         }
+        if (!arguments.extremes.empty()) {
+            extremes_ = std::make_unique<nf::Extremes>();
+            extremes_path_ = arguments.extremes;
+        }
     }
 
     bool any() const
     {
-        return trace_ != nullptr || vcd_ != nullptr || record_ != nullptr;
+        return trace_ != nullptr || vcd_ != nullptr || record_ != nullptr || extremes_ != nullptr;
     }
 
     void add(const nf::Tick &tick) override
@@ -187,6 +192,9 @@ public:
         }
         if (record_) {
             record_->add(tick);
+        }
+        if (extremes_) {
+            extremes_->add(tick);
         }
     }
 
@@ -201,6 +209,9 @@ public:
         if (record_) {
             nf::write_text(record_path_, record_->text());
         }
+        if (extremes_) {
+            nf::write_text(extremes_path_, extremes_->json_text());
+        }
     }
 
 private:
@@ -208,6 +219,8 @@ private:
     std::unique_ptr<nf::Vcd> vcd_;
     std::unique_ptr<nf::replay::Writer> record_;
     std::string record_path_;
+    std::unique_ptr<nf::Extremes> extremes_;
+    std::string extremes_path_;
 };
 
 void check_window(const RunArguments &arguments)
@@ -380,6 +393,11 @@ void describe_run(CLI::App &command, RunArguments &arguments)
     command
         .add_option("--record", arguments.record,
                     "write what the flight recorder holds after the first fault, or at the end")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
+    command
+        .add_option("--extremes", arguments.extremes,
+                    "write the smallest and largest value of each of the drive's signals as JSON")
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
     command.add_option("--vcd", arguments.vcd, "write states, signals and gate edges as VCD")

@@ -64,6 +64,42 @@ std::string choice_problem(const drive_t &s, const drive_cfg_t &cfg)
                                         : "";
 }
 
+// What drive_step leaves a state in, whatever it is told; with another number it may compute what no word holds.
+std::string range_problem(const drive_t &s)
+{
+    struct Range {
+        const char *name;
+        int64_t value;
+        int64_t least;
+        int64_t most;
+    };
+    const Range all[] = {
+#define FIELD(path, lowest, highest) {#path, static_cast<int64_t>(s.path), lowest, highest},
+#include "state.def"
+#undef FIELD
+    };
+    for (const Range &one : all) {
+        if (one.value < one.least || one.value > one.most) {
+            return fmt::format("{} is {}, allowed are {} to {}", one.name, one.value, one.least,
+                               one.most);
+        }
+    }
+    return "";
+}
+
+// A state of a way that this configuration does not go.
+std::string way_problem(const drive_t &s, const drive_cfg_t &cfg)
+{
+    const bool starts_up = cfg.startup.current_hold != 0 && cfg.sampling.sensor_pole_pairs == 0;
+    if (!starts_up && s.state > DRIVE_STATE_READY && s.state < DRIVE_STATE_RUN) {
+        return fmt::format("state is {}, and the configuration has no start-up",
+                           static_cast<int>(s.state));
+    }
+    return s.voltage_driven && cfg.voltage_drive.enabled == 0
+               ? "voltage_driven is 1, and the configuration has no voltage drive"
+               : "";
+}
+
 bool same_shifts(const current_loop_cfg_t &a, const current_loop_cfg_t &b)
 {
     return a.pi_d.kp_shift == b.pi_d.kp_shift && a.pi_d.ki_shift == b.pi_d.ki_shift &&
@@ -86,7 +122,13 @@ bool has_own_shifts(const model_t &model, const drive_cfg_t &cfg)
 
 std::string state_problem(const drive_t &state, const drive_cfg_t &cfg)
 {
-    const std::string problem = choice_problem(state, cfg);
+    std::string problem = choice_problem(state, cfg);
+    if (problem.empty()) { // each is what its type may hold
+        problem = range_problem(state);
+    }
+    if (problem.empty()) {
+        problem = way_problem(state, cfg);
+    }
     return problem.empty() && has_own_shifts(state.model, cfg)
                ? "model has other shifts than the configuration"
                : problem;

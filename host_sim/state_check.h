@@ -10,8 +10,8 @@ extern "C" {
 namespace nf
 {
 
-// Words that choose a way, a place or a shift have values that drive_step never leaves; all others are free. Empty, or
-// one line: the first word that is wrong, what it is and what is allowed. Looks at no word as what it may not be.
+// drive_step never leaves the ranges of state.def, and is proven only within them. Empty, or one line: the first word
+// that is wrong, what it is and what is allowed. Looks at no word as what it may not be.
 std::string state_problem(const drive_t &state, const drive_cfg_t &cfg);
 
 } // namespace nf

@@ -107,7 +107,7 @@ def bounds(text):
 
 def ranges(root, outputs):
     """What is proven of each signal and of the output frame, over all entries."""
-    lines = (root / "tests/proof/state.def").read_text(encoding="utf-8").splitlines()
+    lines = (root / "firmware/drive/state.def").read_text(encoding="utf-8").splitlines()
     proven = {}
 
     def note(name, text):
@@ -131,7 +131,7 @@ def ranges(root, outputs):
 def findings(root, entries, folder):
     """All that is not as it has to be, what Eva said of each entry, and function → (statements reached, statements)."""
     bad, outputs, reached = [], [], {}
-    fields = (root / "tests/proof/state.def").read_text(encoding="utf-8").splitlines()
+    fields = (root / "firmware/drive/state.def").read_text(encoding="utf-8").splitlines()
     for entry in entries:
         code, output, rows = analyse(root, entry, folder)
         outputs.append(output)

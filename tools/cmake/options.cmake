@@ -19,6 +19,7 @@ target_compile_options(nf_warnings INTERFACE
     -pedantic -Werror
     $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
 
+option(NF_FUZZ "Link the programs of tests/fuzz with libFuzzer" OFF)
 option(NF_GATES "Register the quality gates as tests" ON)
 
 option(NF_COVERAGE "Count what the tests run of the control core (clang)" OFF)

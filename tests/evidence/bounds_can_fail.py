@@ -1,0 +1,51 @@
+"""evidence.bounds_can_fail: a value outside of what is proven, a tick over the budget and a stack too small are found."""
+
+import unittest
+
+import bounds
+
+RUN = ("s1", "ideal", [{"name": "drive.signals.bus", "min": 3, "max": 40, "unit": "V", "one": 2.0, "zero": 1.0}], "")
+COST = {"m": {"ticks": {"robust": {"RUN": {"max": 100}}},
+              "stack": {"robust": {"measured": 90, "computed": 110, "deepest": ["a", "b"]}}}}
+
+
+def seen():
+    return bounds.gathered([RUN])
+
+
+class BoundsCanFail(unittest.TestCase):
+    def test_within_what_is_proven_nothing_is_found(self):
+        self.assertEqual(bounds.outside(seen(), {"signals.bus": {"min": 3, "max": 40}}), [])
+
+    def test_a_value_above_or_below_is_found_with_its_run(self):
+        for limits in ({"min": 3, "max": 39}, {"min": 4, "max": 40}):
+            lines = bounds.outside(seen(), {"signals.bus": limits})
+            self.assertEqual(len(lines), 1)
+            self.assertIn("drive.signals.bus: seen 3 to 40 (s1 ideal)", lines[0])
+
+    def test_a_signal_of_which_nothing_is_proven_is_found(self):
+        self.assertIn("nothing is proven", bounds.outside(seen(), {})[0])
+
+    def test_a_run_that_is_refused_is_found(self):
+        figures = bounds.figures_of([RUN, ("s1", "all", [], "refused")], [], [], 1, 2)
+        self.assertFalse(figures[0]["ok"])
+
+    def test_extremes_are_those_of_all_runs(self):
+        other = ("s2", "ideal", [{**RUN[2][0], "min": -5, "max": 9}], "")
+        both = bounds.gathered([RUN, other])["drive.signals.bus"]
+        self.assertEqual((both["low"], both["high"]), ((-5, "s2 ideal"), (40, "s1 ideal")))
+        self.assertEqual(both["si"], [-12.0, 78.0])
+
+    def test_a_tick_over_the_budget_is_found(self):
+        for allowed, count in ((99, 1), (100, 0)):
+            _, over = bounds.instruction_rows(COST, {"m": {"robust": {"run_max_instructions": [1, allowed]}}})
+            self.assertEqual(len(over), count)
+
+    def test_a_stack_too_small_is_found(self):
+        _, largest = bounds.stack_rows(COST, 100)
+        self.assertEqual(largest, 110)
+        self.assertFalse(bounds.figures_of([RUN], [], [], largest, 100)[3]["ok"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,88 @@
+"""evidence.fuzz_can_fail: fuzzing finds a fault in each kind of input within seconds.
+
+Each fault alone is put into a copy of one source; its object is linked before the libraries, which hold the good one.
+"""
+
+import json
+import shlex
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools/evidence"))
+
+import fuzz  # noqa: E402
+
+SECONDS = 40  # most are found while the corpus is read
+FAULTS = {
+    "an index out of its array": (
+        "drive", "firmware/drive/supervision.c",
+        "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
+        "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
+    "a clamp that is gone": (
+        "drive", "firmware/control/pi.c", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
+        "pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift)", "integral_q26"),
+    "a text that the TOML reader does not survive": (
+        "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "false", ""),
+    "a recording whose words are not counted": (
+        "recording", "host_sim/replay/recording.cpp", "if (words != h.words) {", "if (words > h.words) {", ""),
+    "a line longer than its buffer": (
+        "console", "hal/stm32g431/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
+        "within its buffer"),
+}
+
+
+def command_of(source):
+    """How the source is compiled."""
+    commands = json.loads((fuzz.FOLDER / "compile_commands.json").read_text(encoding="utf-8"))
+    return next(shlex.split(one["command"]) for one in commands if one["file"] == str(source))
+
+
+def link(name, faulty, program):
+    """The program with the faulty object in place of its own, and before its libraries."""
+    said = subprocess.run(["ninja", "-C", fuzz.FOLDER, "-t", "commands", f"tests/fuzz/fuzz_{name}"],
+                          check=True, capture_output=True, text=True).stdout.splitlines()[-1]
+    words = [word for word in shlex.split(said) if word not in (":", "&&") and not word.endswith(f"/{faulty.name}")]
+    at = words.index("-o")
+    words[at:at + 2] = [str(faulty), "-o", str(program)]
+    subprocess.run(words, cwd=fuzz.FOLDER, check=True)
+
+
+def build(folder, name, path, text, fault):
+    """The program with a fault."""
+    good = ROOT / path
+    source = good.read_text(encoding="utf-8")
+    if source.count(text) != 1:
+        raise AssertionError(f"{path} has not once: {text}")
+    copy, faulty = folder / good.name, folder / f"{good.name}.o"
+    copy.write_text(source.replace(text, fault), encoding="utf-8")
+    command = command_of(good)
+    command[command.index("-o") + 1] = str(faulty)
+    command[command.index("-c") + 1] = str(copy)
+    subprocess.run(command, cwd=fuzz.FOLDER, check=True)
+    link(name, faulty, folder / "program")
+    return folder / "program"
+
+
+class FuzzCanFail(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if fuzz.build():
+            raise AssertionError("the programs are not built")
+
+    def test_each_fault_is_found(self):
+        for what, (name, path, text, fault, said) in FAULTS.items():
+            with self.subTest(what), tempfile.TemporaryDirectory() as temporary:
+                folder = Path(temporary)
+                program = build(folder, name, path, text, fault)
+                one = fuzz.fuzz(program, name, SECONDS, folder / "kept")
+                self.assertTrue(one.why, "not found")
+                self.assertIn(said, one.why)
+                self.assertTrue(Path(one.kept).is_file(), one.kept)
+
+
+if __name__ == "__main__":
+    unittest.main()

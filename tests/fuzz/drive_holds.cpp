@@ -1,0 +1,85 @@
+#include "drive_holds.h"
+
+#include "fuzzed.h"
+
+#include <cinttypes>
+#include <cstdio>
+#include <cstdlib>
+
+namespace fuzz
+{
+namespace
+{
+
+void within(const char *name, int64_t value, int64_t lowest, int64_t highest)
+{
+    if (value < lowest || value > highest) {
+        (void)std::fprintf(stderr, "%s = %" PRId64 " is outside %" PRId64 " to %" PRId64 "\n", name,
+                           value, lowest, highest);
+        std::abort();
+    }
+}
+
+void state_holds(const drive_t &drive)
+{
+#define FIELD(path, lowest, highest) \
+    within("drive." #path, static_cast<int64_t>(drive.path), lowest, highest);
+#include "state.def"
+#undef FIELD
+    within("drive.guard.at", drive.guard.at, 0, sizeof(drive_cfg_t) - 8);
+}
+
+bool may_drive(drive_state_t state)
+{
+    return state > DRIVE_STATE_READY && state < DRIVE_STATE_FAULT;
+}
+
+} // namespace
+
+void configuration_holds(const drive_cfg_t &cfg)
+{
+    const bool sensor = cfg.sampling.sensor_pole_pairs != 0;
+    const bool startup = cfg.startup.current_hold != 0;
+#define FIELD(path, lowest, highest) \
+    within("cfg." #path, static_cast<int64_t>(cfg.path), lowest, highest);
+#include "configuration_common.def"
+    if (sensor) {
+#include "configuration_sensor.def"
+    } else if (startup) {
+#include "configuration_startup.def"
+    } else {
+        HOLDS(cfg.voltage_drive.enabled == 0, "a voltage drive has a sensor or a start-up");
+    }
+    if (cfg.voltage_drive.enabled != 0) {
+#include "configuration_voltage_drive.def"
+    }
+#undef FIELD
+}
+
+void tick_holds(drive_state_t before, const drive_t &drive, const drive_in_t &in,
+                const drive_out_t &out)
+{
+    const bool run = (in.command.request & DRIVE_REQUEST_RUN) != 0;
+    const bool clear = (in.command.request & DRIVE_REQUEST_CLEAR) != 0;
+    state_holds(drive);
+    for (const uint16_t compare : out.compare.phase) {
+        within("a compare value", compare, 0, drive.cfg->modulator.timer_counts);
+    }
+    within("drive.state", drive.state, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    HOLDS(!out.gate_enable || may_drive(drive.state), "gates on only from CATCH_SPIN to RUN");
+    HOLDS(!out.gate_enable || run, "gates on only while it shall run");
+    HOLDS((in.flags & DRIVE_FLAG_BREAK) == 0 || drive.state == DRIVE_STATE_FAULT,
+          "a break is a fault in its tick");
+    HOLDS(drive.state != DRIVE_STATE_FAULT || drive.fault.id != FAULT_NONE, "FAULT has a fault");
+    HOLDS(before != DRIVE_STATE_FAULT || drive.state == DRIVE_STATE_FAULT || (clear && !run),
+          "FAULT is latched");
+}
+
+void step_holds(drive_t &drive, const drive_in_t &in, drive_out_t &out)
+{
+    const drive_state_t before = drive.state;
+    drive_step(&drive, &in, &out);
+    tick_holds(before, drive, in, out);
+}
+
+} // namespace fuzz

@@ -1,0 +1,218 @@
+/*
+ * Any bytes from the serial line to the board's console, while the drive runs, and whatever it does.
+ *
+ * The input is steps of two bytes and what belongs to them: see step().
+ */
+#include "board.h"
+#include "console.h"
+#include "drive_config.h"
+#include "fuzzed.h"
+#include "reset.h"
+#include "sensing.h"
+#include "uart.h"
+
+#include <string.h>
+
+#define ENTRIES (RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN)
+#define POST_TICKS (8U)
+#define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
+#define TICKS_OF_A_BYTE (16U)
+#define TARGET_ROUNDING (1)
+
+const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
+
+/* The serial line: what is to be received, how much may be sent, what was sent last. */
+typedef struct {
+    const uint8_t *in;
+    size_t in_left;
+    size_t room;
+    uint8_t last;
+} line_t;
+
+typedef struct {
+    const uint8_t *at;
+    size_t left;
+} input_t;
+
+static line_t line;
+static drive_in_t measured;
+static drive_out_t demanded;
+static app_t app;
+static hal_t hardware;
+static console_t console;
+static recorder_t recorder;
+static recorder_entry_t entries[ENTRIES];
+
+bool uart_get(uint8_t *byte)
+{
+    const bool there = line.in_left > 0U;
+
+    if (there) {
+        *byte = line.in[0];
+        line.in++;
+        line.in_left--;
+    }
+    return there;
+}
+
+/* Text for a person: nothing but what can be read, in lines that end with both. */
+bool uart_put(uint8_t byte)
+{
+    const bool room = line.room > 0U;
+
+    if (room) {
+        HOLDS(((byte >= 0x20U) && (byte < 0x7FU)) || (byte == '\r') || (byte == '\n'),
+              "the console sends text");
+        line.last = byte;
+        line.room--;
+    }
+    return room;
+}
+
+void hal_sample(hal_t *hal, drive_in_t *in)
+{
+    (void)hal;
+    *in = measured;
+}
+
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    (void)hal;
+    demanded = *out;
+}
+
+void hal_open_gates(hal_t *hal)
+{
+    (void)hal;
+    demanded.gate_enable = false;
+}
+
+uint32_t hal_ticks(const hal_t *hal)
+{
+    (void)hal;
+    return 0U;
+}
+
+static uint8_t next_byte(input_t *input)
+{
+    uint8_t byte = 0U;
+
+    if (input->left > 0U) {
+        byte = input->at[0];
+        input->at++;
+        input->left--;
+    }
+    return byte;
+}
+
+static uint16_t next_half(input_t *input)
+{
+    const unsigned low = next_byte(input);
+
+    return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
+}
+
+/* The board's converters have 12 bits. */
+static uint16_t next_count(input_t *input)
+{
+    return next_half(input) & SENSING_COUNT_MAX;
+}
+
+/* No current, a bus of 24 V of 55.3 V. */
+static void measure_nothing(void)
+{
+    const drive_cfg_t *const cfg = &DRIVE_CONFIG;
+
+    measured = (drive_in_t){.adc_bus = (uint16_t)(14000U >> cfg->sampling.bus_shift)};
+    measured.adc_ia = (uint16_t)(16384U >> cfg->sampling.current_shift);
+    measured.adc_ib = measured.adc_ia;
+}
+
+static void receive(input_t *input, size_t count)
+{
+    line.in = input->at;
+    line.in_left = (count < input->left) ? count : input->left;
+    input->at += line.in_left;
+    input->left -= line.in_left;
+}
+
+static void tick(void)
+{
+    control_isr(&app);
+    recorder_service(&recorder, &app.drive);
+    console_step(&console);
+}
+
+static void console_holds(void)
+{
+    const int64_t highest =
+        (((int64_t)BOARD.speed_max_rpm * BOARD.step_per_rpm_q16) / 65536) + TARGET_ROUNDING;
+    const int64_t target = app.command.target;
+    const uint8_t request = app.command.request;
+
+    HOLDS((target >= -highest) && (target <= highest), "a target is within the board's speed");
+    HOLDS((request == 0U) || (request == DRIVE_REQUEST_RUN) || (request == DRIVE_REQUEST_CLEAR),
+          "a request is one of those there are");
+    HOLDS(console.length <= CONSOLE_LINE_MAX, "a line stays within its buffer");
+    HOLDS((console.out.length <= TEXT_MAX) && (console.sent <= console.out.length),
+          "the answer stays within its buffer");
+}
+
+static size_t step(input_t *input)
+{
+    const uint8_t what = next_byte(input);
+    const uint8_t count = next_byte(input);
+    size_t ticks = 1U;
+
+    switch (what % 6U) {
+    case 0U: /* bytes are received */
+        receive(input, count);
+        break;
+    case 1U: /* time goes by */
+        ticks = 1U + (TICKS_OF_A_BYTE * (size_t)count);
+        break;
+    case 2U: /* something is measured */
+        measured.adc_ia = next_count(input);
+        measured.adc_ib = next_count(input);
+        measured.adc_bus = next_count(input);
+        hardware.phase_c = next_count(input);
+        break;
+    case 3U:
+        measured.flags = count;
+        hardware.overruns = (uint32_t)next_half(input) << 16U;
+        hardware.longest = next_half(input);
+        break;
+    case 4U:
+        console_set_temperature(&console, (int32_t)count - 64);
+        break;
+    default:
+        measure_nothing();
+        break;
+    }
+    line.room = (what >= 128U) ? count : SIZE_MAX;
+    return ticks;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input_t input = {data, size};
+    size_t ticks = 0U;
+
+    line = (line_t){0};
+    hardware = (hal_t){0};
+    HOLDS(app_init(&app, &hardware, &DRIVE_CONFIG) == NULL, "the board's configuration is taken");
+    HOLDS(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, POST_TICKS) == NULL,
+          "the recorder's size is taken");
+    app_record(&app, &recorder);
+    console_init(&console, &app, &hardware);
+    measure_nothing();
+    while ((input.left > 0U) && (ticks < TICKS_MAX)) {
+        const size_t more = step(&input);
+        for (size_t k = 0U; k < more; k++) {
+            tick();
+            console_holds();
+        }
+        ticks += more;
+    }
+    return 0;
+}
