@@ -43,7 +43,7 @@ class BoundsCanFail(unittest.TestCase):
 
     def test_a_stack_too_small_is_found(self):
         _, largest = bounds.stack_rows(COST, 100)
-        self.assertEqual(largest, 110)
+        self.assertEqual(largest, 110 + bounds.EXCEPTION_BYTES)
         self.assertFalse(bounds.figures_of([RUN], [], [], largest, 100)[3]["ok"])
 
 

@@ -6,15 +6,12 @@ Each fault alone is put into a copy of one source; its object is linked before t
 import json
 import shlex
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools/evidence"))
-
-import fuzz  # noqa: E402
+import fuzz
+from part import ROOT
 
 SECONDS = 40  # most are found while the corpus is read
 FAULTS = {
@@ -23,15 +20,16 @@ FAULTS = {
         "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
     "a clamp that is gone": (
-        "drive", "firmware/control/pi.c", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
-        "pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift)", "integral_q26"),
+        "drive", "firmware/drive/drive.c", "s->phase_a = fx_sat15((int32_t)a - drive->offset_a);",
+        "s->phase_a = (int32_t)a - drive->offset_a;", "signals.phase_a"),
     "a text that the TOML reader does not survive": (
         "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "false", ""),
-    "a recording whose words are not counted": (
-        "recording", "host_sim/replay/recording.cpp", "if (words != h.words) {", "if (words > h.words) {", ""),
+    "a recording whose state is not looked at": (
+        "recording", "host_sim/replay/recording.cpp", "state_problem(state, cfg); !bad.empty()",
+        "state_problem(state, cfg); bad.size() > 1000", "runtime error: "),
     "a line longer than its buffer": (
         "console", "hal/stm32g431/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
-        "within its buffer"),
+        "index 32 out of bounds"),
 }
 
 

@@ -7,16 +7,16 @@ ten seconds or a GB of memory is a finding; its input is kept, and the line that
 """
 
 import argparse
-import json
 import re
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+import part
+from part import ROOT
+
 FOLDER = ROOT / "build/host-fuzz"
 CORPUS = ROOT / "tests/fuzz/corpus"
 KEPT = ROOT / "build/fuzz"
@@ -42,7 +42,6 @@ class Outcome:
     runs: int
     edges: int
     corpus: int
-    seconds: float
     why: str  # empty: nothing was found
     kept: str  # the input that did it
 
@@ -60,15 +59,14 @@ def fuzz(program, name, seconds, kept, seed=SEED):
     """Runs one program for a time."""
     found = kept / name
     found.mkdir(parents=True, exist_ok=True)
-    start = time.monotonic()
     run = subprocess.run(
         [program, f"-max_total_time={seconds}", f"-seed={seed}", f"-max_len={LENGTH_MAX}", *LIMITS,
          f"-artifact_prefix={found}/", found, CORPUS / name],
         capture_output=True, text=True, errors="replace", check=False)
-    return outcome(name, run, time.monotonic() - start)
+    return outcome(name, run)
 
 
-def outcome(name, run, seconds):
+def outcome(name, run):
     """What libFuzzer said."""
     lines = run.stderr.splitlines()
     status = STATUS.findall(run.stderr)
@@ -78,31 +76,18 @@ def outcome(name, run, seconds):
         why = next((line for line in lines if SAID.search(line)), f"ended with {run.returncode}").strip()
     kept = re.search(r"Test unit written to (\S+)", run.stderr)
     edges, _, corpus = map(int, status[-1]) if status else (0, 0, 0)
-    return Outcome(name, int(done[1]) if done else 0, edges, corpus, seconds, why, kept[1] if kept else "")
+    return Outcome(name, int(done[1]) if done else 0, edges, corpus, why, kept[1] if kept else "")
 
 
-def as_part(outcomes, seconds):
-    """The part of the evidence."""
-    return {
-        "part": "fuzz",
-        "title": "Fuzzing",
-        "says": "libFuzzer with address and undefined-behaviour sanitizer invents inputs for "
-                f"{len(outcomes)} programs, each for {seconds} s. After each tick of the drive its state is within the "
-                "proven ranges, its compare values within the period, and the gates are on only where they may be.",
-        "figures": [{"name": one.name, "value": one.why or f"{one.runs} inputs, nothing found",
-                     "threshold": "nothing found", "ok": not one.why and one.runs > 0} for one in outcomes],
-        "tables": [{"title": "Inputs",
-                    "columns": ["program", "gets", "inputs", "edges", "corpus", "seconds"],
-                    "rows": [[one.name, PROGRAMS[one.name], str(one.runs), str(one.edges), str(one.corpus),
-                              f"{one.seconds:.0f}"] for one in outcomes]}],
-    }
+def figures_of(outcomes):
+    return [part.figure(one.name, one.why or f"{one.runs} inputs, nothing found", "nothing found",
+                        not one.why and one.runs > 0) for one in outcomes]
 
 
-def show(one, folder):
-    print(f"{one.name}: {one.runs} inputs in {one.seconds:.0f} s, {one.edges} edges, corpus {one.corpus}")
-    if one.why:
-        print(f"{one.name}: {one.why}")
-        print(f"  again: {folder}/tests/fuzz/fuzz_{one.name} {one.kept}")
+def findings_of(outcomes):
+    """A line for each that found something, with the command that shows it again."""
+    return [f"tests/fuzz/corpus/{one.name}:1: {one.why}; again: {FOLDER}/tests/fuzz/fuzz_{one.name} {one.kept}"
+            for one in outcomes if one.why]
 
 
 def main():
@@ -110,21 +95,20 @@ def main():
     parser.add_argument("--seconds", type=int, default=60, help="of each program (60)")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of libFuzzer ({SEED})")
     parser.add_argument("--only", action="append", choices=PROGRAMS, help="this program; may be repeated")
-    parser.add_argument("--out", type=Path, help="write the part of the evidence there, as JSON")
-    args = parser.parse_args()
+    args = part.arguments(parser)
     if build():
         return 1
     with ThreadPoolExecutor(max_workers=AT_ONCE) as pool:
         outcomes = list(pool.map(
             lambda name: fuzz(FOLDER / f"tests/fuzz/fuzz_{name}", name, args.seconds, KEPT, args.seed),
             args.only or PROGRAMS))
-    for one in outcomes:
-        show(one, FOLDER)
-    part = as_part(outcomes, args.seconds)
-    if args.out:
-        args.out.parent.mkdir(parents=True, exist_ok=True)
-        args.out.write_text(json.dumps(part, indent=1) + "\n", encoding="utf-8")
-    return 0 if all(figure["ok"] for figure in part["figures"]) else 1
+    inputs = part.table("Programs", ["program", "gets", "inputs", "edges of the code reached", "inputs kept"],
+                        [[one.name, PROGRAMS[one.name], one.runs, one.edges, one.corpus] for one in outcomes])
+    return part.end(args.out, "fuzz", "Fuzzing",
+                    f"libFuzzer with address and undefined-behaviour sanitizer invents inputs, {args.seconds} s for each "
+                    "program. After each tick of the drive its state is within the proven ranges, its compare values "
+                    "within the period, and the gates are on only where they may be.",
+                    figures_of(outcomes), [inputs], findings_of(outcomes))
 
 
 if __name__ == "__main__":
