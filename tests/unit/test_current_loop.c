@@ -141,6 +141,11 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
         current_loop_turn(&loop, trig_sincos(0x20000000U));
         TEST_ASSERT_EQUAL_INT32((sign > 0) ? 32767 : -32768, pi_output(&loop.pi_d));
         TEST_ASSERT_INT32_WITHIN(2, 0, pi_output(&loop.pi_q));
+        pi_reset(&loop.pi_d, sign * 32767);
+        pi_reset(&loop.pi_q, sign * 32767);
+        current_loop_turn(&loop, trig_sincos(0xE0000000U));
+        TEST_ASSERT_INT32_WITHIN(2, 0, pi_output(&loop.pi_d));
+        TEST_ASSERT_EQUAL_INT32((sign > 0) ? 32767 : -32768, pi_output(&loop.pi_q));
     }
 }
 

@@ -94,6 +94,33 @@ static void test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides(
     TEST_ASSERT_EQUAL_INT32(7, fx_towards(7, 10, 0));
 }
 
+static void test_approach_goes_by_the_share_of_the_distance_rounded_down(void)
+{
+    /* 1000 + (5000 − 1000)/8, and back; 7/8 and −7/8 rounded down. */
+    TEST_ASSERT_EQUAL_INT32(1500, fx_approach(1000, 5000, 3U));
+    TEST_ASSERT_EQUAL_INT32(4500, fx_approach(5000, 1000, 3U));
+    TEST_ASSERT_EQUAL_INT32(100, fx_approach(100, 107, 3U));
+    TEST_ASSERT_EQUAL_INT32(99, fx_approach(100, 93, 3U));
+    TEST_ASSERT_EQUAL_INT32(-300, fx_approach(-300, -300, 3U));
+    TEST_ASSERT_EQUAL_INT32(-7, fx_approach(12, -7, 0U));
+}
+
+/* x and x ± 2^n stand for the same bits. */
+static void test_bits_read_as_signed_and_unsigned_are_the_same_bits(void)
+{
+    static const uint32_t bits[] = {0U, 1U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU};
+    static const int32_t numbers[] = {0, 1, INT32_MAX, INT32_MIN, -1};
+    static const uint64_t wide_bits[] = {0U, 1U, INT64_MAX, 0x8000000000000000U, UINT64_MAX};
+    static const int64_t wide_numbers[] = {0, 1, INT64_MAX, INT64_MIN, -1};
+
+    for (uint32_t i = 0U; i < 5U; i++) {
+        TEST_ASSERT_EQUAL_INT32(numbers[i], fx_signed(bits[i]));
+        TEST_ASSERT_EQUAL_HEX32(bits[i], fx_unsigned(numbers[i]));
+        TEST_ASSERT_EQUAL_INT64(wide_numbers[i], fx_signed64(wide_bits[i]));
+        TEST_ASSERT_EQUAL_HEX64(wide_bits[i], fx_unsigned64(wide_numbers[i]));
+    }
+}
+
 static void test_abs_of_the_whole_range_but_the_excluded_minimum(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, fx_abs(0));
@@ -331,6 +358,8 @@ int main(void)
     RUN_TEST(test_min_and_max_choose_in_both_orders_and_at_equality);
     RUN_TEST(test_clamp_passes_the_inside_and_stops_at_both_ends);
     RUN_TEST(test_towards_goes_by_one_step_and_stops_at_its_goal_from_both_sides);
+    RUN_TEST(test_approach_goes_by_the_share_of_the_distance_rounded_down);
+    RUN_TEST(test_bits_read_as_signed_and_unsigned_are_the_same_bits);
     RUN_TEST(test_abs_of_the_whole_range_but_the_excluded_minimum);
     RUN_TEST(test_saturation_passes_the_inside_up_to_both_ends);
     RUN_TEST(test_saturation_begins_one_beyond_the_ends_and_holds_to_the_extremes);

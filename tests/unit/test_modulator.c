@@ -122,6 +122,32 @@ static void test_bus_step_leaves_its_square_for_one_tick(void)
     figure_check("left of a bus step besides its square", worst, STEP_MARGIN, 0.2);
 }
 
+/* r·(2 − r·bus) of numbers whose products leave no rest, the last one half an LSB: that is rounded up. */
+static void test_a_newton_step_is_exact_and_rounded_to_nearest(void)
+{
+    static const int32_t before[] = {8192, 8192, 6144, 6144};
+    static const int32_t buses[] = {20000, 12768, 20000, 20016};
+    static const double exact[] = {6384.0, 10000.0, 6663.0, 6658.5};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        const double r = before[i] / 4096.0;
+
+        TEST_ASSERT_EQUAL_DOUBLE(exact[i], 4096.0 * r * (2.0 - (r * buses[i] / ONE)));
+        mod.inverse_bus_q12 = before[i];
+        modulator_track_bus(&mod, &cfg, buses[i]);
+        TEST_ASSERT_EQUAL_INT32((int32_t)floor(exact[i] + 0.5), mod.inverse_bus_q12);
+    }
+}
+
+/* 1/(32767/32768) = 4096.125/4096. */
+static void test_reciprocal_of_the_full_bus_is_one(void)
+{
+    for (int32_t k = 0; k < 8; k++) {
+        modulator_track_bus(&mod, &cfg, 32767);
+        TEST_ASSERT_EQUAL_INT32(4096, mod.inverse_bus_q12);
+    }
+}
+
 static void test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound(void)
 {
     for (int32_t bus = 0; bus <= 11000; bus += 1000) {
@@ -372,6 +398,18 @@ static void use_dead_time(void)
     }
 }
 
+static void test_either_dead_time_or_drop_asks_for_the_current(void)
+{
+    static const int32_t dead_time[] = {0, 1, 0, 1};
+    static const int32_t drop[] = {0, 0, 1, 1};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        cfg.dead_time_q15 = dead_time[i];
+        cfg.drop_q15 = drop[i];
+        TEST_ASSERT_EQUAL(i != 0U, modulator_compensates(&cfg));
+    }
+}
+
 /* By how many counts the current changes the compare value of a phase. */
 static int32_t given_back(ab_t ratio, ab_t current, uint32_t phase)
 {
@@ -546,6 +584,26 @@ static void test_what_is_given_back_cannot_leave_duty_zero_to_one(void)
     TEST_ASSERT_EQUAL_UINT16(0U, c.phase[2]);
 }
 
+/*
+ * u = √2, beyond the format: a leg that far out has no edges, so no ripple holds back what it is given. Its duty of
+ * 1.56 = √2 + ½ − (√2 − √½)/2 less the loss 2^-2 + 2^-4·8 of a current backwards is below 1 again.
+ */
+static void test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others(void)
+{
+    const ab_t ratio = {46341, 0};
+    const ab_t current = {-8192, 0};
+    const double duty = sqrt(2.0) + 0.5 - ((sqrt(2.0) - sqrt(0.5)) / 2.0) - 0.25 - 0.5;
+
+    cfg.timer_counts = 32767;
+    cfg.dead_time_q15 = 8192;
+    cfg.drop_q15 = 2048;
+    cfg.ripple_q15 = 16384;
+    cfg.edge_slope = 32767;
+    mod.inverse_bus_q12 = 32767;
+    TEST_ASSERT_INT32_WITHIN(SHARE_LSB + 1, (int32_t)lround(duty * ONE),
+                             compare_with(ratio, current).phase[0]);
+}
+
 static void test_duties_stay_between_zero_and_one_for_any_current_and_any_loss(void)
 {
     seeded_t seed = {0xD07E6U};
@@ -576,6 +634,8 @@ int main(void)
     RUN_TEST(test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth);
     RUN_TEST(test_reciprocal_stays_settled);
     RUN_TEST(test_bus_step_leaves_its_square_for_one_tick);
+    RUN_TEST(test_a_newton_step_is_exact_and_rounded_to_nearest);
+    RUN_TEST(test_reciprocal_of_the_full_bus_is_one);
     RUN_TEST(test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound);
     RUN_TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses);
     RUN_TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down);
@@ -594,11 +654,13 @@ int main(void)
     RUN_TEST(test_full_loss_is_given_back_to_each_leg_in_the_direction_of_its_current);
     RUN_TEST(test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not);
     RUN_TEST(test_without_dead_time_and_drop_the_current_changes_nothing);
+    RUN_TEST(test_either_dead_time_or_drop_asks_for_the_current);
     RUN_TEST(test_nothing_is_given_back_within_the_ripple_and_everything_a_few_counts_above_it);
     RUN_TEST(test_ripple_follows_the_edges_of_the_leg_in_the_middle);
     RUN_TEST(test_the_opposite_current_is_given_back_the_opposite);
     RUN_TEST(test_duty_goes_steadily_through_zero_current_without_a_jump);
     RUN_TEST(test_what_is_given_back_cannot_leave_duty_zero_to_one);
+    RUN_TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others);
     RUN_TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss);
     return UNITY_END();
 }

@@ -125,6 +125,46 @@ static void test_each_direction_has_its_own_current_limit(void)
     TEST_ASSERT_EQUAL_INT32(-100, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0, torque));
 }
 
+/* The limits of the two directions are unequal: that is no torque by itself. */
+static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
+{
+    static const torque_range_t ranges[] = {{-2000, 6000}, {-6000, 2000}};
+
+    speed_cfg.inertia = 16384;
+    speed_cfg.inertia_shift = 10U;
+    speed_cfg.ramp = 0x10000000;
+    for (uint32_t i = 0U; i < 2U; i++) {
+        for (int32_t sign = -1; sign <= 1; sign += 2) {
+            /* 2^22·2^14 / 2^(16 + 10) = 2^10. */
+            speed_loop_reset(&speed_loop, 0);
+            TEST_ASSERT_EQUAL_INT32(sign * 1024,
+                                    speed_loop_step(&speed_loop, &speed_cfg, sign * 0x400000,
+                                                    sign * 0x400000, ranges[i]));
+        }
+    }
+}
+
+/* Errors beyond ±1 count as that: 2^15·2^14 / 2^20 = 512, and 1 LSB less is rounded down. */
+static void test_speed_error_saturates_to_16_bits_on_both_sides(void)
+{
+    speed_cfg.pi = (pi_cfg_t){.kp = 16384, .kp_shift = 20U, .ki = 0, .ki_shift = 1U};
+    speed_cfg.inertia = 0;
+    speed_cfg.error_shift = 1U;
+    TEST_ASSERT_EQUAL_INT32(511, speed_loop_step(&speed_loop, &speed_cfg, 0, -80000, torque));
+    TEST_ASSERT_EQUAL_INT32(-512, speed_loop_step(&speed_loop, &speed_cfg, 0, 80000, torque));
+}
+
+/* What i_q* is compared with is a measured current, which has 15 bits. */
+static void test_current_demand_has_15_bits_with_the_widest_range(void)
+{
+    torque = (torque_range_t){-16384, 16384};
+    for (int32_t k = 0; k < 10000; k++) {
+        TEST_ASSERT_TRUE(speed_loop_step(&speed_loop, &speed_cfg, 0, -0x10000000, torque) <= 16383);
+    }
+    TEST_ASSERT_EQUAL_INT32(16383,
+                            speed_loop_step(&speed_loop, &speed_cfg, 0, -0x10000000, torque));
+}
+
 static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(void)
 {
     seeded_t seed = {0x5FEEDU};
@@ -352,7 +392,8 @@ static void test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_
             TEST_ASSERT_TRUE(loop.profile_q32 <= (20 * TURN_Q32));
             fastest = (loop.profile_speed > fastest) ? loop.profile_speed : fastest;
         }
-        TEST_ASSERT_INT32_WITHIN((cfg.speed_max / 32768) + 2, cfg.speed_max, fastest);
+        /* Full speed is 32767/32768 of the largest; of that, half is rounded down. */
+        TEST_ASSERT_EQUAL_INT32(2 * (int32_t)(((int64_t)cfg.speed_max * 32767) >> 16U), fastest);
         TEST_ASSERT_EQUAL_INT64(20 * TURN_Q32, loop.profile_q32);
     }
 }
@@ -374,9 +415,24 @@ static void test_profile_of_one_unit_or_less_jumps(void)
 {
     const int64_t unit = (int64_t)1 << cfg.distance_shift;
 
-    (void)position_loop_step(&loop, &cfg, unit - 1, 0, ticks);
-    TEST_ASSERT_EQUAL_INT64(unit - 1, loop.profile_q32);
-    TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+    const int64_t ways[] = {unit - 1, 1 - unit, 1, -1};
+
+    for (uint32_t i = 0U; i < 4U; i++) {
+        position_loop_reset(&loop, 0, 0);
+        (void)position_loop_step(&loop, &cfg, ways[i], 0, ticks);
+        TEST_ASSERT_EQUAL_INT64(ways[i], loop.profile_q32);
+        TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+    }
+}
+
+static void test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        position_loop_reset(&loop, 0, -sign * cfg.ramp);
+        (void)position_loop_step(&loop, &cfg, sign * TURN_Q32, 0, ticks);
+        TEST_ASSERT_EQUAL_INT32(0, loop.profile_speed);
+        TEST_ASSERT_EQUAL_INT64(0, loop.profile_q32);
+    }
 }
 
 /* Distance in which the profile stops from its present speed, generously: twice v²/2a and one period. */
@@ -537,6 +593,22 @@ static void test_lag_saturates_at_half_a_turn_on_both_sides(void)
     TEST_ASSERT_EQUAL_INT32(-6746624, position_loop_step(&loop, &cfg, 0, FAR_AWAY_Q32, ticks));
 }
 
+/* Gain 1. The lag is rounded down to 2^-16 turn; half a turn forwards is one LSB short of it, as Q15 has no +1. */
+static void test_lag_is_rounded_down_up_to_where_it_saturates(void)
+{
+    static const int64_t lags_q32[] = {
+        32766LL * 65536,  (32767LL * 65536) - 1,  32767LL * 65536,  32768LL * 65536,
+        -32767LL * 65536, (-32767LL * 65536) - 1, -32768LL * 65536, (-32768LL * 65536) - 1};
+    static const int32_t lags[] = {32766, 32766, 32767, 32767, -32767, -32768, -32768, -32768};
+
+    cfg.gain = 16384;
+    cfg.gain_shift = 14U;
+    for (uint32_t i = 0U; i < 8U; i++) {
+        position_loop_reset(&loop, 0, 0);
+        TEST_ASSERT_EQUAL_INT32(lags[i], position_loop_step(&loop, &cfg, 0, -lags_q32[i], ticks));
+    }
+}
+
 static void test_lag_adds_at_most_the_profile_speed_limit_to_the_profile(void)
 {
     cfg.gain = 32767;
@@ -593,6 +665,9 @@ int main(void)
     RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
     RUN_TEST(test_each_direction_has_its_own_current_limit);
+    RUN_TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits);
+    RUN_TEST(test_speed_error_saturates_to_16_bits_on_both_sides);
+    RUN_TEST(test_current_demand_has_15_bits_with_the_widest_range);
     RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);
     RUN_TEST(test_position_reset_starts_where_the_rotor_is_and_as_fast);
     RUN_TEST(test_profile_moves_by_its_speed_times_the_ticks_of_the_period);
@@ -602,6 +677,7 @@ int main(void)
     RUN_TEST(test_profile_reaches_full_speed_with_the_softest_stop_at_either_end_of_its_units);
     RUN_TEST(test_profile_goes_both_ways_alike);
     RUN_TEST(test_profile_of_one_unit_or_less_jumps);
+    RUN_TEST(test_profile_that_turns_round_stands_for_a_moment_and_does_not_jump);
     RUN_TEST(test_profile_stops_without_overshoot_at_targets_changed_on_the_way);
     RUN_TEST(test_profile_keeps_its_limits_and_arrives_for_targets_changed_to_anywhere);
     RUN_TEST(test_profile_keeps_its_acceleration_limit_when_the_target_becomes_where_it_is);
@@ -612,6 +688,7 @@ int main(void)
     RUN_TEST(test_profile_works_at_the_ends_of_the_position_range);
     RUN_TEST(test_speed_reference_leads_by_the_lag_times_the_gain);
     RUN_TEST(test_lag_saturates_at_half_a_turn_on_both_sides);
+    RUN_TEST(test_lag_is_rounded_down_up_to_where_it_saturates);
     RUN_TEST(test_lag_adds_at_most_the_profile_speed_limit_to_the_profile);
     RUN_TEST(
         test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramps_at_most);

@@ -528,6 +528,33 @@ static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goe
     }
 }
 
+/* (22) alone: the largest step, 2^30 less what rounding takes, from one end of the speed to near the other. */
+static void test_without_momentum_the_weight_step_is_not_cut(void)
+{
+    cfg.momentum_q15 = 0;
+    cfg.rate = 32767;
+    cfg.rate_shift = 0U;
+    cfg.proportional = 0;
+    cfg.speed_limit = LARGEST_SPEED_LIMIT;
+    obs.speed = -LARGEST_SPEED_LIMIT;
+    obs.descent = -LARGEST_DESCENT;
+    nn_observer_train(&obs, &cfg);
+    TEST_ASSERT_EQUAL_INT32(-LARGEST_SPEED_LIMIT + (LARGEST_DESCENT * 32767), obs.speed);
+}
+
+static void test_inner_speed_saturates_to_30_bits_on_both_sides(void)
+{
+    cfg.rate = 0;
+    cfg.proportional = 32767;
+    cfg.proportional_shift = 0U;
+    obs.descent = -LARGEST_DESCENT;
+    nn_observer_train(&obs, &cfg);
+    TEST_ASSERT_EQUAL_INT32(WEIGHT_STEP_LIMIT, obs.speed_out);
+    obs.descent = LARGEST_DESCENT - 1;
+    nn_observer_train(&obs, &cfg);
+    TEST_ASSERT_EQUAL_INT32(-WEIGHT_STEP_LIMIT - 1, obs.speed_out);
+}
+
 static void test_errors_saturate_to_14_bits_on_both_sides(void)
 {
     static const int32_t currents[] = {8190, 8191, 8192, 65535, -8190, -8191, -8192, -8193, -65535};
@@ -824,8 +851,16 @@ static void test_start_beyond_the_ranges_ends_at_them(void)
     TEST_ASSERT_EQUAL_INT32(cfg.speed_limit, obs.speed);
     TEST_ASSERT_EQUAL_INT32(cfg.speed_limit, obs.speed_out);
     TEST_ASSERT_EQUAL_INT32(STATE_LIMIT, obs.alpha_q27);
+    /* x̂ has 28 bits before it is turned: Q15 of I_x. */
+    TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, obs.state.d);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_LIMIT, obs.current.d);
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_LIMIT - 1, obs.current.q);
     nn_observer_start(&obs, &cfg, -INT32_MAX, (dq_t){-32767, 32767}, trig_sincos(0U));
     TEST_ASSERT_EQUAL_INT32(-cfg.speed_limit, obs.speed);
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_LIMIT - 1, obs.current.d);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_LIMIT, obs.current.q);
+    nn_observer_start(&obs, &cfg, 0, (dq_t){32767, 32767}, trig_sincos(0x20000000U));
+    TEST_ASSERT_EQUAL_INT32(STATE_LIMIT, obs.beta_q27);
 }
 
 /* ---- static part ---- */
@@ -849,6 +884,28 @@ static void test_rho_is_the_corner_over_the_speed_with_its_sign(void)
             TEST_ASSERT_DOUBLE_WITHIN(tolerance, -exact, rho_at(-speed));
         }
     }
+}
+
+/* 3 and −2: nothing is rounded. */
+static void test_rho_of_multiples_of_the_speed_is_exact(void)
+{
+    cfg.rho_max_q13 = 32767;
+    cfg.rho_speed_min = 1;
+    cfg.corner = 3 << 20U;
+    TEST_ASSERT_EQUAL_INT32(3 * 8192, rho_at(1 << 20U));
+    cfg.corner = 1 << 21U;
+    TEST_ASSERT_EQUAL_INT32(-2 * 8192, rho_at(-(1 << 20U)));
+}
+
+/* Speeds have a resolution of 2^10 in it, below which they count as that: (2^10/2^10) = 1. */
+static void test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one(void)
+{
+    cfg.rho_max_q13 = 32767;
+    cfg.rho_speed_min = 1;
+    cfg.corner = 1024;
+    TEST_ASSERT_EQUAL_INT32(8192, rho_at(1024));
+    TEST_ASSERT_EQUAL_INT32(8192, rho_at(1));
+    TEST_ASSERT_EQUAL_INT32(-8192, rho_at(-1));
 }
 
 static void test_rho_is_limited_and_zero_below_the_least_speed(void)
@@ -969,6 +1026,8 @@ int main(void)
     RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);
     RUN_TEST(test_without_the_proportional_path_the_inner_speed_is_the_integral_bit_by_bit);
     RUN_TEST(test_integral_speed_stops_at_its_limit_and_the_proportional_path_goes_beyond_it);
+    RUN_TEST(test_without_momentum_the_weight_step_is_not_cut);
+    RUN_TEST(test_inner_speed_saturates_to_30_bits_on_both_sides);
     RUN_TEST(test_errors_saturate_to_14_bits_on_both_sides);
     RUN_TEST(test_states_saturate_to_28_bits_on_both_sides);
     RUN_TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides);
@@ -982,6 +1041,8 @@ int main(void)
     RUN_TEST(test_start_begins_with_the_given_speed_current_and_angle);
     RUN_TEST(test_start_beyond_the_ranges_ends_at_them);
     RUN_TEST(test_rho_is_the_corner_over_the_speed_with_its_sign);
+    RUN_TEST(test_rho_of_multiples_of_the_speed_is_exact);
+    RUN_TEST(test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one);
     RUN_TEST(test_rho_is_limited_and_zero_below_the_least_speed);
     RUN_TEST(test_rho_exists_at_every_speed_that_the_configuration_allows);
     RUN_TEST(test_error_is_turned_by_rho_and_stretched_by_the_saliency);
