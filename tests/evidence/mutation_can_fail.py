@@ -1,0 +1,83 @@
+"""evidence.mutation_can_fail: mutants survive weaker tests, and the register cannot hide or keep one.
+
+With it, two faults that have to be killed: the sign of the descent in (21) of paper A, a dropped saturation.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import mutation
+import part
+
+PI = "firmware/control/pi.c"
+OBSERVER = "firmware/control/nn_observer.c"
+GROUP = "limit"  # what the names of the tests that are left out have in common
+KILLED = {
+    "the sign of the descent in (21)": (OBSERVER, "nn_observer_predict", "(obs->turned.q * before.d) +"),
+    "the sign of the weight's change in (22)": (OBSERVER, "nn_observer_train", "fx_clamp(obs->speed + weight_step"),
+    "a dropped saturation": (PI, "pi_step", "(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));"),
+}
+
+
+def without_group(build, test, folder):
+    """The test program without the tests of the group."""
+    source = Path("tests/unit") / f"{test.name}.c"
+    lines = (build.root / source).read_text(encoding="utf-8").splitlines(keepends=True)
+    weaker = folder / source.name
+    weaker.write_text("".join(line for line in lines if not ("RUN_TEST" in line and GROUP in line)), encoding="utf-8")
+    object_ = folder / "weaker.o"
+    subprocess.run([*build.compile_command(str(source)), "-Wno-unused-function", f"-I{build.root / source.parent}",
+                    "-o", str(object_), "-c", str(weaker)], check=True)
+    test.link = [str(object_) if word.endswith(f"{source.name}.o") else word for word in test.link]
+
+
+class MutationCanFail(unittest.TestCase):
+    build = None
+
+    def examined(self, path, folder, wanted, weaken=False):
+        subject = mutation.subject(self.build, path)
+        if weaken:
+            subject.tests = subject.tests[:1]
+            without_group(self.build, subject.tests[0], folder)
+        return mutation.examined(self.build, [subject], folder, 1, wanted)
+
+    def test_mutants_survive_when_a_group_of_tests_is_left_out(self):
+        def of_a_limit(mutant):
+            return mutant.path == PI and "limit" in mutant.before
+
+        for weaken in (False, True):
+            with self.subTest(weaken=weaken), tempfile.TemporaryDirectory() as folder:
+                real = self.examined(PI, Path(folder), of_a_limit, weaken)
+                found = list(mutation.findings(real, {}, []))
+                self.assertTrue(real)
+                self.assertEqual(bool(found), weaken, found)
+
+    def test_each_of_these_faults_is_killed(self):
+        for name, (path, function, text) in KILLED.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                real = self.examined(path, Path(folder),
+                                     lambda mutant: mutant.function == function and text in mutant.after)
+                self.assertEqual(len(real), 1, [candidate.mutant.after for candidate in real])
+                self.assertTrue(real[0].killed_by, real[0].mutant)
+                print(f"{name}: {real[0].mutant.after} is killed by {real[0].killed_by}")
+
+    def test_a_registered_mutant_that_is_killed_or_gone_is_a_finding(self):
+        with tempfile.TemporaryDirectory() as folder:
+            real = self.examined(PI, Path(folder), lambda mutant: mutant.function == "pi_reset")
+            killed = mutation.key(real[0].mutant)
+            gone = (PI, "pi_reset", "a line", "that is not there")
+            register = {place: (mutation.HARMLESS, "a reason") for place in (killed, gone)}
+            found = list(mutation.findings(real, register, [candidate.mutant for candidate in real]))
+            self.assertEqual(len(found), 2, found)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=Path, default=part.ROOT / "build/host", help="folder of the CMake build")
+    args, others = parser.parse_known_args()
+    MutationCanFail.build = mutation.Build(part.ROOT, args.build.resolve())
+    unittest.main(argv=[sys.argv[0], *others])

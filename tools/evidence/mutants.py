@@ -1,0 +1,214 @@
+"""Mutants of a C file: small faults, each put into its syntax tree's text at one place.
+
+    operators     + with −, * with +, shifts, & with |, and each comparison with its neighbour and its opposite
+    terms         one side of a sum, difference, product or condition, an assignment, a call left out
+    signs         of a term, of what is assigned, handed over in a struct or returned
+    constants     one more, one less; also shifts
+    saturations   fx_sat…, fx_clamp, fx_min, fx_max left out on one side or on both
+    mix-ups       d with q, α with β, sine with cosine, upper with lower; both branches of a condition
+
+Parsed by libclang, so that an operand is whole, whatever brackets and line breaks it has. universalmutator was looked
+at: its regular expressions see one line at a time, skip each that has a comment in it and break off at the first
+bracket, so that most of these faults cannot be told to it.
+"""
+
+import functools
+import subprocess
+from dataclasses import dataclass
+
+from clang.cindex import CursorKind as Kind
+from clang.cindex import Index
+
+OPERATORS = {
+    "+": ("-",), "-": ("+",), "*": ("+",), "/": ("*",), "<<": (">>",), ">>": ("<<",), "&": ("|",), "|": ("&",),
+    "<": ("<=", ">="), "<=": ("<", ">"), ">": (">=", "<="), ">=": (">", "<"), "==": ("!=",), "!=": ("==",),
+    "&&": ("||",), "||": ("&&",),
+}
+WITH_TERMS = ("+", "-", "*", "&&", "||")
+COMPOUND = {"+=": ("-=", "="), "-=": ("+=", "="), "<<=": (">>=",), ">>=": ("<<=",)}
+MIX_UPS = {"d": "q", "alpha": "beta", "sin": "cos", "upper": "lower"}
+MIX_UPS.update({other: name for name, other in MIX_UPS.items()})
+NAMES = {"fx_min": "fx_max", "fx_max": "fx_min"}
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """`start`…`end` of the file's bytes replaced by `text`. `before`, `after`: the lines it is in, as one."""
+
+    path: str
+    line: int
+    function: str
+    start: int
+    end: int
+    text: str
+    before: str
+    after: str
+
+    def applied(self, source):
+        return source[:self.start] + self.text.encode() + source[self.end:]
+
+
+@functools.cache
+def headers_of_the_compiler():
+    return subprocess.run(["gcc", "-print-file-name=include"], check=True, capture_output=True,
+                          text=True).stdout.strip()
+
+
+def parsed(path, folders):
+    """The functions that are defined in the file itself."""
+    unit = Index.create().parse(str(path), args=[
+        "-xc", "-std=c11", *(f"-I{folder}" for folder in folders), f"-isystem{headers_of_the_compiler()}"])
+    errors = [str(found) for found in unit.diagnostics if found.severity >= 3]
+    if errors:
+        raise ValueError(f"{path}: {errors[0]}")
+    return [cursor for cursor in unit.cursor.get_children()
+            if cursor.kind == Kind.FUNCTION_DECL and cursor.is_definition()
+            and str(cursor.location.file) == str(path)]
+
+
+class Function:
+    """Collects the edits of one function: (start, end, text) each."""
+
+    def __init__(self, source, cursor):
+        self.source = source
+        self.edits = set()
+        self.visit(cursor, None)
+
+    def text(self, cursor):
+        return self.source[cursor.extent.start.offset:cursor.extent.end.offset].decode()
+
+    def between(self, left, right):
+        """The operator, with the place where it stands."""
+        start, end = left.extent.end.offset, right.extent.start.offset
+        gap = self.source[start:end].decode()
+        return gap.strip(), start + len(gap) - len(gap.lstrip())
+
+    def replace(self, cursor, *texts):
+        for text in texts:
+            self.edits.add((cursor.extent.start.offset, cursor.extent.end.offset, text))
+
+    def negate(self, cursor):
+        """The sign of a whole value; of a sum and a constant there are other mutants of the kind."""
+        spelling = cursor.type.get_canonical().spelling
+        if spelling.removeprefix("const ") in ("int", "long") and not self.literal(cursor):
+            self.replace(cursor, f"-({self.text(cursor)})")
+
+    def literal(self, cursor):
+        inner = [cursor]
+        while inner and inner[0].kind in (Kind.UNEXPOSED_EXPR, Kind.PAREN_EXPR, Kind.UNARY_OPERATOR):
+            inner = list(inner[0].get_children())
+        return bool(inner) and inner[0].kind == Kind.INTEGER_LITERAL
+
+    def visit(self, cursor, parent):
+        handler = getattr(self, cursor.kind.name.lower(), None)
+        if handler:
+            handler(cursor, list(cursor.get_children()), parent)
+        for child in cursor.get_children():
+            self.visit(child, cursor)
+
+    def swap_operator(self, left, right, others):
+        found, place = self.between(left, right)
+        for other in others.get(found, ()):
+            self.edits.add((place, place + len(found), other))
+        return found
+
+    def binary_operator(self, cursor, children, parent):
+        left, right = children
+        found = self.swap_operator(left, right, OPERATORS)
+        if found in WITH_TERMS:
+            self.replace(cursor, self.text(left), f"-({self.text(right)})" if found == "-" else self.text(right))
+        elif found == "=":
+            self.negate(right)
+            self.drop(cursor, parent)
+
+    def compound_assignment_operator(self, cursor, children, parent):
+        self.swap_operator(*children, COMPOUND)
+        self.drop(cursor, parent)
+
+    def drop(self, cursor, parent):
+        """A statement that stands for itself."""
+        if parent.kind == Kind.COMPOUND_STMT:
+            self.replace(cursor, "")
+
+    def unary_operator(self, cursor, children, _):
+        operand = self.text(children[0])
+        operator = self.text(cursor).removesuffix(operand)
+        if operator in ("-", "!"):
+            self.replace(cursor, operand)
+        elif self.text(cursor).endswith(("++", "--")):
+            self.replace(cursor, self.text(cursor)[:-2] + ("--" if self.text(cursor).endswith("++") else "++"))
+
+    def integer_literal(self, cursor, _, __):
+        text = self.text(cursor)
+        if text:
+            one = "1U" if "unsigned" in cursor.type.spelling else "1"
+            self.replace(cursor, f"({text} + {one})", f"({text} - {one})")
+
+    def call_expr(self, cursor, children, parent):
+        name, arguments = cursor.spelling, [self.text(argument) for argument in cursor.get_arguments()]
+        if name.startswith(("fx_sat", "fx_usat")):
+            self.replace(cursor, f"({arguments[0]})")
+        elif name == "fx_clamp":
+            self.replace(cursor, f"({arguments[0]})", f"fx_max({arguments[0]}, {arguments[1]})",
+                         f"fx_min({arguments[0]}, {arguments[2]})")
+        elif name in NAMES:
+            self.replace(cursor, *(f"({argument})" for argument in arguments),
+                         f"{NAMES[name]}({', '.join(arguments)})")
+        elif name == "fx_towards":
+            self.replace(cursor, arguments[1])
+        elif name == "fx_asr":
+            self.replace(cursor, *(f"fx_asr({arguments[0]}, ({arguments[1]}) {step} 1U)" for step in "+-"))
+        elif name == "fx_mla_32x16":
+            self.replace(cursor, arguments[0], f"fx_mul_32x16({arguments[1]}, {arguments[2]})")
+        self.drop(cursor, parent)
+
+    def member_ref_expr(self, cursor, _, __):
+        other = MIX_UPS.get(cursor.spelling)
+        text = self.text(cursor)
+        if other and text.endswith(cursor.spelling):
+            self.replace(cursor, text.removesuffix(cursor.spelling) + other)
+
+    def conditional_operator(self, cursor, children, _):
+        condition, *branches = map(self.text, children)
+        self.replace(cursor, f"({condition}) ? ({branches[1]}) : ({branches[0]})")
+
+    def if_stmt(self, _, children, __):
+        self.replace(children[0], f"!({self.text(children[0])})")
+
+    def return_stmt(self, _, children, __):
+        if children:
+            self.negate(children[0])
+
+    def var_decl(self, _, children, __):
+        if children and children[-1].kind.is_expression():
+            self.negate(children[-1])
+
+    def init_list_expr(self, _, children, __):
+        for child in children:
+            designated = child.kind == Kind.UNEXPOSED_EXPR and list(child.get_children())
+            value = list(child.get_children())[-1] if designated and self.text(child).startswith(".") else child
+            self.negate(value)
+
+
+def lines(source, start, end, replacement):
+    """The lines of the edit without indentation and breaks, before and after it."""
+    first, last = source.rfind(b"\n", 0, start) + 1, source.index(b"\n", end)
+
+    def joined(text):
+        return " ".join(text.decode().split())
+
+    return joined(source[first:last]), joined(source[first:start] + replacement.encode() + source[end:last])
+
+
+def mutants(root, path, folders):
+    """All mutants of a file of the project, in the order of the file."""
+    source = (root / path).read_bytes()
+    found = []
+    for cursor in parsed(root / path, [root / folder for folder in folders]):
+        for start, end, text in sorted(Function(source, cursor).edits):
+            if source[start:end].decode() == text:
+                continue
+            before, after = lines(source, start, end, text)
+            found.append(Mutant(str(path), source.count(b"\n", 0, start) + 1, cursor.spelling, start, end, text,
+                                before, after))
+    return found

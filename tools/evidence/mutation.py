@@ -1,0 +1,306 @@
+"""evidence.mutation: the unit and reference tests find nearly every small fault in control and math.
+
+Each mutant (mutants.py) of firmware/control and firmware/math is compiled as the build compiles the file and put into
+the tests of its module; it is killed when one of them fails, crashes or does not end. A mutant that the compiler
+refuses, that gives the object code of the original or of an earlier mutant is none. What survives has to stand in the
+register (survivors.toml) with its reason; a registered mutant that is killed or is no longer there is a finding.
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import resource
+import shlex
+import subprocess
+import sys
+import tempfile
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+
+import mutants
+import part
+
+SOURCES = ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",
+           "firmware/math/port/generic/*.h")
+OTHER_CORES = {"firmware/math/port/fx_armv7.h"}
+FOLDERS = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firmware/math/port")
+REGISTER = part.ROOT / "tests/evidence/survivors.toml"
+TESTED_WITH = {"fx_plain": "fx", "fx_port": "fx", "fx_shift": "fx", "trig_table": "trig"}  # headers without own test
+WRAPPING = "-fwrapv"  # an overflow that a mutant brings is that, and not whatever the optimiser makes of it
+KILLED_LEAST = 95.0  # per cent
+FAILED = re.compile(r".*?:\d+:(\w+):FAIL")
+EQUIVALENT, HARMLESS = "equivalent", "harmless"
+
+
+def module_of(path):
+    stem = Path(path).stem
+    return TESTED_WITH.get(stem, stem)
+
+
+@dataclass
+class Test:
+    """A test program: how it is linked, and how long it may run."""
+
+    name: str
+    link: list
+    seconds: int = 0
+
+    def linked(self, build, extra, replaced, program):
+        """Links it with the object `extra` before all libraries; `replaced`: the object that this one stands for."""
+        command = [word for word in self.link if not (replaced and word.endswith(replaced))]
+        first = next(at for at, word in enumerate(command) if word.endswith(".o") or word.endswith(".a"))
+        command[first:first] = ["-fno-use-linker-plugin", str(extra)]  # nothing here has link-time optimisation
+        command[command.index("-o") + 1] = str(program)
+        return subprocess.run(command, cwd=build, capture_output=True, check=False).returncode == 0
+
+    def run(self, program):
+        """What fails in it first, None when all is well."""
+        limit = ["prlimit", f"--cpu={self.seconds}"] if self.seconds else []
+        # By lines, not by blocks: the rest of it need not run.
+        with subprocess.Popen(["stdbuf", "-oL", *limit, program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              text=True, errors="replace") as run:
+            for line in run.stdout:
+                failed = FAILED.match(line)
+                if failed:
+                    run.kill()
+                    return f"{self.name}: {failed[1]}"
+        return f"{self.name}: ended with {run.returncode}" if run.returncode else None
+
+
+class Build:
+    """What the CMake build says: how a file is compiled, how a test is linked."""
+
+    def __init__(self, root, folder):
+        self.root, self.folder = root, folder
+        listed = json.loads((folder / "compile_commands.json").read_text(encoding="utf-8"))
+        self.commands = {str(Path(entry["file"]).relative_to(root)): shlex.split(entry["command"])
+                         for entry in listed if Path(entry["file"]).is_relative_to(root)}
+
+    def compile_command(self, path):
+        """Without debug information, which would tell mutants from the original, and without in- and output."""
+        command = self.commands[path]
+        return [*(word for word in command[:command.index("-o")] if word != "-g"), WRAPPING]
+
+    def test(self, name):
+        """The test program of that name, None if there is none."""
+        folder = self.folder / "tests" / name.split("_", 1)[0].replace("test", "unit")
+        if not (folder / name).is_file():
+            return None
+        steps = subprocess.run(["ninja", "-t", "commands", str((folder / name).relative_to(self.folder))],
+                               cwd=self.folder, check=True, capture_output=True, text=True).stdout
+        link = shlex.split(steps.strip().splitlines()[-1])
+        link = link[link.index("&&") + 1:]
+        found = Test(name, link[:link.index("&&")])
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        failed = found.run(folder / name)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if failed:
+            raise SystemExit(f"{failed}; expected a test that passes without a mutant")
+        found.seconds = 2 + math.ceil(3 * (after.ru_utime - before.ru_utime))
+        return found
+
+
+@dataclass
+class Subject:
+    """A file to be mutated: what is compiled for it, and the tests of its module."""
+
+    path: str
+    compile: list
+    tests: list
+    is_header: bool
+    replaced: str = None
+
+
+def subject(build, path):
+    """A header's functions are in the object of its module's unit test, a source's in its own."""
+    module = module_of(path)
+    is_header = path.endswith(".h")
+    tests = [build.test(f"test_{module}")]
+    compiled = f"tests/unit/test_{module}.c" if is_header else path
+    if not is_header:
+        tests.append(build.test(f"reference_{module}"))
+    if not tests[0]:
+        raise SystemExit(f"{path}: no test test_{module}; build the unit tests first")
+    return Subject(path, build.compile_command(compiled), [test for test in tests if test], is_header,
+                   f"{Path(compiled).name}.o" if is_header else None)
+
+
+@dataclass
+class Candidate:
+    mutant: mutants.Mutant
+    subject: Subject
+    object: Path
+    code: bytes = b""
+    killed_by: str = None
+
+
+def compiled(build, subject_, text, object_):
+    """The object code of the file with this text, None if the compiler refuses it."""
+    folder = object_.with_suffix("")
+    folder.mkdir()
+    source = folder / Path(subject_.path).name
+    source.write_bytes(text)
+    if subject_.is_header:
+        unit = build.root / "tests/unit" / f"test_{module_of(subject_.path)}.c"
+        command = [*subject_.compile, "-include", str(source), "-o", str(object_), "-c", str(unit)]
+    else:
+        # By its bare name: the object holds the name it was compiled by.
+        command = [*subject_.compile, "-o", str(object_), "-c", source.name]
+    run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+    return object_.read_bytes() if run.returncode == 0 else None
+
+
+def judge(build, candidate):
+    """Which test kills it."""
+    program = candidate.object.with_suffix(".test")
+    for test in candidate.subject.tests:
+        if not test.linked(build.folder, candidate.object, candidate.subject.replaced, program):
+            raise SystemExit(f"{candidate.mutant.path}:{candidate.mutant.line}: {test.name} cannot be linked with it")
+        candidate.killed_by = test.run(program)
+        if candidate.killed_by:
+            break
+    program.unlink(missing_ok=True)
+
+
+def each(pool, do, items, what):
+    """do() for all items, in their order, with a line of progress on a terminal."""
+    console = Console(stderr=True)
+    return list(track(pool.map(do, items), total=len(items), description=what, console=console,
+                      disable=not console.is_terminal, transient=True))
+
+
+def examined(build, subjects, folder, jobs, wanted=lambda mutant: True):
+    """All wanted mutants of the subjects that are ones, judged."""
+    candidates, originals = [], {}
+    for subject_ in subjects:
+        text = (build.root / subject_.path).read_bytes()
+        original = compiled(build, subject_, text, folder / f"original_{len(originals)}.o")
+        if original is None:
+            raise SystemExit(f"{subject_.path}: does not compile")
+        originals[subject_.path] = original
+        candidates += [Candidate(mutant, subject_, folder / f"{len(candidates) + at}.o") for at, mutant in
+                       enumerate(filter(wanted, mutants.mutants(build.root, subject_.path, FOLDERS)))]
+
+    def compile_it(candidate):
+        source = (build.root / candidate.mutant.path).read_bytes()
+        candidate.code = compiled(build, candidate.subject, candidate.mutant.applied(source), candidate.object)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        each(pool, compile_it, candidates, "compiling mutants")
+        seen = {(path, code) for path, code in originals.items()}
+        real = []
+        for candidate in candidates:
+            key = (candidate.mutant.path, candidate.code)
+            if candidate.code is not None and key not in seen:
+                seen.add(key)
+                real.append(candidate)
+        each(pool, lambda candidate: judge(build, candidate), real, "testing mutants")
+    return real
+
+
+def registered(path):
+    """(path, function, before, after) → (kind, reason)."""
+    entries = {}
+    for entry in tomllib.loads(path.read_text(encoding="utf-8")).get("survivor", []) if path.is_file() else []:
+        for mutant in entry["mutants"]:
+            entries[(entry["file"], entry["function"], entry["line"], mutant)] = (entry["kind"], entry["reason"])
+    return entries
+
+
+def key(mutant):
+    return mutant.path, mutant.function, mutant.before, mutant.after
+
+
+def findings(real, register, made):
+    """What is not in the register, and what is there without need. `made`: all mutants, also those that are none."""
+    survivors = {key(candidate.mutant): candidate.mutant for candidate in real if not candidate.killed_by}
+    killed = {key(candidate.mutant) for candidate in real} - set(survivors)
+    for place, mutant in survivors.items():
+        if place not in register:
+            yield f"{mutant.path}:{mutant.line}: ({mutant.function}) survives: {mutant.before} → {mutant.after}"
+    # What this compiler proves to be none may survive with another one.
+    there, paths = set(map(key, made)) - killed, {mutant.path for mutant in made}
+    for place in register:
+        if place[0] in paths and place not in there:
+            yield f"{place[0]}:1: ({place[1]}) registered, but killed or not there: {place[2]} → {place[3]}"
+
+
+def idle(real, made):
+    """Functions of which no mutant changes the object code: inline ones that their test does not call."""
+    changed = {(candidate.mutant.path, candidate.mutant.function) for candidate in real}
+    lines = {(mutant.path, mutant.function): mutant.line for mutant in made}
+    for (path, function), line in lines.items():
+        if (path, function) not in changed:
+            yield f"{path}:{line}: ({function}) no mutant changes the code of the test; expected a test that calls it"
+
+
+def share(killed, total):
+    return 100.0 * killed / total if total else 0.0
+
+
+def tables(real, register):
+    by_file = {}
+    for candidate in real:
+        row = by_file.setdefault(candidate.mutant.path, [0, 0, 0])
+        row[0] += 1
+        row[1] += bool(candidate.killed_by)
+        row[2] += register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT
+    rows = [[path, total, killed, equivalent, f"{share(killed, total - equivalent):.1f} %"]
+            for path, (total, killed, equivalent) in by_file.items()]
+    survivors = [[f"{c.mutant.path}: {c.mutant.function}", c.mutant.before, c.mutant.after,
+                  *register.get(key(c.mutant), ("", "not in the register"))] for c in real if not c.killed_by]
+    return [part.table("Mutants by file", ["File", "Mutants", "Killed", "Equivalent", "Killed of the others"], rows),
+            part.table("Survivors", ["Function", "Line", "Mutant", "Kind", "Reason"], survivors)]
+
+
+def figures(real, register, findings_):
+    killed = sum(1 for candidate in real if candidate.killed_by)
+    equivalent = sum(register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT for candidate in real)
+    rate = share(killed, len(real) - equivalent)
+    return [part.figure("mutants killed, of those that change what is computed", f"{rate:.1f} %",
+                        f"at least {KILLED_LEAST:.0f} %", rate >= KILLED_LEAST),
+            part.figure("mutants killed, of all", f"{killed} of {len(real)} ({share(killed, len(real)):.1f} %)",
+                        "shown", True),
+            part.figure("survivors without a registered reason, entries in vain, functions not called",
+                        len(findings_), "0", not findings_)]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=Path, default=part.ROOT / "build/host", help="folder of the CMake build")
+    parser.add_argument("--only", action="append", metavar="TEXT", help="only files with TEXT in their path")
+    parser.add_argument("--jobs", type=int, default=2, help="mutants at a time")
+    parser.add_argument("--kills", action="store_true", help="print for each mutant which test kills it")
+    args = part.arguments(parser)
+    build = Build(part.ROOT, args.build.resolve())
+    paths = sorted({str(path.relative_to(part.ROOT)) for pattern in SOURCES for path in part.ROOT.glob(pattern)}
+                   - OTHER_CORES)
+    paths = [path for path in paths if not args.only or any(text in path for text in args.only)]
+    made = [mutant for path in paths for mutant in mutants.mutants(part.ROOT, path, FOLDERS)]
+    paths = sorted({mutant.path for mutant in made})
+    with tempfile.TemporaryDirectory() as folder:
+        real = examined(build, [subject(build, path) for path in paths], Path(folder), args.jobs)
+    if args.kills:
+        for candidate in real:
+            mutant = candidate.mutant
+            print(f"{mutant.path}:{mutant.line}: {mutant.before} → {mutant.after}: "
+                  f"{candidate.killed_by or 'survives'}")
+    register = registered(REGISTER)
+    found = [*findings(real, register, made), *idle(real, made)]
+    return part.end(args.out, "mutation", "Mutation",
+                    "Small faults (an operator, a constant, a sign, a term, a saturation) are put one at a time into "
+                    "the control modules and their arithmetic; the unit tests and the comparisons with the reference "
+                    "find them. Faults that the compiler proves to be none are left out.",
+                    figures(real, register, found), tables(real, register), found)
+
+
+if __name__ == "__main__":
+    os.environ["LC_ALL"] = "C.UTF-8"
+    sys.exit(main())
