@@ -17,7 +17,7 @@ MOTORSIM = Path(sys.argv.pop(1)).resolve()
 DONE, BAD_INPUT = 0, 2
 ROUND_TRIP = 10000
 CTRL_C = "\x03"
-LAST = 600000   # of a prolonged scenario
+LAST = 36000000   # of a prolonged scenario
 
 
 class SessionTest(unittest.TestCase):
@@ -267,7 +267,7 @@ class Refuses(SessionTest):
 class Terminal(SessionTest):
     ANSWER_S = 20
     UNDER_WAY_S = 0.3
-    PROLONGED = "scenario.duration_s=60"   # some seconds to run
+    PROLONGED = "scenario.duration_s=3600"   # half a minute to run
 
     def setUp(self):
         super().setUp()
@@ -303,7 +303,6 @@ class Terminal(SessionTest):
         self.types("goto 42\n", r"tick 42 ")
         self.types("step 3\n", r"tick 45 ")
         self.types("\x1b[A\x1b[A\n", r"tick 42 ")
-
 
     def test_ctrl_c_stops_a_run_at_a_whole_tick(self):
         self.types("run until speed_rpm > 1e9\n", "until speed_rpm")

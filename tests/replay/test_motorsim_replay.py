@@ -61,7 +61,7 @@ class Replay(unittest.TestCase):
     def test_a_whole_run_is_what_it_was(self):
         self.record("s1_robust", "--with", "all", "--set", "board.recorder_entries=65536")
         run = motorsim("replay", self.file)
-        self.assertRegex(run.stdout, r"ticks 0 to ")
+        self.assertRegex(run.stdout, r"ticks 1 to ")
         self.assertEqual(run.returncode, SAME, run.stdout)
         self.assertIn("ends in RUN", run.stdout)
         self.assertIn("are those recorded", run.stdout)
