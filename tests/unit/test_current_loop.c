@@ -149,21 +149,31 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
     }
 }
 
+/* v_d against the largest current, from an integral at its other end. */
+static int32_t voltage_at_reach(int32_t sign, int32_t speed, int32_t current)
+{
+    pi_reset(&loop.pi_d, sign * 32767);
+    pi_reset(&loop.pi_q, 0);
+    return current_loop_step(&loop, &cfg, (dq_t){0, current}, (dq_t){0, current}, sign * speed,
+                             32767)
+        .d;
+}
+
 /* 16384·32500/2^13 = 65000, the largest that the configuration allows. */
-static void test_decoupling_is_exact_up_to_the_largest_reach(void)
+static void test_decoupling_is_exact_up_to_the_largest_reach_and_saturates_there(void)
 {
     remove_regulators();
     cfg.reactance_d_q13 = 0;
     cfg.emf_q13 = 0;
-    cfg.reactance_q_q13 = 32500;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        /* The largest current against an integral at the other end, 32767 − 65000·32767/2^15, rounded. */
-        pi_reset(&loop.pi_d, sign * 32767);
-        pi_reset(&loop.pi_q, 0);
-        TEST_ASSERT_INT32_WITHIN(
-            1, -sign * 32231,
-            current_loop_step(&loop, &cfg, (dq_t){0, 32767}, (dq_t){0, 32767}, sign * 16384, 32767)
-                .d);
+        /* 65000·32767/2^15 = 64998.02 rounded down, from ±32767. */
+        const int32_t expected = (sign > 0) ? (32767 - 64998) : (64999 - 32767);
+
+        cfg.reactance_q_q13 = 32500;
+        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 16384, 32767));
+        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 16384, 32770));
+        cfg.reactance_q_q13 = 32767;
+        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 32767, 32767));
     }
     cfg.reactance_q_q13 = 0;
     cfg.emf_q13 = 32500;
@@ -371,7 +381,7 @@ int main(void)
     RUN_TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current);
     RUN_TEST(test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space);
     RUN_TEST(test_turn_of_integrals_at_their_ends_saturates_at_one);
-    RUN_TEST(test_decoupling_is_exact_up_to_the_largest_reach);
+    RUN_TEST(test_decoupling_is_exact_up_to_the_largest_reach_and_saturates_there);
     RUN_TEST(test_voltage_never_leaves_the_circle);
     RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
     RUN_TEST(test_d_axis_takes_the_whole_circle_first);
