@@ -13,6 +13,7 @@ import sources
 SHARED = "cortex_m"  # part of every image
 PORTS = Path("firmware/math/port")
 BUILTINS = Path(__file__).with_name("compiler_builtins.h")
+GENERATED = BUILTINS.with_name("generated")
 PC = "host"          # the host's HAL is not part of any product
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -41,7 +42,7 @@ def check(binding, port):
          "--suppress=shiftNegativeLHS",
          f"--include={BUILTINS}",
          *(f"--suppress=misra-c2012-{rule}" for rule in misra_register.disapplied(args.root)),
-         *(f"-I{folder}" for folder in folders), *(str(p) for p in files if p.suffix == ".c")],
+         *(f"-I{folder}" for folder in (*folders, GENERATED)), *(str(p) for p in files if p.suffix == ".c")],
         cwd=args.root, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         # cppcheck starts its addon with the first python3 of PATH.
         env={**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"})
