@@ -97,8 +97,8 @@ void Injection::impose_on_binding(const Fault &fault, hal_host_faults_t &hal) co
         force(hal.angle, fault.last.angle);
         break;
     case FaultKind::angle_offset:
-        hal.angle_offset =
-            static_cast<uint16_t>(hal.angle_offset + std::lround(value.value() * ANGLE_PER_DEG));
+        hal.angle_offset = static_cast<uint16_t>(hal.angle_offset +
+                                                 std::lround(value.value_or(0.0) * ANGLE_PER_DEG));
         break;
     case FaultKind::overcurrent:
         force(hal.ia, current_count(ampere));

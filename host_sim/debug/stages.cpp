@@ -9,6 +9,7 @@
 namespace nf::debug
 {
 
+// NOLINTNEXTLINE(readability-function-size): a table
 const std::vector<Stage> &all_stages()
 {
     static const std::vector<Stage> all = {

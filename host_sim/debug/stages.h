@@ -14,8 +14,9 @@ struct Stage {
     std::vector<const char *> signals;
     // A word of which it depends whether a tick has this stage; NULL: each has.
     const char *flag = nullptr;
-    bool shown_with = true;                 // while the flag is not 0, or while it is
-    std::vector<drive_state_t> states = {}; // only in these; empty: in each
+    bool shown_with = true; // while the flag is not 0, or while it is
+    // Only in these; empty: in each. A table leaves it out, which gcc allows of what has an initialiser.
+    std::vector<drive_state_t> states = {}; // NOLINT(readability-redundant-member-init)
 };
 
 const std::vector<Stage> &all_stages();
