@@ -87,8 +87,9 @@ typedef struct {
 } nn_observer_t;
 
 /*
- * Start at the angle whose sine and cosine are given, with a current in that frame (Q15 of I_b, ±32767) and a speed,
- * limited to ±speed_limit. Without both: at rest with x̂ = φ/L_d.
+ * Start at the angle whose sine and cosine are given, with a current in that frame and a speed, limited to ±speed_limit.
+ * Without both: at rest with x̂ = φ/L_d. current: Q15 of I_b, |i| ≤ 65535, as two phases that read full scale can give;
+ * x̂ and ŷ saturate to 28 bits.
  */
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
                        sincos_t angle);

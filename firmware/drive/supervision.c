@@ -199,7 +199,8 @@ static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
     const int32_t before = *sum;
     int32_t mean;
 
-    /*@ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 || before > 0x48000000; */
+    /*@ assert before < -0x48000000 || -0x48000000 <= before < 0 || 0 <= before <= 0x48000000 ||
+               before > 0x48000000; */
     mean = fx_asr(before, shift);
     *sum = before + (sample - mean);
     return mean;

@@ -57,42 +57,6 @@ static inline int32_t fx_abs(int32_t x)
     return (x < 0) ? -x : x;
 }
 
-/* a + b saturated to −2^31…2^31 − 1. */
-static inline int32_t fx_add_sat(int32_t a, int32_t b)
-{
-    int32_t sum;
-
-    if ((b > 0) && (a > (INT32_MAX - b))) {
-        sum = INT32_MAX;
-    } else if ((b < 0) && (a < (INT32_MIN - b))) {
-        sum = INT32_MIN;
-    } else {
-        sum = a + b;
-    }
-    return sum;
-}
-
-/* a − b saturated to −2^31…2^31 − 1. */
-static inline int32_t fx_sub_sat(int32_t a, int32_t b)
-{
-    int32_t difference;
-
-    if ((b < 0) && (a > (INT32_MAX + b))) {
-        difference = INT32_MAX;
-    } else if ((b > 0) && (a < (INT32_MIN + b))) {
-        difference = INT32_MIN;
-    } else {
-        difference = a - b;
-    }
-    return difference;
-}
-
-/* Q15 × Q15 → Q15, rounded to nearest (half up). Only −1 × −1 exceeds Q15; it saturates. */
-static inline int16_t fx_mul_q15(int16_t a, int16_t b)
-{
-    return (int16_t)fx_sat16(fx_asr(((int32_t)a * b) + 0x4000, 15U));
-}
-
 /* floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. */
 static inline int32_t fx_mul_32x16(int32_t a, int32_t b)
 {

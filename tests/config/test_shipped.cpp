@@ -1,6 +1,7 @@
 // The files that come with the project, and the header made of them.
 #include "config.h"
 #include "describe.h"
+#include "files.h"
 #include "hal_header.h"
 #include "header.h"
 #include "schema.h"
@@ -8,6 +9,7 @@
 #include "unity.h"
 
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <set>
 
@@ -162,6 +164,52 @@ void every_key_is_known_once_and_has_its_help()
     }
 }
 
+// Paper A, table 1; paper B, section 4.
+void both_papers_motors_are_as_printed_and_run_from_310_v()
+{
+    const nf::Config a = nf::load_parts("motor_a", "bench_310v", "published");
+    const nf::Config b = nf::load_parts("motor_b", "bench_310v", "published");
+    TEST_ASSERT_EQUAL_INT(2, a.motor.pole_pairs);
+    TEST_ASSERT_EQUAL_DOUBLE(2.125, a.motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0116, a.motor.inductance_d_h);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0116, a.motor.inductance_q_h);
+    TEST_ASSERT_EQUAL_DOUBLE(0.387, a.motor.flux_linkage_wb);
+    TEST_ASSERT_EQUAL_DOUBLE(7.8, a.motor.rated_torque_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(1800, a.motor.rated_speed_rpm);
+    TEST_ASSERT_EQUAL_INT(2, b.motor.pole_pairs);
+    TEST_ASSERT_EQUAL_DOUBLE(0.405, b.motor.resistance_ohm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0135, b.motor.inductance_d_h);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0235, b.motor.inductance_q_h);
+    TEST_ASSERT_EQUAL_DOUBLE(0.375, b.motor.flux_linkage_wb);
+    TEST_ASSERT_EQUAL_DOUBLE(1200, b.motor.rated_speed_rpm);
+    TEST_ASSERT_EQUAL_DOUBLE(310, a.board.bus_nominal_v);
+}
+
+// The keys of a motor's file whose lines are marked as assumptions.
+std::set<std::string> assumed(const std::string &motor)
+{
+    std::ifstream file(nf::data_folder() / "motors" / (motor + ".toml"));
+    std::set<std::string> keys;
+    std::string line;
+    while (std::getline(file, line)) {
+        const std::size_t key_end = line.find(" = ");
+        if (key_end != std::string::npos && line.find("# assumption") != std::string::npos) {
+            keys.insert(line.substr(0, key_end));
+        }
+    }
+    return keys;
+}
+
+void what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption()
+{
+    const std::set<std::string> not_in_a = {"max_speed_rpm", "max_current_a",
+                                            "continuous_current_a", "inertia_kg_m2",
+                                            "viscous_friction_nm_s"};
+    const std::set<std::string> not_in_b = {"max_speed_rpm", "max_current_a", "inertia_kg_m2"};
+    TEST_ASSERT_TRUE(assumed("motor_a") == not_in_a);
+    TEST_ASSERT_TRUE(assumed("motor_b") == not_in_b);
+}
+
 } // namespace
 
 void setUp()
@@ -185,5 +233,7 @@ int main()
     RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
     RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);
     RUN_TEST(every_key_is_known_once_and_has_its_help);
+    RUN_TEST(both_papers_motors_are_as_printed_and_run_from_310_v);
+    RUN_TEST(what_a_paper_does_not_print_of_its_motor_is_marked_as_an_assumption);
     return UNITY_END();
 }

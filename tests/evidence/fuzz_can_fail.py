@@ -1,4 +1,4 @@
-"""evidence.fuzz_can_fail: fuzzing finds a fault in each kind of input within seconds.
+"""evidence.fuzz_can_fail: fuzzing finds a fault in each kind of input within seconds, and has to have happened.
 
 Each fault alone is put into a copy of one source; its object is linked before the libraries, which hold the good one.
 """
@@ -14,6 +14,11 @@ import fuzz
 from part import ROOT
 
 SECONDS = 40  # most are found while the corpus is read
+SAID = """
+#100	INITED cov: {edges} ft: 2000 corp: 90/9Kb exec/s: 0 rss: 50Mb
+#{runs}	DONE   cov: {edges} ft: 3000 corp: 95/9Kb lim: 4096 exec/s: 99 rss: 60Mb
+Done {runs} runs in {seconds} second(s)
+"""
 FAULTS = {
     "an index out of its array": (
         "drive", "firmware/drive/supervision.c",
@@ -63,6 +68,39 @@ def build(folder, name, path, text, fault):
     subprocess.run(command, cwd=fuzz.FOLDER, check=True)
     link(name, faulty, folder / "program")
     return folder / "program"
+
+
+class FuzzHasToHappen(unittest.TestCase):
+    def kept(self, said, status=0):
+        """Whether each figure of one run is."""
+        return [figure["ok"] for figure in fuzz.figures_of([fuzz.outcome("drive", status, said)], 60)]
+
+    def said(self, edges=fuzz.PROGRAMS["drive"].edges, invented=60 * fuzz.PROGRAMS["drive"].rate, seconds=60):
+        return SAID.format(edges=edges, runs=100 + invented, seconds=seconds)
+
+    def test_what_meets_the_thresholds_just_so_is_kept(self):
+        self.assertEqual(self.kept(self.said()), [True, True])
+
+    def test_too_few_inputs_edges_or_seconds_are_not(self):
+        asked = fuzz.PROGRAMS["drive"]
+        for less in ({"invented": 60 * asked.rate - 1}, {"edges": asked.edges - 1}, {"seconds": 59}):
+            with self.subTest(less):
+                self.assertEqual(self.kept(self.said(**less)), [True, False])
+
+    def test_a_program_that_only_reads_its_corpus_or_says_nothing_is_not(self):
+        self.assertEqual(self.kept(self.said(invented=0)), [True, False])
+        self.assertEqual(self.kept(""), [True, False])
+
+    def test_an_end_without_a_word_is_a_finding(self):
+        self.assertEqual(self.kept("", status=1), [False, False])
+
+    def test_a_run_begins_without_what_an_earlier_one_kept(self):
+        with tempfile.TemporaryDirectory() as temporary:
+            old = Path(temporary) / "drive" / "old"
+            old.parent.mkdir()
+            old.touch()
+            fuzz.fuzz("true", "drive", 1, Path(temporary))
+            self.assertFalse(old.exists())
 
 
 class FuzzCanFail(unittest.TestCase):

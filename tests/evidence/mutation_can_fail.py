@@ -10,15 +10,19 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import mutants
 import mutation
 import part
 
 PI = "firmware/control/pi.c"
 OBSERVER = "firmware/control/nn_observer.c"
+PORT = "firmware/math/port/generic/fx_port.h"
 GROUP = "limit"  # what the names of the tests that are left out have in common
 KILLED = {
     "the sign of the descent in (21)": (OBSERVER, "nn_observer_predict", "(obs->turned.q * before.d) +"),
     "the sign of the weight's change in (22)": (OBSERVER, "nn_observer_train", "fx_clamp(obs->speed + weight_step"),
+    "a shift by too many bits, of which the PC takes those modulo 32": (
+        PORT, "fx_leading_zeros", "(rest >> (-(width)))"),
     "a dropped saturation": (PI, "pi_step", "(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));"),
 }
 
@@ -73,6 +77,62 @@ class MutationCanFail(unittest.TestCase):
             register = {place: (mutation.HARMLESS, "a reason") for place in (killed, gone)}
             found = list(mutation.findings(real, register, [candidate.mutant for candidate in real]))
             self.assertEqual(len(found), 2, found)
+
+
+ENTRY = """
+[[survivor]]
+file = "a.c"
+function = "f"
+kind = "equivalent"
+reason = "a reason"
+line = "a line"
+mutants = ["another"]
+"""
+
+
+class RegisterCanFail(unittest.TestCase):
+    def wrong(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "survivors.toml"
+            path.write_text(text, encoding="utf-8")
+            return mutation.registered(path)[1]
+
+    def test_the_register_that_there_is_has_nothing_wrong(self):
+        self.assertEqual(self.wrong(ENTRY), [])
+        self.assertEqual(mutation.registered(mutation.REGISTER)[1], [])
+
+    def test_an_entry_is_whole_and_of_a_known_kind(self):
+        for text, fault in (('"a reason"', '" "'), ('"equivalent"', '"equivalant"'), ('["another"]', "[]"),
+                            ('function = "f"\n', ""), ("mutants", "mutant")):
+            with self.subTest(fault):
+                self.assertEqual(len(self.wrong(ENTRY.replace(text, fault))), 1)
+
+    def test_a_mutant_stands_there_once(self):
+        self.assertIn("'another' stands there twice", self.wrong(ENTRY + ENTRY)[0])
+
+
+class RateCanFail(unittest.TestCase):
+    def kept(self, killed, survivors, equivalent=0):
+        """Whether the rate is, of so many mutants."""
+        def candidate(number, killed_by):
+            mutant = mutants.Mutant("a.c", number, "f", 0, 1, "", "a line", f"mutant {number}")
+            return mutation.Candidate(mutant, None, None, killed_by=killed_by)
+
+        real = [candidate(number, "a test" if number < killed else None) for number in range(killed + survivors)]
+        register = {mutation.key(one.mutant): (mutation.EQUIVALENT, "a reason")
+                    for one in real[killed:killed + equivalent]}
+        return mutation.figures(real, register, [])[0]["ok"]
+
+    def test_95_of_100_are_enough_and_94_are_not(self):
+        self.assertTrue(self.kept(95, 5))
+        self.assertFalse(self.kept(94, 6))
+
+    def test_equivalent_mutants_are_not_counted(self):
+        self.assertTrue(self.kept(95, 6, 1))
+        self.assertFalse(self.kept(94, 6, 1))
+
+    def test_no_mutant_at_all_is_not_enough(self):
+        self.assertFalse(self.kept(0, 0))
 
 
 if __name__ == "__main__":

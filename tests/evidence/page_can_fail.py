@@ -20,7 +20,8 @@ class PageCanFail(unittest.TestCase):
     def write(self, name, ok=True, rows=2):
         part.end(self.folder / f"{name}.json", name, name.capitalize(), "What <is> shown.",
                  [part.figure("share", "98 %", "≥ 95 %", ok)],
-                 [part.table("Rows", ("Name", "Value"), [(f"row {k}", "a < b") for k in range(rows)])])
+                 [part.table("Rows", ("Name", "Value"), [(f"row {k}", "a < b") for k in range(rows)],
+                             "A <note>.")])
 
     def page(self, *parts):
         """Exit status, page and what is printed."""
@@ -58,6 +59,7 @@ class PageCanFail(unittest.TestCase):
         self.write("one", rows=40)
         _, page, _ = self.page("one")
         self.assertIn("What &lt;is&gt; shown.", page)
+        self.assertIn("A &lt;note&gt;.", page)
         self.assertIn("<details>", page)
         self.assertNotIn("a < b", page)
 

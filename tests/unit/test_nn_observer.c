@@ -863,6 +863,22 @@ static void test_start_beyond_the_ranges_ends_at_them(void)
     TEST_ASSERT_EQUAL_INT32(STATE_LIMIT, obs.beta_q27);
 }
 
+/* 34400 is what a drive's currents reach, as two phases that read full scale are beyond 16 bits together. */
+static void test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_state(void)
+{
+    static const int32_t beyond[] = {32768, 34400, 65535};
+
+    cfg.current_shift = 0U;
+    for (uint32_t k = 0U; k < 3U; k++) {
+        nn_observer_start(&obs, &cfg, 0, (dq_t){-beyond[k], beyond[k]}, trig_sincos(0U));
+        TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, obs.state.q);
+        TEST_ASSERT_EQUAL_INT32(CURRENT_LIMIT, obs.current.q);
+        nn_observer_start(&obs, &cfg, 0, (dq_t){beyond[k], -beyond[k] - 1}, trig_sincos(0U));
+        TEST_ASSERT_EQUAL_INT32(FX_Q15_MIN, obs.state.q);
+        TEST_ASSERT_EQUAL_INT32(FX_Q15_MAX, obs.state.d);
+    }
+}
+
 /* ---- static part ---- */
 
 static int32_t rho_at(step_t speed)
@@ -1040,6 +1056,7 @@ int main(void)
     RUN_TEST(test_with_speed_and_angle_given_the_network_reproduces_the_current);
     RUN_TEST(test_start_begins_with_the_given_speed_current_and_angle);
     RUN_TEST(test_start_beyond_the_ranges_ends_at_them);
+    RUN_TEST(test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_state);
     RUN_TEST(test_rho_is_the_corner_over_the_speed_with_its_sign);
     RUN_TEST(test_rho_of_multiples_of_the_speed_is_exact);
     RUN_TEST(test_rho_below_the_resolution_of_the_speed_is_that_of_the_least_one);

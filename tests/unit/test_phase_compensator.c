@@ -152,6 +152,23 @@ static void test_a_small_vector_has_no_large_angle(void)
     TEST_ASSERT_EQUAL_INT32(0, comp.current_angle);
 }
 
+/* i_d at i_q = 0 and its α_r = atan(i_d/current_min): it fades with the vector, and so does the step of the lead. */
+static void test_the_smaller_the_vector_the_less_the_lead_moves(void)
+{
+    static const int32_t i_d[] = {1000, 250, 10, 0};
+    static const int32_t angle[] = {EIGHTH, 167458907, 6835425, 0}; /* 45°, 14.04°, 0.573°, 0 */
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        phase_compensator_start(&comp, 0U);
+        (void)step((dq_t){i_d[k], 0}, true);
+        (void)step((dq_t){0, 0}, true);
+        for (int32_t n = 0; n < 3; n++) { /* one step, and then none */
+            TEST_ASSERT_INT32_WITHIN((ANGLE_ERROR >> 9U) + 1, angle[k] >> 9U,
+                                     step((dq_t){0, 0}, true));
+        }
+    }
+}
+
 static void test_without_gain_the_lead_stays_whatever_flows(void)
 {
     phase_compensator_cfg_t cfg = CFG;
@@ -204,6 +221,7 @@ int main(void)
     RUN_TEST(test_backwards_is_the_mirror_of_forwards);
     RUN_TEST(test_the_lead_ends_at_its_limits_and_leaves_them_at_once);
     RUN_TEST(test_a_small_vector_has_no_large_angle);
+    RUN_TEST(test_the_smaller_the_vector_the_less_the_lead_moves);
     RUN_TEST(test_without_gain_the_lead_stays_whatever_flows);
     RUN_TEST(test_a_new_start_forgets_the_current);
     RUN_TEST(test_any_state_and_input_stays_within_its_limits);

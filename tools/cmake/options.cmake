@@ -33,6 +33,5 @@ function(nf_count target)
     endif()
 endfunction()
 
-
 set(UNITY_ROOT ${CMAKE_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
 set(NF_PYTHON ${CMAKE_SOURCE_DIR}/.cache/venv/bin/python CACHE FILEPATH "Python of the tools")

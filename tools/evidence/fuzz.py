@@ -3,11 +3,16 @@
 The programs of tests/fuzz run under libFuzzer with the address and the undefined-behaviour sanitizer, beginning with their
 committed corpus: frames into the drive, text into the configuration's loader, recordings, the board's console, commands of
 the stepper. What each asks for beyond that stands in its source. A crash, an alarm, a broken promise, an input that takes
-ten seconds or a GB of memory is a finding; its input is kept, and the line that runs it again is printed.
+ten seconds or a GB of memory is a finding; its input is kept, and the line that runs it again is printed. Each run begins
+with the committed corpus alone: what the one before has kept in build/fuzz goes away.
+
+A program that ends early, invents next to nothing or stays near its beginning has shown nothing: the whole time, a rate of
+inputs and a number of edges of the code are asked for as well.
 """
 
 import argparse
 import re
+import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -20,12 +25,25 @@ from part import ROOT
 FOLDER = ROOT / "build/host-fuzz"
 CORPUS = ROOT / "tests/fuzz/corpus"
 KEPT = ROOT / "build/fuzz"
+NFCONFIG = ROOT / "build/host/nfconfig"  # of the build that is there anyway
+
+
+@dataclass(frozen=True)
+class Program:
+    """What it gets; the edges that it reaches at least, nine tenths of those of its corpus, and the inputs that it invents
+    a second, a tenth of what a busy PC does."""
+
+    gets: str
+    edges: int
+    rate: int
+
+
 PROGRAMS = {
-    "drive": "any frames, from every state of shipped motors",
-    "config": "any motor, board, tuning, scenario, imperfection file",
-    "recording": "any recording, read and run again",
-    "console": "any bytes to the board's console",
-    "stepper": "any commands of the stepper",
+    "drive": Program("any frames, from every state of shipped motors", 800, 100),
+    "config": Program("any motor, board, tuning, scenario, imperfection file", 4400, 15),
+    "recording": Program("any recording, read and run again", 4300, 30),
+    "console": Program("any bytes to the board's console", 800, 60),
+    "stepper": Program("any commands of the stepper", 2400, 5),
 }
 AT_ONCE = 2
 SEED = 1
@@ -33,13 +51,15 @@ LENGTH_MAX = 4096  # bytes of an input
 LIMITS = ["-timeout=10", "-rss_limit_mb=1024"]
 SAID = re.compile(r"(runtime error|ERROR: |does not hold|is outside)")
 STATUS = re.compile(r"cov: (\d+) ft: (\d+) corp: (\d+)")
-DONE = re.compile(r"Done (\d+) runs")
+READ = re.compile(r"^#(\d+)\s+INITED", re.MULTILINE)
+DONE = re.compile(r"Done (\d+) runs in (\d+) second")
 
 
 @dataclass
 class Outcome:
     name: str
-    runs: int
+    invented: int  # inputs beyond the corpus
+    seconds: int
     edges: int
     corpus: int
     why: str  # empty: nothing was found
@@ -48,7 +68,8 @@ class Outcome:
 
 def build():
     """The programs; the exit status of the tool that does not do it."""
-    run = subprocess.run([ROOT / "tools/gates/preset", "host-fuzz", "build"], check=False,
+    made = [f"-DNF_NFCONFIG={NFCONFIG if NFCONFIG.is_file() else ''}"]
+    run = subprocess.run([ROOT / "tools/gates/preset", "host-fuzz", "build", *made], check=False,
                          capture_output=True, text=True)
     if run.returncode:
         print(run.stdout)
@@ -56,32 +77,39 @@ def build():
 
 
 def fuzz(program, name, seconds, kept, seed=SEED):
-    """Runs one program for a time."""
+    """Runs one program for a time, from its corpus on."""
     found = kept / name
-    found.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(found, ignore_errors=True)
+    found.mkdir(parents=True)
     run = subprocess.run(
         [program, f"-max_total_time={seconds}", f"-seed={seed}", f"-max_len={LENGTH_MAX}", *LIMITS,
          f"-artifact_prefix={found}/", found, CORPUS / name],
         capture_output=True, text=True, errors="replace", check=False)
-    return outcome(name, run)
+    return outcome(name, run.returncode, run.stderr)
 
 
-def outcome(name, run):
+def outcome(name, status, said):
     """What libFuzzer said."""
-    lines = run.stderr.splitlines()
-    status = STATUS.findall(run.stderr)
-    done = DONE.search(run.stderr)
+    progress, read, done = STATUS.findall(said), READ.search(said), DONE.search(said)
     why = ""
-    if run.returncode:
-        why = next((line for line in lines if SAID.search(line)), f"ended with {run.returncode}").strip()
-    kept = re.search(r"Test unit written to (\S+)", run.stderr)
-    edges, _, corpus = map(int, status[-1]) if status else (0, 0, 0)
-    return Outcome(name, int(done[1]) if done else 0, edges, corpus, why, kept[1] if kept else "")
+    if status:
+        why = next((line for line in said.splitlines() if SAID.search(line)), f"ended with {status}").strip()
+    kept = re.search(r"Test unit written to (\S+)", said)
+    edges, _, corpus = map(int, progress[-1]) if progress else (0, 0, 0)
+    runs, seconds = map(int, done.groups()) if done else (0, 0)
+    return Outcome(name, runs - int(read[1]) if read and done else 0, seconds, edges, corpus, why, kept[1] if kept else "")
 
 
-def figures_of(outcomes):
-    return [part.figure(one.name, one.why or f"{one.runs} inputs, nothing found", "nothing found",
-                        not one.why and one.runs > 0) for one in outcomes]
+def figures_of(outcomes, seconds):
+    """Of each program: whether it found something, and whether it has been fuzzed at all."""
+    for one in outcomes:
+        yield part.figure(f"{one.name}: findings", one.why or "none", "none", not one.why)
+        asked = PROGRAMS[one.name]
+        least = asked.rate * seconds
+        yield part.figure(f"{one.name}: fuzzed",
+                          f"{one.seconds} s, {one.invented} inputs beyond the corpus, {one.edges} edges",
+                          f"at least {seconds} s, {least} inputs, {asked.edges} edges",
+                          one.seconds >= seconds and one.invented >= least and one.edges >= asked.edges)
 
 
 def findings_of(outcomes):
@@ -102,13 +130,15 @@ def main():
         outcomes = list(pool.map(
             lambda name: fuzz(FOLDER / f"tests/fuzz/fuzz_{name}", name, args.seconds, KEPT, args.seed),
             args.only or PROGRAMS))
-    inputs = part.table("Programs", ["program", "gets", "inputs", "edges of the code reached", "inputs kept"],
-                        [[one.name, PROGRAMS[one.name], one.runs, one.edges, one.corpus] for one in outcomes])
+    inputs = part.table("Programs", ["program", "gets", "inputs beyond the corpus", "edges of the code reached",
+                                     "inputs that reach something of their own"],
+                        [[one.name, PROGRAMS[one.name].gets, one.invented, one.edges, one.corpus] for one in outcomes],
+                        "How far it comes in its time depends on the machine: these numbers change from run to run.")
     return part.end(args.out, "fuzz", "Fuzzing",
                     f"libFuzzer with address and undefined-behaviour sanitizer invents inputs, {args.seconds} s for each "
                     "program. After each tick of the drive its state is within the proven ranges, its compare values "
                     "within the period, and the gates are on only where they may be.",
-                    figures_of(outcomes), [inputs], findings_of(outcomes))
+                    list(figures_of(outcomes, args.seconds)), [inputs], findings_of(outcomes))
 
 
 if __name__ == "__main__":

@@ -2,8 +2,10 @@
 
 Each mutant (mutants.py) of firmware/control and firmware/math is compiled as the build compiles the file and put into
 the tests of its module; it is killed when one of them fails, crashes or does not end. A mutant that the compiler
-refuses, that gives the object code of the original or of an earlier mutant is none. What survives has to stand in the
-register (survivors.toml) with its reason; a registered mutant that is killed or is no longer there is a finding.
+refuses, that gives the object code of the original or of an earlier mutant is none. What survives is tested once more with
+each shift checked: one by too many bits is undefined, and what the PC makes of it another core does not. What survives that
+too has to stand in the register (survivors.toml) with its reason; a registered mutant that is killed or is no longer there
+is a finding.
 """
 
 import argparse
@@ -33,11 +35,13 @@ LEFT_OUT = {"firmware/math/port/fx_armv7.h",  # of other cores
             "firmware/math/barrier.h"}        # computes nothing
 FOLDERS = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firmware/math/port")
 REGISTER = part.ROOT / "tests/evidence/survivors.toml"
+KEYS = {"file", "function", "kind", "reason", "line", "mutants"}
 TESTED_WITH = {"fx_plain": "fx", "fx_port": "fx", "fx_shift": "fx", "trig_table": "trig"}  # headers without own test
 WRAPPING = "-fwrapv"  # an overflow that a mutant brings is that, and not whatever the optimiser makes of it
+SHIFTS_CHECKED = ("-fsanitize=shift-exponent", "-fsanitize-undefined-trap-on-error")
 KILLED_LEAST = 95.0  # per cent
 FAILED = re.compile(r".*?:\d+:(\w+):FAIL")
-EQUIVALENT, HARMLESS = "equivalent", "harmless"
+KINDS = EQUIVALENT, HARMLESS = "equivalent", "harmless"
 
 
 def module_of(path):
@@ -142,7 +146,7 @@ class Candidate:
     killed_by: str = None
 
 
-def compiled(build, subject_, text, object_):
+def compiled(build, subject_, text, object_, options=()):
     """The object code of the file with this text, None if the compiler refuses it."""
     folder = object_.with_suffix("")
     folder.mkdir()
@@ -150,24 +154,35 @@ def compiled(build, subject_, text, object_):
     source.write_bytes(text)
     if subject_.is_header:
         unit = build.root / "tests/unit" / f"test_{module_of(subject_.path)}.c"
-        command = [*subject_.compile, "-include", str(source), "-o", str(object_), "-c", str(unit)]
+        command = [*subject_.compile, *options, "-include", str(source), "-o", str(object_), "-c", str(unit)]
     else:
         # By its bare name: the object holds the name it was compiled by.
-        command = [*subject_.compile, "-o", str(object_), "-c", source.name]
+        command = [*subject_.compile, *options, "-o", str(object_), "-c", source.name]
     run = subprocess.run(command, cwd=folder, capture_output=True, check=False)
     return object_.read_bytes() if run.returncode == 0 else None
 
 
-def judge(build, candidate):
-    """Which test kills it."""
-    program = candidate.object.with_suffix(".test")
+def killer(build, candidate, object_):
+    """Which test of the subject fails with this object, None if all pass."""
+    program, found = object_.with_suffix(".test"), None
     for test in candidate.subject.tests:
-        if not test.linked(build.folder, candidate.object, candidate.subject.replaced, program):
+        if not test.linked(build.folder, object_, candidate.subject.replaced, program):
             raise SystemExit(f"{candidate.mutant.path}:{candidate.mutant.line}: {test.name} cannot be linked with it")
-        candidate.killed_by = test.run(program)
-        if candidate.killed_by:
+        found = test.run(program)
+        if found:
             break
     program.unlink(missing_ok=True)
+    return found
+
+
+def judge(build, candidate):
+    """Which test kills it, as the build compiles it or with each shift checked."""
+    candidate.killed_by = killer(build, candidate, candidate.object)
+    if not candidate.killed_by:
+        checked = candidate.object.with_name(f"checked_{candidate.object.name}")
+        text = candidate.mutant.applied((build.root / candidate.mutant.path).read_bytes())
+        compiled(build, candidate.subject, text, checked, SHIFTS_CHECKED)
+        candidate.killed_by = killer(build, candidate, checked)
 
 
 def each(pool, do, items, what):
@@ -207,12 +222,18 @@ def examined(build, subjects, folder, jobs, wanted=lambda mutant: True):
 
 
 def registered(path):
-    """(path, function, before, after) → (kind, reason)."""
-    entries = {}
-    for entry in tomllib.loads(path.read_text(encoding="utf-8")).get("survivor", []) if path.is_file() else []:
+    """(path, function, before, after) → (kind, reason), and what is wrong with the register itself."""
+    entries, bad = {}, []
+    for entry in tomllib.loads(path.read_text(encoding="utf-8")).get("survivor", []):
+        if set(entry) != KEYS or entry["kind"] not in KINDS or not entry["reason"].strip() or not entry["mutants"]:
+            bad.append(f"{path.name}: {entry}: an entry has {', '.join(sorted(KEYS))}; kind is {' or '.join(KINDS)}")
+            continue
         for mutant in entry["mutants"]:
-            entries[(entry["file"], entry["function"], entry["line"], mutant)] = (entry["kind"], entry["reason"])
-    return entries
+            place = (entry["file"], entry["function"], entry["line"], mutant)
+            if place in entries:
+                bad.append(f"{path.name}: {entry['file']} ({entry['function']}): '{mutant}' stands there twice")
+            entries[place] = (entry["kind"], entry["reason"])
+    return entries, bad
 
 
 def key(mutant):
@@ -257,7 +278,10 @@ def tables(real, register):
             for path, (total, killed, equivalent) in by_file.items()]
     survivors = [[f"{c.mutant.path}: {c.mutant.function}", c.mutant.before, c.mutant.after,
                   *register.get(key(c.mutant), ("", "not in the register"))] for c in real if not c.killed_by]
-    return [part.table("Mutants by file", ["File", "Mutants", "Killed", "Equivalent", "Killed of the others"], rows),
+    killed = sum(row[2] for row in rows)
+    of_all = f"{killed} of {len(real)} are killed, {share(killed, len(real)):.1f} %, with the equivalent ones among them."
+    return [part.table("Mutants by file", ["File", "Mutants", "Killed", "Equivalent", "Killed of the others"], rows,
+                       of_all),
             part.table("Survivors", ["Function", "Line", "Mutant", "Kind", "Reason"], survivors)]
 
 
@@ -267,9 +291,7 @@ def figures(real, register, findings_):
     rate = share(killed, len(real) - equivalent)
     return [part.figure("mutants killed, of those that change what is computed", f"{rate:.1f} %",
                         f"at least {KILLED_LEAST:.0f} %", rate >= KILLED_LEAST),
-            part.figure("mutants killed, of all", f"{killed} of {len(real)} ({share(killed, len(real)):.1f} %)",
-                        "shown", True),
-            part.figure("survivors without a registered reason, entries in vain, functions not called",
+            part.figure("survivors without a registered reason, entries that are wrong or in vain, functions not called",
                         len(findings_), "0", not findings_)]
 
 
@@ -293,8 +315,8 @@ def main():
             mutant = candidate.mutant
             print(f"{mutant.path}:{mutant.line}: {mutant.before} → {mutant.after}: "
                   f"{candidate.killed_by or 'survives'}")
-    register = registered(REGISTER)
-    found = [*findings(real, register, made), *idle(real, made)]
+    register, wrong = registered(REGISTER)
+    found = [*wrong, *findings(real, register, made), *idle(real, made)]
     return part.end(args.out, "mutation", "Mutation",
                     "Small faults (an operator, a constant, a sign, a term, a saturation) are put one at a time into "
                     "the control modules and their arithmetic; the unit tests and the comparisons with the reference "

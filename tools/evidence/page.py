@@ -75,6 +75,8 @@ def summary(parts):
 
 def table(content):
     shown = rows_and_heads(content["columns"], [list(map(text, cells)) for cells in content["rows"]])
+    if content["note"]:
+        shown = f"<p class=muted>{html.escape(content['note'])}</p>\n{shown}"
     title = html.escape(content["title"])
     count = len(content["rows"])
     if count < FOLDED_FROM:

@@ -2,10 +2,11 @@
 
     {"part": "coverage", "title": "Coverage", "says": "one or two sentences: what is shown, and how",
      "figures": [{"name": "statements", "value": "100 %", "threshold": "100 %", "ok": true}],
-     "tables": [{"title": "...", "columns": ["..."], "rows": [["..."]]}]}
+     "tables": [{"title": "...", "note": "", "columns": ["..."], "rows": [["..."]]}]}
 
-All values and cells are text, as a reader is to see it; a newline begins a new line of the cell. A part has no date, no duration and no path outside the
-project in it: the same sources give the same page.
+All values and cells are text, as a reader is to see it; a newline begins a new line of the cell. What has no threshold is
+no figure, but stands in a table or its note. A part has no date and no path outside the project in it: the same sources
+give the same page, but for how far the fuzzing comes in its time.
 """
 
 import json
@@ -28,12 +29,12 @@ def figure(name, value, threshold, ok):
     return {"name": name, "value": str(value), "threshold": str(threshold), "ok": bool(ok)}
 
 
-def table(title, columns, rows):
+def table(title, columns, rows, note=""):
     texts = [[str(cell) for cell in row] for row in rows]
     wrong = [row for row in texts if len(row) != len(columns)]
     if wrong:
         raise ValueError(f"table '{title}': {wrong[0]} has {len(wrong[0])} cells; expected {len(columns)}")
-    return {"title": title, "columns": list(columns), "rows": texts}
+    return {"title": title, "note": note, "columns": list(columns), "rows": texts}
 
 
 def end(out, name, title, says, figures, tables, findings=()):

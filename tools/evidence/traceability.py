@@ -1,9 +1,11 @@
 """evidence.traceability: each equation of the papers and each requirement has its functions and tests.
 
-tests/evidence/requirements.toml says which. It holds when every equation of both papers and every requirement has a
-function and a test, every function that is named is defined in the sources, every test is one that ctest runs (its own
-name, or that of a Unity or Python test in it), each equation's number stands in a comment beside one of its functions,
-no comment cites an equation that there is not, and every public function of the firmware is there for one of them.
+tests/evidence/requirements.toml says which, and whether it is met: what departs from its wording or is not met says why.
+It holds when every equation of both papers and every requirement has a function (where all of the code is meant, the
+folders with it) and a test, every function that is named is defined in the sources, every test is one that ctest runs
+(its own name, or that of a Unity or Python test in it), each equation's number stands in a comment beside one of its
+functions, no comment cites an equation that there is not, and every public function of the firmware is there for one of
+them.
 """
 
 import argparse
@@ -21,7 +23,8 @@ REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 SOURCES = ("firmware", "hal", "host_sim", "tools/design")
 PUBLIC = "firmware"  # whose headers declare nothing that no entry names
-KEYS = {"id", "title", "source", "functions", "tests", "note"}
+KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}
+STATUSES = MET, DEPARTS, NOT_MET = "met", "departs", "not met"
 
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
 STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
@@ -183,7 +186,8 @@ def entries(path):
     for line, entry in zip(lines, tomllib.loads(text)["entry"]):
         names = entry["id"] if isinstance(entry["id"], list) else [entry["id"]]
         for name in names:
-            yield {"note": "", "functions": [], "tests": [], "source": "", "title": "", **entry, "id": name, "line": line}
+            yield {"note": "", "functions": [], "scope": [], "tests": [], "source": "", "title": "", "status": MET, **entry,
+                   "id": name, "line": line}
 
 
 class Finder:
@@ -201,9 +205,18 @@ class Finder:
     def check_entry(self, entry):
         for key in sorted(set(entry) - KEYS - {"line"}):
             self.say(entry, f"there is no key '{key}'")
-        for key in ("title", "source", "functions", "tests"):
+        for key in ("title", "source", "tests"):
             if not entry[key]:
                 self.say(entry, f"has no {key}")
+        if bool(entry["functions"]) == bool(entry["scope"]):
+            self.say(entry, "has both functions and a scope" if entry["scope"] else "has no functions")
+        if entry["status"] not in STATUSES:
+            self.say(entry, f"is '{entry['status']}'; expected {', '.join(STATUSES)}")
+        elif entry["status"] != MET and not entry["note"]:
+            self.say(entry, f"is '{entry['status']}' and has no note that says why")
+        for name in entry["scope"]:
+            if not any((self.root / name).rglob("*.c")):
+                self.say(entry, f"its scope {name} has no code")
         for name in entry["functions"]:
             if name not in self.functions:
                 self.say(entry, f"no function {name} is defined in {', '.join(SOURCES)}")
@@ -241,11 +254,20 @@ class Finder:
 
 def row(entry, found):
     where = [f"{name} ({', '.join(path.as_posix() for path in sorted(found.functions.get(name, ())))})"
-             for name in entry["functions"]]
+             for name in entry["functions"]] or [f"all of {', '.join(entry['scope'])}"]
     run = [name if name in found.tests.get(name, ()) else f"{name} ({', '.join(sorted(found.tests.get(name, ())))})"
            for name in entry["tests"]]
     title = entry["title"] + (f" – {entry['note']}" if entry["note"] else "")
-    return entry["id"], title, entry["source"], "\n".join(where), "\n".join(run)
+    return entry["id"], title, entry["source"], entry["status"], "\n".join(where), "\n".join(run)
+
+
+def statuses(listed):
+    """How many are met, and which are not."""
+    names = {status: [entry["id"] for entry in listed if entry["status"] == status] for status in STATUSES}
+    words = [f"{len(names[MET])} of {len(listed)}", *(f"{len(names[status])} {word}: {', '.join(names[status])}"
+                                                      for status, word in ((DEPARTS, "depart"), (NOT_MET, "not met"))
+                                                      if names[status])]
+    return "; ".join(words)
 
 
 def result(found, bad):
@@ -264,12 +286,18 @@ def result(found, bad):
         kept = len([entry for entry in listed if entry in whole])
         return part.figure(f"{of_what} with function and test", f"{kept} of {count}", "all", 0 < kept == count)
 
+    def met(of_what, listed):
+        silent = [entry for entry in listed if entry["status"] != MET and not entry["note"]]
+        return part.figure(f"{of_what} met as they stand", statuses(listed), "all; each other one says why", not silent)
+
     figures = [*(share(f"equations of paper {paper}", listed, EQUATIONS[paper]) for paper, listed in of_paper.items()),
                share("requirements", requirements, len(requirements)),
+               *(met(f"equations of paper {paper}", listed) for paper, listed in of_paper.items()),
+               met("requirements", requirements),
                part.figure("public functions of the firmware with what they are there for",
                            f"{len(set(public) & set(served))} of {len(public)}", "all", set(public) <= set(served)),
                part.figure("broken links", len(bad), 0, not bad)]
-    columns = ("Number", "What", "Source", "Functions", "Tests")
+    columns = ("Number", "What", "Source", "Status", "Functions", "Tests")
     tables = [part.table(f"Paper {paper}", columns, [row(entry, found) for entry in listed])
               for paper, listed in of_paper.items()]
     tables.append(part.table("Requirements", columns, [row(entry, found) for entry in requirements]))
@@ -279,7 +307,8 @@ def result(found, bad):
     return figures, tables
 
 
-SAYS = ("Each equation of both papers and each requirement, with the functions that do it and the tests that hold it; and "
+SAYS = ("Each equation of both papers and each requirement, with the functions that do it, the tests that hold it, and "
+        "whether it is met, met in another way than it is worded (departs) or not met; and "
         "each public function of the firmware with what it is there for. "
         "Functions are looked up in the sources, tests among those that ctest runs, and each equation's number in the "
         "comments beside its functions.")

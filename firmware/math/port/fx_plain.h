@@ -2,9 +2,9 @@
  * Functions of which the proof needs another, equal formulation: tests/proof/port. The rest of the firmware is proven as
  * it stands.
  *
- * Words of which the sign bit is read anew, as angles and counters that wrap are. A conversion that changes the value looks like one that should not, to a reader as to a checker. These change it;
- * all others in the firmware keep it. Every supported compiler converts to a signed type modulo 2^n. Any x, no
- * instruction. Pure, any context.
+ * Words of which the sign bit is read anew, as angles and counters that wrap are. To a reader as to a checker, a
+ * conversion that changes the value looks like one that should not. These change it; all others in the firmware keep
+ * it. Every supported compiler converts to a signed type modulo 2^n. Any x, no instruction. Pure, any context.
  */
 #ifndef FX_PLAIN_H
 #define FX_PLAIN_H
