@@ -38,17 +38,12 @@ bool may_drive(drive_state_t state)
 
 void configuration_holds(const drive_cfg_t &cfg)
 {
-    const bool sensor = cfg.sampling.sensor_pole_pairs != 0;
-    const bool startup = cfg.startup.current_hold != 0;
 #define FIELD(path, lowest, highest) \
     within("cfg." #path, static_cast<int64_t>(cfg.path), lowest, highest);
 #include "configuration_common.def"
-    if (sensor) {
-#include "configuration_sensor.def"
-    } else if (startup) {
+    if (cfg.startup.current_hold != 0) {
+        within("cfg.sampling.sensor_pole_pairs", cfg.sampling.sensor_pole_pairs, 0, 0);
 #include "configuration_startup.def"
-    } else {
-        HOLDS(cfg.voltage_drive.enabled == 0, "a voltage drive has a sensor or a start-up");
     }
     if (cfg.voltage_drive.enabled != 0) {
 #include "configuration_voltage_drive.def"

@@ -1,28 +1,67 @@
-"""evidence.proof_can_fail: the proof finds an index out of its array and a clamp that is gone.
+"""evidence.proof_can_fail: the proof finds an index out of its array, a saturation and a clamp that are gone, code that it
+does not go through, a question that it does not ask, and a tool that fails.
 
 Each fault alone is put into a copy of the sources.
 """
 
+import os
 import shutil
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import proof
 
+# Entry; file, text, what becomes of it; what the finding has in it.
 FAULTS = {
     "an index out of its array": (
-        "firmware/drive/supervision.c", "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
+        "proof_plain_regulated", "firmware/drive/supervision.c", "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "supervision.c"),
-    "a clamp that is gone": (
-        "firmware/control/pi.c", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
+    "a dropped saturation": (
+        "proof_plain_regulated", "firmware/control/pi.c",
+        "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
         "pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift)", "integral_q26"),
+    "a missing clamp": (
+        "proof_plain_regulated", "firmware/control/nn_observer.c",
+        "fx_clamp(obs->speed - weight_step, -cfg->speed_limit, cfg->speed_limit)", "obs->speed - weight_step",
+        "FIELD(observer.speed, "),
+    "a function that nothing calls": (
+        "proof_init", "firmware/control/pi.c", "void pi_reset(",
+        "int32_t pi_left_behind(int32_t x)\n{\n    return x;\n}\n\nvoid pi_reset(",
+        f"{proof.UNREACHED}: pi_left_behind"),
+    "a statement that nothing reaches": (
+        "proof_init", "firmware/drive/config_guard.c", "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n",
+        "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
+        "    if (guard->at != 0U) {\n        guard->at = 0U;\n    }\n",
+        "config_guard_reset: 1 of "),
+    "an entry that asks for no range": (
+        "proof_init", proof.DRIVE, "    drive_init(&drive, &cfg);\n    check_state();\n", "    drive_init(&drive, &cfg);\n",
+        f"proof_init: {proof.CHECK}: "),
+    "a tick that does not end": (
+        "proof_recorder", "firmware/drive/recorder.c", "    recorder_entry_t *at = recorder->at;\n",
+        "    recorder_entry_t *at = recorder->at;\n\n    while (recorder != NULL) {\n    }\n",
+        "proof_recorder: record: "),
+}
+
+# Frama-C in name: what it says and how it ends.
+TOOLS = {
+    "a Frama-C that fails": ("exit 1", "frama-c ended with 1"),
+    "a Frama-C that says nothing": ("exit 0", "frama-c ended with 0"),
+    "a Frama-C without a list": ("echo ANALYSIS SUMMARY", "no list of properties"),
 }
 
 
+def findings(entry, folder, root=proof.ROOT):
+    return proof.findings(root, [entry], folder)[0]
+
+
 class ProofCanFail(unittest.TestCase):
+    def assert_found(self, bad, found):
+        self.assertTrue([line for line in bad if found in line], bad)
+
     def test_each_fault_is_found(self):
-        for name, (path, text, fault, found) in FAULTS.items():
+        for name, (entry, path, text, fault, found) in FAULTS.items():
             with self.subTest(name), tempfile.TemporaryDirectory() as folder:
                 root = Path(folder)
                 for part in ("firmware", "tests/proof"):
@@ -30,8 +69,18 @@ class ProofCanFail(unittest.TestCase):
                 source = (root / path).read_text(encoding="utf-8")
                 self.assertEqual(source.count(text), 1, path)
                 (root / path).write_text(source.replace(text, fault), encoding="utf-8")
-                bad, _, _ = proof.findings(root, ["proof_startup"], root)
-                self.assertTrue([line for line in bad if line.startswith("proof_startup: ") and found in line], bad)
+                self.assert_found(findings(entry, root, root), found)
+
+    def test_a_tool_that_does_not_do_its_work_is_found(self):
+        for name, (script, found) in TOOLS.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                tool = Path(folder, "frama-c")
+                tool.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+                tool.chmod(0o755)
+                with mock.patch.dict(os.environ, {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}):
+                    bad = findings("proof_init", Path(folder))
+                self.assert_found(bad, found)
+                self.assert_found(bad, f"state.def:2: FIELD(limits.current_max, 1, 65536): {proof.UNASKED}")
 
 
 if __name__ == "__main__":

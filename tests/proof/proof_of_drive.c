@@ -6,6 +6,9 @@
 
 #include <__fc_builtin.h>
 
+/* The word from there is still within the configuration; that the byte is the first of one is not needed. */
+#define GUARD_AT_MAX (sizeof(drive_cfg_t) - sizeof(uint32_t) - 1U)
+
 static drive_cfg_t cfg;
 static drive_t drive;
 static drive_in_t in;
@@ -45,11 +48,6 @@ static void choose_startup(void)
 static void choose_voltage_drive(void)
 {
 #include "configuration_voltage_drive.def"
-}
-
-static void choose_sensor(void)
-{
-#include "configuration_sensor.def"
 #undef FIELD
 }
 
@@ -76,7 +74,8 @@ static void choose_state(void)
     drive.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.frame.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.guard.at = 4U * Frama_C_unsigned_int_interval(0, (sizeof(drive_cfg_t) / 4U) - 2U);
+    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    drive.guard.at = Frama_C_unsigned_int_interval(0U, GUARD_AT_MAX);
 }
 
 static void check_state(void)
@@ -86,7 +85,9 @@ static void check_state(void)
     within(drive.path, lowest, highest);
 #include "state.def"
 #undef FIELD
-    within(drive.guard.at, 0, sizeof(drive_cfg_t) - 8U);
+    within(drive.cfg == &cfg, 1, 1);
+    within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
+    within(drive.guard.at, 0, GUARD_AT_MAX);
 }
 
 static void step(void)
@@ -98,27 +99,20 @@ static void step(void)
                           out.gate_enable);
 }
 
-/* Any configuration of the ranges, whatever parts are in use. */
-void proof_init(void)
+/* Where a regulator alone makes the voltage: what is configured of the voltage drive is free, as it is not read. */
+static void choose_regulated(void)
 {
-    choose_configuration();
-    drive_init(&drive, &cfg);
-    check_state();
-}
-
-/* With a start-up, and with current regulators or without. */
-void proof_startup(void)
-{
-    choose_configuration();
-    choose_startup();
-    choose_voltage_drive();
-    cfg.sampling.sensor_pole_pairs = 0U;
+    cfg.voltage_drive.enabled = 0U;
     choose_state();
-    drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
-    step();
+    drive.voltage_driven = false;
 }
 
-/* Without a start-up its states are never entered, and what is configured of it is not read. */
+static void check_regulated(void)
+{
+    within(drive.voltage_driven, 0, 0);
+}
+
+/* Without a start-up its states are never entered, and what is configured of it is free, as it is not read. */
 static void step_without_startup(void)
 {
     drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_READY);
@@ -129,24 +123,52 @@ static void step_without_startup(void)
     within(drive.state <= DRIVE_STATE_READY || drive.state >= DRIVE_STATE_RUN, 1, 1);
 }
 
-/* Nor is the voltage drive, where it is not enabled. */
+/* Any configuration of the ranges, whatever parts are in use: where all of the inductions below begin. */
+void proof_init(void)
+{
+    choose_configuration();
+    drive_init(&drive, &cfg);
+    check_state();
+    check_regulated();
+    within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_INIT);
+}
+
+/* With a start-up there is no sensor. */
+void proof_startup(void)
+{
+    choose_configuration();
+    choose_startup();
+    choose_voltage_drive();
+    cfg.sampling.sensor_pole_pairs = 0U;
+    choose_state();
+    step();
+}
+
+void proof_startup_regulated(void)
+{
+    choose_configuration();
+    choose_startup();
+    cfg.sampling.sensor_pole_pairs = 0U;
+    choose_regulated();
+    step();
+    check_regulated();
+}
+
+/* With a sensor or with none. */
 void proof_plain(void)
 {
     choose_configuration();
+    choose_voltage_drive();
     cfg.startup.current_hold = 0;
-    cfg.voltage_drive.enabled = 0U;
-    cfg.sampling.sensor_pole_pairs = 0U;
     choose_state();
-    drive.voltage_driven = false;
     step_without_startup();
-    within(drive.voltage_driven, 0, 0);
 }
 
-void proof_sensor(void)
+void proof_plain_regulated(void)
 {
     choose_configuration();
-    choose_voltage_drive();
-    choose_sensor();
-    choose_state();
+    cfg.startup.current_hold = 0;
+    choose_regulated();
     step_without_startup();
+    check_regulated();
 }

@@ -16,6 +16,16 @@ uint32_t proof_unsigned(int32_t x)
     return fx_unsigned(x);
 }
 
+int64_t proof_signed64(uint64_t x)
+{
+    return fx_signed64(x);
+}
+
+uint64_t proof_unsigned64(int64_t x)
+{
+    return fx_unsigned64(x);
+}
+
 int32_t proof_approach(int32_t from, int32_t to, uint32_t shift)
 {
     return fx_approach(from, to, shift);

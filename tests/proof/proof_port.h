@@ -11,6 +11,8 @@ extern proof_word_t *const proof_saturations[7];
 
 int32_t proof_signed(uint32_t x);
 uint32_t proof_unsigned(int32_t x);
+int64_t proof_signed64(uint64_t x);
+uint64_t proof_unsigned64(int64_t x);
 int32_t proof_approach(int32_t from, int32_t to, uint32_t shift);
 int32_t proof_mla_32x16(int32_t sum, int32_t a, int32_t b);
 uint32_t proof_leading_zeros(uint32_t x);

@@ -50,6 +50,31 @@ static void test_words_are_read_as_the_proof_reads_them(void)
     TEST_ASSERT_EQUAL_UINT32(0x80000000U, proof_unsigned(INT32_MIN));
 }
 
+static void check_long_word(uint64_t word)
+{
+    TEST_ASSERT_EQUAL_INT64(fx_signed64(word), proof_signed64(word));
+    TEST_ASSERT_EQUAL_UINT64(word, proof_unsigned64(fx_signed64(word)));
+    TEST_ASSERT_EQUAL_UINT64(word, fx_unsigned64(fx_signed64(word)));
+}
+
+static void test_long_words_are_read_as_the_proof_reads_them(void)
+{
+    uint64_t seed = 1U;
+
+    for (uint32_t k = 0U; k < 1000000U; k++) {
+        seed = (seed * 6364136223846793005U) + 1442695040888963407U;
+        check_long_word(seed);
+    }
+    for (uint32_t bit = 0U; bit < 64U; bit++) {
+        for (uint64_t off = 0U; off < 4U; off++) {
+            check_long_word((1ULL << bit) + off);
+            check_long_word((1ULL << bit) - off);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, proof_signed64(0x8000000000000000U));
+    TEST_ASSERT_EQUAL_INT64(-1, proof_signed64(UINT64_MAX));
+}
+
 static void test_zeros_are_counted_as_the_proof_counts_them(void)
 {
     for (uint64_t x = 1U; x <= UINT32_MAX; x += STEP * 1001U) {
@@ -85,6 +110,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_each_saturation_is_that_of_the_proof_around_every_limit_and_over_the_range);
     RUN_TEST(test_words_are_read_as_the_proof_reads_them);
+    RUN_TEST(test_long_words_are_read_as_the_proof_reads_them);
     RUN_TEST(test_zeros_are_counted_as_the_proof_counts_them);
     RUN_TEST(test_products_and_low_pass_are_those_of_the_proof);
     return UNITY_END();

@@ -1,6 +1,7 @@
 /*
  * The functions of port/generic as their contracts say them, for the proof: what the shifts of port/generic mean is
- * beyond intervals. test_port.c shows that both are the same, for the saturations by all of their arguments.
+ * beyond intervals. test_proof_port.c compares both, around every limit and in steps over all words. Where
+ * port/generic or a core holds only for some arguments, that is asked here of each call.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H
@@ -67,11 +68,13 @@ static inline int32_t fx_usat15(int32_t x)
     return y;
 }
 
+/*@ requires -32768 <= b <= 32767; */
 static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
 {
     return sum + (int32_t)(((int64_t)a * b) >> 16U);
 }
 
+/*@ requires x > 0; */
 static inline uint32_t fx_leading_zeros(uint32_t x)
 {
     uint32_t zeros = 0U;
