@@ -1,6 +1,7 @@
 #include "recorder.h"
 
 #include "barrier.h"
+#include "fx.h"
 
 #include <stddef.h>
 
@@ -11,6 +12,8 @@
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
+
+_Static_assert(RECORDER_STATES == (END + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
 {
@@ -42,7 +45,7 @@ static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segm
 /* Bit by bit in place of comparing: one branch. */
 static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 {
-    const uint32_t target = (uint32_t)in->command.target;
+    const uint32_t target = fx_unsigned(in->command.target);
 
     return ((target ^ recorder->target) | (slow_part(in) ^ recorder->slow)) != 0U;
 }
@@ -50,7 +53,7 @@ static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 static recorder_entry_t *put_change(recorder_t *recorder, recorder_entry_t *at,
                                     const drive_in_t *in)
 {
-    recorder->target = (uint32_t)in->command.target;
+    recorder->target = fx_unsigned(in->command.target);
     recorder->slow = slow_part(in);
     *at = (recorder_entry_t){{recorder->target, recorder->slow, CHANGE_MARK, 0U}};
     return &at[1];

@@ -26,6 +26,7 @@
 #include <stdint.h>
 
 #define RECORDER_SEGMENTS (4U)
+#define RECORDER_STATES (5U) /* one more: before each segment's first frame, and after the last */
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
@@ -73,7 +74,7 @@ typedef struct {
     uint32_t segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];
-    drive_t states[RECORDER_SEGMENTS + 1U]; /* before each segment's first frame; after the last */
+    drive_t states[RECORDER_STATES];
 } recorder_t;
 
 /*

@@ -46,15 +46,17 @@ BACKGROUND = {  # of the recorder
 
 # How many cases Eva keeps apart: those of the case distinctions in the code, and branches of small functions.
 CASES = {
-    "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
-    "vector_control_estimate": 300, "measure_frame": 200, "modulate": 2000, "judge": 50, "fx_approach": 20,
-    "average": 20, "heat_up": 60, "nn_observer_update_rho": 10, "turn_over": 20,
+    DRIVE: {
+        "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
+        "vector_control_estimate": 300, "measure_frame": 200, "modulate": 2000, "judge": 50, "fx_approach": 20,
+        "average": 20, "heat_up": 60, "nn_observer_update_rho": 10,
+    },
+    RECORDER: {"turn_over": 20},
 }
 OPTIONS = [
     "-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "0", "-eva-ilevel", "16",
     "-eva-domains", "equality,symbolic-locations", "-eva-subdivide-non-linear", "10", "-eva-split-limit", "1024",
     "-eva-split-return-function", "fx_leading_zeros:full",
-    "-eva-slevel-function", ",".join(f"{name}:{cases}" for name, cases in CASES.items()),
     "-warn-signed-downcast", "-warn-unsigned-downcast",
 ]
 NOT_CALLED = {"drive_position_q32"}  # by the firmware itself
@@ -84,10 +86,12 @@ def analyse(root, entry, folder):
     """Runs Eva from one entry: exit code, output, properties that are not proven, or None without a list of them."""
     paths = ["-Ifirmware/math", "-Itests/proof/port", "-Ifirmware/control", "-Ifirmware/drive", "-Itests/proof",
              "-include tests/proof/split.h"]
+    source = ENTRIES[entry]
+    cases = ",".join(f"{name}:{count}" for name, count in CASES[source].items())
     rows = folder / f"{entry}.csv"
     run = subprocess.run(
-        ["frama-c", f"-cpp-extra-args={' '.join(paths)}", *OPTIONS, "-main", entry,
-         ENTRIES[entry], "-then", "-metrics-eva-cover",
+        ["frama-c", f"-cpp-extra-args={' '.join(paths)}", *OPTIONS, "-eva-slevel-function", cases, "-main", entry,
+         source, "-then", "-metrics-eva-cover",
          "-then", "-report-no-proven", "-report-csv", rows],
         cwd=root, env={**os.environ, "PWD": str(root)},  # Frama-C believes PWD
         capture_output=True, text=True, check=False)

@@ -120,7 +120,9 @@ static void step_without_startup(void)
         drive.state = Frama_C_interval(DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
     }
     step();
-    within(drive.state <= DRIVE_STATE_READY || drive.state >= DRIVE_STATE_RUN, 1, 1);
+    if (drive.state > DRIVE_STATE_READY) {
+        within(drive.state, DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
+    }
 }
 
 /* Any configuration of the ranges, whatever parts are in use: where all of the inductions below begin. */
