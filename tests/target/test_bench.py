@@ -29,6 +29,7 @@ FRAME = """
     .word 0x20000400, start + 1
     .global counted
     .thumb_func
+    .type start, %function
 start:
     movs r4, #0
     movs r5, #{calls}
@@ -43,6 +44,7 @@ again:
     bkpt 0xAB
     .align 2
 exit: .word 0x20026, 0, 0
+    .size start, . - start
     .thumb_func
     .type counted, %function
     .size counted, 2
@@ -75,7 +77,8 @@ class Program(unittest.TestCase):
     def run_calls(self, core, code, calls):
         """The blocks of each call with its return address, and the bytes of stack."""
         image = assembled(self.folder, core, code, calls)
-        trails, host = machine.run(core, image.content, image.symbol("counted").address, {})
+        trails, host = machine.run(core, image.content, image.symbol("counted").address,
+                                   image.symbol("start").addresses, {})
         self.assertEqual(host.exit_code, 0)
         decoder = Decoder(image.content)
         ways = {number: way for way, number in trails.trails.items()}

@@ -34,6 +34,10 @@ class Symbol:
     kind: str  # of nm: T code, R constant, D initialised, B zero
     file: str  # where it is defined, or "" (libraries without debug information)
 
+    @property
+    def addresses(self):
+        return range(self.address, self.address + self.size)
+
 
 @dataclass(frozen=True)
 class Frame:

@@ -15,6 +15,7 @@ from .image import BenchError, Image
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = "control_interrupt"  # of hal/mps2/main.c: nothing but a call of control_isr()
+CALLER = "main"
 HEADER = struct.Struct("<IHHII")  # hal/mps2/recording.h
 RESULT = struct.Struct("<HHHBBI")
 STATE = 4  # of a result
@@ -94,7 +95,7 @@ def states_of(results):
 
 def replay(core, image, scenario, recording, on_read):
     """Runs the recording; a tick that differs from the PC's is an error, as its cost means nothing."""
-    trails, host = machine.run(core, image.content, image.symbol(ENTRY).address,
+    trails, host = machine.run(core, image.content, image.symbol(ENTRY).address, image.symbol(CALLER).addresses,
                                {"frames.nfr": recording["frames.nfr"]}, on_read)
     if host.exit_code != 0:
         raise BenchError(f"{image.path}, {scenario}: {host.text.strip() or host.exit_code}")
