@@ -24,6 +24,7 @@ STATE = 4  # of a result
 RECORDINGS = {
     "published": (("s1", "ideal"), ("s2", "ideal"), ("s3", "ideal")),
     "robust": (("s1_robust", "all"), ("s2_robust", "all"), ("s3_robust", "all")),
+    "voltage_phase": (("s5", "adc"),),
 }
 
 

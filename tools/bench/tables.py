@@ -26,7 +26,7 @@ def all_tables(report):
 def tick_table(report):
     made = table("Instructions of a control tick", ("core", "tuning", "state"),
                  ("ticks", "mean", "max", "goal"),
-                 "Over S1 to S3. Goal: mean/max of a RUN tick; with ! where it is missed.")
+                 "Over S1 to S3, voltage_phase over S5. Goal: mean/max of a RUN tick; with ! where it is missed.")
     for core, of_core in report.items():
         for tuning, states in of_core["ticks"].items():
             for state, of_state in states.items():
