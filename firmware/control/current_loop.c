@@ -1,7 +1,5 @@
 #include "current_loop.h"
 
-#define REACTANCE_BITS (13U)
-
 void current_loop_reset(current_loop_t *loop)
 {
     pi_reset(&loop->pi_d, 0);
@@ -15,15 +13,6 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
 
     pi_reset(&loop->pi_d, fx_sat16(turned.d));
     pi_reset(&loop->pi_q, fx_sat16(turned.q));
-}
-
-/* speed × reactance × current, Q15. */
-static int32_t cross(int32_t speed, int32_t reactance_q13, int32_t current)
-{
-    const int32_t reach = fx_clamp(fx_asr(speed * reactance_q13, REACTANCE_BITS),
-                                   -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX);
-
-    return fx_asr(reach * fx_sat16(current), 15U);
 }
 
 /* v_q cut to what the circle leaves beside v_d. */
@@ -44,11 +33,11 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit)
 {
-    const int32_t cross_d = cross(speed, cfg->reactance_q_q13, measured.q);
-    const int32_t cross_q = cross(speed, cfg->reactance_d_q13, measured.d);
-    const int32_t emf = fx_asr(speed * cfg->emf_q13, REACTANCE_BITS);
-    const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, REACTANCE_BITS);
-    const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, REACTANCE_BITS);
+    const int32_t cross_d = current_loop_cross(speed, cfg->reactance_q_q13, measured.q);
+    const int32_t cross_q = current_loop_cross(speed, cfg->reactance_d_q13, measured.d);
+    const int32_t emf = fx_asr(speed * cfg->emf_q13, CURRENT_LOOP_GAIN_BITS);
+    const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
+    const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
     const dq_t wanted = {
         .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, drop_d - cross_d, limit),
         .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, drop_q + cross_q + emf,

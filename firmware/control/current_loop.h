@@ -11,10 +11,13 @@
 #ifndef CURRENT_LOOP_H
 #define CURRENT_LOOP_H
 
+#include "fx.h"
 #include "pi.h"
 #include "transforms.h"
 
 #include <stdint.h>
+
+#define CURRENT_LOOP_GAIN_BITS (13U) /* of what the gains of the model have behind the point */
 
 /* Of speed times a reactance, Q15: times the largest current it stays below 2^31. */
 #define CURRENT_LOOP_REACH_MAX (65000)
@@ -33,6 +36,19 @@ typedef struct {
     pi_t pi_q;
 } current_loop_t;
 
+/*
+ * The voltage that one axis' current induces in the other, Q15 of U_b: speed × reactance × current. |speed| ≤ 32767,
+ * reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX, where params_check keeps
+ * it away from, and the current at ±1; each product is rounded down. Pure, any context.
+ */
+static inline int32_t current_loop_cross(int32_t speed, int32_t reactance_q13, int32_t current)
+{
+    const int32_t reach = fx_clamp(fx_asr(speed * reactance_q13, CURRENT_LOOP_GAIN_BITS),
+                                   -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX);
+
+    return fx_asr(reach * fx_sat16(current), 15U);
+}
+
 /* Zero both integrals. */
 void current_loop_reset(current_loop_t *loop);
 
@@ -44,9 +60,8 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
  * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
- * limit 0…32767. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX, where params_check keeps it away
- * from, and the current in that product at ±1. The square root of the circle is taken only when the demand
- * leaves it; the cut is given back to the q integral.
+ * limit 0…32767. The square root of the circle is taken only when the demand leaves it; the cut is given
+ * back to the q integral.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit);

@@ -15,7 +15,7 @@ static int32_t emf(const drive_t *drive, step_t speed)
 {
     const int32_t speed_q15 = fx_sat16(fx_asr(speed, drive->cfg->speed_shift));
 
-    return fx_sat16(fx_asr(speed_q15 * drive->model.run_loop.emf_q13, 13U));
+    return fx_sat16(fx_asr(speed_q15 * drive->model.run_loop.emf_q13, CURRENT_LOOP_GAIN_BITS));
 }
 
 /* Go on from magnitude and lead, with the speed that is asked for. */
@@ -54,14 +54,13 @@ static dq_t modelled_voltage(const drive_t *drive)
     const current_loop_cfg_t *const loop = &drive->model.run_loop;
     const dq_t i = drive->signals.current_ref;
     const int32_t speed = drive->signals.speed;
-    const int32_t reactance_d = fx_asr(speed * loop->reactance_d_q13, 15U);
-    const int32_t reactance_q = fx_asr(speed * loop->reactance_q_q13, 15U);
-    const dq_t drop = {fx_asr(i.d * loop->resistance_q13, 13U),
-                       fx_asr(i.q * loop->resistance_q13, 13U)};
+    const dq_t drop = {fx_asr(i.d * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS),
+                       fx_asr(i.q * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS)};
 
     return (dq_t){
-        .d = drop.d - fx_asr(reactance_q * i.q, 13U),
-        .q = drop.q + fx_asr(reactance_d * i.d, 13U) + emf(drive, drive->observer.speed),
+        .d = drop.d - current_loop_cross(speed, loop->reactance_q_q13, i.q),
+        .q = drop.q + current_loop_cross(speed, loop->reactance_d_q13, i.d) +
+             emf(drive, drive->observer.speed),
     };
 }
 
@@ -76,7 +75,7 @@ static void return_to_current(drive_t *drive)
 
     pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
-    s->current_ref = (dq_t){.d = 0, .q = s->current_ref.q};
+    s->current_ref.d = 0;
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
     drive->voltage_driven = false;
     drive->voltage_periods = 0U;

@@ -45,7 +45,7 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return fx_min(fx_max(x, lo), hi);
 }
 
-/* From `from` towards `to`, by at most `step` ≥ 0. A step must fit into 32 bits. */
+/* From `from` towards `to`, by at most `step` ≥ 0. `from` and a step in either direction fit into 32 bits. */
 static inline int32_t fx_towards(int32_t from, int32_t to, int32_t step)
 {
     return (to > from) ? fx_min(from + step, to) : fx_max(from - step, to);

@@ -7,6 +7,7 @@
 #include "unity.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #define ONE (32768.0)
@@ -146,6 +147,32 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
         current_loop_turn(&loop, trig_sincos(0xE0000000U));
         TEST_ASSERT_INT32_WITHIN(2, 0, pi_output(&loop.pi_d));
         TEST_ASSERT_EQUAL_INT32((sign > 0) ? 32767 : -32768, pi_output(&loop.pi_q));
+    }
+}
+
+static int64_t floor_divided(int64_t numerator, int64_t power_of_two)
+{
+    const int64_t rest = numerator % power_of_two;
+
+    return (numerator / power_of_two) - ((rest < 0) ? 1 : 0);
+}
+
+static void test_cross_is_the_product_rounded_down_and_limited_where_it_is_said(void)
+{
+    static const int32_t speeds[] = {-32767, -16385, -7, -1, 0, 1, 7, 16385, 32767};
+    static const int32_t reactances[] = {0, 1, 8191, 8192, 32499, 32500, 32767};
+    static const int32_t currents[] = {-32769, -32768, -3, -1, 0, 1, 3, 32767, 32768};
+
+    for (size_t k = 0; k < (9U * 7U * 9U); k++) {
+        const int32_t speed = speeds[k % 9U];
+        const int32_t reactance = reactances[(k / 9U) % 7U];
+        const int32_t current = currents[k / 63U];
+        const int64_t reach = floor_divided((int64_t)speed * reactance, 8192);
+        const int64_t limited = (reach > 65000) ? 65000 : (reach < -65000) ? -65000 : reach;
+        const int64_t within = (current > 32767) ? 32767 : (current < -32768) ? -32768 : current;
+
+        TEST_ASSERT_EQUAL_INT64(floor_divided(limited * within, 32768),
+                                current_loop_cross(speed, reactance, current));
     }
 }
 
@@ -381,6 +408,7 @@ int main(void)
     RUN_TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current);
     RUN_TEST(test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space);
     RUN_TEST(test_turn_of_integrals_at_their_ends_saturates_at_one);
+    RUN_TEST(test_cross_is_the_product_rounded_down_and_limited_where_it_is_said);
     RUN_TEST(test_decoupling_is_exact_up_to_the_largest_reach_and_saturates_there);
     RUN_TEST(test_voltage_never_leaves_the_circle);
     RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
