@@ -63,20 +63,12 @@ std::string after_dot(const std::string &name)
     return name.substr(name.rfind('.') + 1);
 }
 
-} // namespace
+// Distances with the places in `known`; of two that are equally far the earlier comes first.
+using Found = std::vector<std::pair<std::size_t, std::size_t>>;
 
-std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
-                                 std::size_t count)
+std::vector<std::string> names_of_nearest(Found found, const std::vector<std::string> &known,
+                                          std::size_t count)
 {
-    // Of two that are equally far the earlier comes first.
-    std::vector<std::pair<std::size_t, std::size_t>> found;
-    for (std::size_t k = 0; k < known.size() && wrong.size() <= NAME_MAX_LENGTH; k++) {
-        const std::size_t key = key_distance(after_dot(wrong), after_dot(known[k]));
-        if (key != NO_MATCH) {
-            const std::size_t section = distance(before_dot(wrong), before_dot(known[k]));
-            found.emplace_back(key + std::min(section, SECTION_MAX), k);
-        }
-    }
     std::sort(found.begin(), found.end());
     found.resize(std::min(found.size(), count));
     std::vector<std::string> names;
@@ -87,6 +79,22 @@ std::vector<std::string> nearest(const std::string &wrong, const std::vector<std
     return names;
 }
 
+} // namespace
+
+std::vector<std::string> nearest(const std::string &wrong, const std::vector<std::string> &known,
+                                 std::size_t count)
+{
+    Found found;
+    for (std::size_t k = 0; k < known.size() && wrong.size() <= NAME_MAX_LENGTH; k++) {
+        const std::size_t key = key_distance(after_dot(wrong), after_dot(known[k]));
+        if (key != NO_MATCH) {
+            const std::size_t section = distance(before_dot(wrong), before_dot(known[k]));
+            found.emplace_back(key + std::min(section, SECTION_MAX), k);
+        }
+    }
+    return names_of_nearest(std::move(found), known, count);
+}
+
 std::vector<std::string> nearest_at_all(const std::string &wrong,
                                         const std::vector<std::string> &known, std::size_t count)
 {
@@ -94,19 +102,14 @@ std::vector<std::string> nearest_at_all(const std::string &wrong,
     if (!names.empty() || wrong.empty() || wrong.size() > NAME_MAX_LENGTH) {
         return names;
     }
-    std::vector<std::pair<std::size_t, std::size_t>> found;
+    Found found;
     for (std::size_t k = 0; k < known.size(); k++) {
         const bool part = known[k].find(wrong) != std::string::npos;
         const std::size_t far =
             std::min(distance(wrong, known[k]), distance(after_dot(wrong), after_dot(known[k])));
         found.emplace_back(part ? 0 : far, k);
     }
-    std::sort(found.begin(), found.end());
-    found.resize(std::min(found.size(), count));
-    for (const auto &[far, index] : found) {
-        names.push_back(known[index]);
-    }
-    return names;
+    return names_of_nearest(std::move(found), known, count);
 }
 
 std::string nearest(const std::string &wrong, const std::vector<std::string> &known)

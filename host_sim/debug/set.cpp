@@ -69,29 +69,19 @@ void write_configuration(const SignalInfo &signal, int64_t raw, const Seam &seam
     }
 }
 
-void check_configuration(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
+// What the firmware takes for granted: a configuration that it accepts, and of it a state that it can come to.
+void check_change(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
 {
-    drive_cfg_t changed = run.sim().cfg();
+    drive_cfg_t cfg = run.sim().cfg();
     drive_t drive = run.sim().drive();
     plant_t plant{};
     hal_host_faults_t hal{};
-    write_word(signal.word, raw, {plant, hal, changed, drive});
-    if (const char *const bad = params_check(&changed)) {
+    write_word(signal.word, raw, {plant, hal, cfg, drive});
+    const char *const refused = params_check(&cfg);
+    const std::string bad = refused == nullptr ? state_problem(drive, cfg) : refused;
+    if (!bad.empty()) {
         throw std::runtime_error(
             fmt::format("{}.raw = {} is refused by the drive: {}", signal.name, raw, bad));
-    }
-}
-
-// The firmware takes for granted that its own state is one that it can come to.
-void check_state(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
-{
-    drive_cfg_t cfg = run.sim().cfg();
-    drive_t changed = run.sim().drive();
-    plant_t plant{};
-    hal_host_faults_t hal{};
-    write_word(signal.word, raw, {plant, hal, cfg, changed});
-    if (const std::string bad = state_problem(changed, cfg); !bad.empty()) {
-        throw std::runtime_error(fmt::format("{}.raw = {} is refused: {}", signal.name, raw, bad));
     }
 }
 
@@ -108,16 +98,15 @@ Change change_word(const SignalInfo &signal, int64_t raw, const ScriptedRun &run
             return force_channel(channel.channel, raw);
         }
     }
+    if (signal.word.home != Word::Home::cfg && signal.word.home != Word::Home::drive) {
+        refuse_result(signal);
+    }
+    check_change(signal, raw, run);
     if (signal.word.home == Word::Home::cfg) {
-        check_configuration(signal, raw, run);
         return {
             [&signal, raw](ScriptedRun &r) { write_configuration(signal, raw, r.sim().seam()); },
             {}};
     }
-    if (signal.word.home != Word::Home::drive) {
-        refuse_result(signal);
-    }
-    check_state(signal, raw, run);
     return {[&signal, raw](ScriptedRun &r) { write_word(signal.word, raw, r.sim().seam()); }, {}};
 }
 

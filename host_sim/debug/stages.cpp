@@ -9,89 +9,82 @@
 namespace nf::debug
 {
 
-// NOLINTNEXTLINE(readability-function-size): a table
-const std::vector<Stage> &all_stages()
-{
-    static const std::vector<Stage> all = {
-        {"raw ADC", {"in.adc_ia", "in.adc_ib", "in.adc_bus"}},
-        {"angle sensor, speed and angle that follow it",
-         {"in.angle", "drive.frame_speed", "angle_estimated_el_deg"},
-         "cfg.sampling.sensor_pole_pairs"},
-        {"per unit, offset removed",
-         {"drive.signals.phase_a", "drive.signals.phase_b", "drive.signals.bus"}},
-        {"Clarke: stationary frame",
-         {"drive.signals.current_ab.alpha", "drive.signals.current_ab.beta"}},
-        {"Park: estimated rotor frame", {"drive.signals.current.d", "drive.signals.current.q"}},
-        {"voltage of the last period",
-         {"drive.signals.voltage_applied.alpha", "drive.signals.voltage_applied.beta"}},
-        {"network (14)-(16): states and output",
-         {"drive.observer.state.d", "drive.observer.state.q", "drive.observer.current.d",
-          "drive.observer.current.q"}},
-        {"error (17), and turned by its static part",
-         {"drive.observer.error.d", "drive.observer.error.q", "drive.observer.turned.d",
-          "drive.observer.turned.q"}},
-        {"training (18)-(21): descent, weight change dW2/T",
-         {"drive.observer.descent", "weight_change_rpm"}},
-        {"speed (22) and inner speed", {"drive.observer.speed", "drive.observer.speed_out"}},
-        {"catching a rotor that may turn: pulses of a short circuit, what they found",
-         {"drive.catch_spin.phase", "drive.catch_spin.tick", "drive.catch_spin.length",
-          "drive.catch_spin.gates", "drive.catch_spin.first.alpha", "drive.catch_spin.first.beta",
-          "drive.catch_spin.speed", "drive.catch_spin.angle"},
-         nullptr,
-         true,
-         {DRIVE_STATE_CATCH_SPIN}},
-        {"alignment: vector, means of voltage and current, fall of the current after the step",
-         {"drive.align.phase", "drive.align.tick", "drive.align.current_ref",
-          "drive.align.frame_speed", "drive.align.high.voltage", "drive.align.high.current",
-          "drive.align.low.voltage", "drive.align.low.current", "drive.align.step_start",
-          "drive.align.step_fall"},
-         nullptr,
-         true,
-         {DRIVE_STATE_ALIGN}},
-        {"imposed current: its frame, the current in it, how well the rotor follows",
-         {"drive.frame.turns_q32", "drive.frame_speed", "drive.signals.current_frame.d",
-          "drive.signals.current_frame.q", "drive.signals.current_mean.d",
-          "drive.signals.current_mean.q", "drive.residual", "drive.lost_periods",
-          "drive.handover_periods", "drive.attempts"},
-         nullptr,
-         true,
-         {DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER}},
-        {"speed PI, in the last tick of a slow period: ticks to it, planned and ramped reference, "
-         "integral, range",
-         {"drive.slow_count", "drive.speed_reference", "drive.speed_loop.reference",
-          "drive.speed_loop.pi.integral_q26", "drive.torque_range.lower",
-          "drive.torque_range.upper"},
-         nullptr,
-         true,
-         {DRIVE_STATE_RUN}},
-        {"references",
-         {"speed_reference_rpm", "drive.signals.current_ref.d", "drive.signals.current_ref.q"},
-         "drive.voltage_driven",
-         false},
-        {"current loop: voltages",
-         {"drive.signals.voltage_limit", "drive.signals.voltage.d", "drive.signals.voltage.q"},
-         "drive.voltage_driven",
-         false},
-        {"speed loop: magnitude of the voltage",
-         {"speed_reference_rpm", "drive.signals.voltage_limit", "drive.voltage_magnitude"},
-         "drive.voltage_driven"},
-        {"phase compensator (40)-(43): lead, angle of the current, firing angle of the next tick",
-         {"lead_el_deg", "drive.compensator.current_angle", "drive.compensator.angle"},
-         "drive.voltage_driven"},
-        {"voltage drive: voltages, mean of the current",
-         {"drive.signals.voltage.d", "drive.signals.voltage.q", "drive.signals.current_ref.d",
-          "drive.signals.current_ref.q"},
-         "drive.voltage_driven"},
-        {"modulator: ratio of the bus, compare values",
-         {"drive.signals.ratio_ab.alpha", "drive.signals.ratio_ab.beta", "out.compare.phase[0]",
-          "out.compare.phase[1]", "out.compare.phase[2]", "out.gate_enable"}},
-        {"rotor position (23) of the next tick", {"drive.position.turns_q32"}},
-    };
-    return all;
-}
-
 namespace
 {
+
+const std::vector<Stage> STAGES = {
+    {"raw ADC", {"in.adc_ia", "in.adc_ib", "in.adc_bus"}},
+    {"angle sensor, speed and angle that follow it",
+     {"in.angle", "drive.frame_speed", "angle_estimated_el_deg"},
+     "cfg.sampling.sensor_pole_pairs"},
+    {"per unit, offset removed",
+     {"drive.signals.phase_a", "drive.signals.phase_b", "drive.signals.bus"}},
+    {"Clarke: stationary frame",
+     {"drive.signals.current_ab.alpha", "drive.signals.current_ab.beta"}},
+    {"Park: estimated rotor frame", {"drive.signals.current.d", "drive.signals.current.q"}},
+    {"voltage of the last period",
+     {"drive.signals.voltage_applied.alpha", "drive.signals.voltage_applied.beta"}},
+    {"network (14)-(16): states and output",
+     {"drive.observer.state.d", "drive.observer.state.q", "drive.observer.current.d",
+      "drive.observer.current.q"}},
+    {"error (17), and turned by its static part",
+     {"drive.observer.error.d", "drive.observer.error.q", "drive.observer.turned.d",
+      "drive.observer.turned.q"}},
+    {"training (18)-(21): descent, weight change dW2/T",
+     {"drive.observer.descent", "weight_change_rpm"}},
+    {"speed (22) and inner speed", {"drive.observer.speed", "drive.observer.speed_out"}},
+    {"catching a rotor that may turn: pulses of a short circuit, what they found",
+     {"drive.catch_spin.phase", "drive.catch_spin.tick", "drive.catch_spin.length",
+      "drive.catch_spin.gates", "drive.catch_spin.first.alpha", "drive.catch_spin.first.beta",
+      "drive.catch_spin.speed", "drive.catch_spin.angle"},
+     nullptr,
+     true,
+     {DRIVE_STATE_CATCH_SPIN}},
+    {"alignment: vector, means of voltage and current, fall of the current after the step",
+     {"drive.align.phase", "drive.align.tick", "drive.align.current_ref", "drive.align.frame_speed",
+      "drive.align.high.voltage", "drive.align.high.current", "drive.align.low.voltage",
+      "drive.align.low.current", "drive.align.step_start", "drive.align.step_fall"},
+     nullptr,
+     true,
+     {DRIVE_STATE_ALIGN}},
+    {"imposed current: its frame, the current in it, how well the rotor follows",
+     {"drive.frame.turns_q32", "drive.frame_speed", "drive.signals.current_frame.d",
+      "drive.signals.current_frame.q", "drive.signals.current_mean.d",
+      "drive.signals.current_mean.q", "drive.residual", "drive.lost_periods",
+      "drive.handover_periods", "drive.attempts"},
+     nullptr,
+     true,
+     {DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER}},
+    {"speed PI, in the last tick of a slow period: ticks to it, planned and ramped reference, "
+     "integral, range",
+     {"drive.slow_count", "drive.speed_reference", "drive.speed_loop.reference",
+      "drive.speed_loop.pi.integral_q26", "drive.torque_range.lower", "drive.torque_range.upper"},
+     nullptr,
+     true,
+     {DRIVE_STATE_RUN}},
+    {"references",
+     {"speed_reference_rpm", "drive.signals.current_ref.d", "drive.signals.current_ref.q"},
+     "drive.voltage_driven",
+     false},
+    {"current loop: voltages",
+     {"drive.signals.voltage_limit", "drive.signals.voltage.d", "drive.signals.voltage.q"},
+     "drive.voltage_driven",
+     false},
+    {"speed loop: magnitude of the voltage",
+     {"speed_reference_rpm", "drive.signals.voltage_limit", "drive.voltage_magnitude"},
+     "drive.voltage_driven"},
+    {"phase compensator (40)-(43): lead, angle of the current, firing angle of the next tick",
+     {"lead_el_deg", "drive.compensator.current_angle", "drive.compensator.angle"},
+     "drive.voltage_driven"},
+    {"voltage drive: voltages, mean of the current",
+     {"drive.signals.voltage.d", "drive.signals.voltage.q", "drive.signals.current_ref.d",
+      "drive.signals.current_ref.q"},
+     "drive.voltage_driven"},
+    {"modulator: ratio of the bus, compare values",
+     {"drive.signals.ratio_ab.alpha", "drive.signals.ratio_ab.beta", "out.compare.phase[0]",
+      "out.compare.phase[1]", "out.compare.phase[2]", "out.gate_enable"}},
+    {"rotor position (23) of the next tick", {"drive.position.turns_q32"}},
+};
 
 bool is_shown(const Stage &stage, const Tick &tick)
 {
@@ -105,10 +98,15 @@ bool is_shown(const Stage &stage, const Tick &tick)
 
 } // namespace
 
+const std::vector<Stage> &all_stages()
+{
+    return STAGES;
+}
+
 std::string stages_text(const Tick &tick)
 {
     std::string text;
-    for (const Stage &stage : all_stages()) {
+    for (const Stage &stage : STAGES) {
         if (!is_shown(stage, tick)) {
             continue;
         }

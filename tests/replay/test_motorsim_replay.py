@@ -58,6 +58,11 @@ class Replay(unittest.TestCase):
         run = motorsim("run", *arguments, "--record", self.file)
         self.assertTrue(self.file.is_file(), run.stderr)
 
+    def stepped(self, commands):
+        script = self.file.with_name("script")
+        script.write_text(commands)
+        return motorsim("replay", self.file, "--debug", "--script", script)
+
     def test_a_whole_run_is_what_it_was(self):
         self.record("s1_robust", "--with", "all", "--set", "board.recorder_entries=65536")
         run = motorsim("replay", self.file)
@@ -82,9 +87,7 @@ class Replay(unittest.TestCase):
 
     def test_stepping_begins_at_the_fault(self):
         self.record("s1", "--set", FAULT)
-        script = self.file.with_name("script")
-        script.write_text("back 1\nprint state\nstep 1\nprint state drive.fault.id\n")
-        run = motorsim("replay", self.file, "--debug", "--script", script)
+        run = self.stepped("back 1\nprint state\nstep 1\nprint state drive.fault.id\n")
         self.assertEqual(run.returncode, SAME, run.stdout + run.stderr)
         before, _, after = run.stdout.partition("step 1")
         self.assertRegex(before, r"\nstate +RUN ")
@@ -93,10 +96,8 @@ class Replay(unittest.TestCase):
 
     def test_ticks_are_those_of_the_drive_everywhere(self):
         self.record("s1", "--set", FAULT)
-        script = self.file.with_name("script")
-        script.write_text("print drive.fault.tick\nback 100000\ngoto 0\nrun until state == FAULT\n"
-                          "goto 100000\nrun\n")
-        run = motorsim("replay", self.file, "--debug", "--script", script)
+        run = self.stepped("print drive.fault.tick\nback 100000\ngoto 0\nrun until state == FAULT\n"
+                           "goto 100000\nrun\n")
         first, last, fault = map(int, re.search(
             r"ticks (\d+) to (\d+): .*\n +fault at tick (\d+),", run.stdout).groups())
         self.assertGreater(first, 0)
@@ -118,9 +119,7 @@ class Replay(unittest.TestCase):
     def test_stepping_begins_where_it_departs_beside_what_was_recorded(self):
         self.record("s1", "--set", FAULT)
         self.alter_an_output(300)
-        script = self.file.with_name("script")
-        script.write_text("stages\nback\nprint out.compare.phase[1]\n")
-        run = motorsim("replay", self.file, "--debug", "--script", script)
+        run = self.stepped("stages\nback\nprint out.compare.phase[1]\n")
         self.assertEqual(run.returncode, DEPARTS, run.stdout + run.stderr)
         tick, recorded, computed = re.search(
             r"departs at tick (\d+): out\.compare\.phase\[1\], recorded (\d+), computed (\d+)\n",
@@ -136,9 +135,7 @@ class Replay(unittest.TestCase):
     def test_a_bad_command_counts_more_than_a_departure(self):
         self.record("s1", "--set", FAULT)
         self.alter_an_output(300)
-        script = self.file.with_name("script")
-        script.write_text("nonsense\n")
-        run = motorsim("replay", self.file, "--debug", "--script", script)
+        run = self.stepped("nonsense\n")
         self.assertEqual(run.returncode, REFUSED, run.stdout + run.stderr)
 
     def test_a_configuration_that_changed_under_way_departs_or_is_refused(self):

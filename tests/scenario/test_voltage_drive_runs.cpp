@@ -146,6 +146,59 @@ void the_lead_is_that_of_no_i_d()
     }
 }
 
+// α_r of the current that really flows, by the compensator's own block, and by how much the frame is off; means.
+class FrameCheck : public nf::TickSink
+{
+public:
+    void add(const nf::Tick &tick) override
+    {
+        constexpr double COUNTS_PER_A = 1000; // ±32 A
+        constexpr double DEG_PER_STEP = 360.0 / 4294967296.0;
+        const phase_compensator_cfg_t cfg = {0, 0U, 0, 0, 1};
+        const dq_t current = {static_cast<int32_t>(std::lround(tick.truth.i_d_a * COUNTS_PER_A)),
+                              static_cast<int32_t>(std::lround(tick.truth.i_q_a * COUNTS_PER_A))};
+        (void)phase_compensator_step(&block_, &cfg, current, 0U, 0, true);
+        if (tick.time_s >= SETTLED_FROM_S) {
+            current_angle_deg_ += DEG_PER_STEP * block_.current_angle;
+            frame_error_deg_ += nf::angle_error_deg(tick);
+            ticks_++;
+        }
+    }
+    double current_angle_deg() const
+    {
+        return current_angle_deg_ / ticks_;
+    }
+    double frame_error_deg() const
+    {
+        return frame_error_deg_ / ticks_;
+    }
+
+private:
+    phase_compensator_t block_{};
+    double current_angle_deg_ = 0;
+    double frame_error_deg_ = 0;
+    double ticks_ = 0;
+};
+
+// No i_d in the drive's frame to within a count of the converter, 10 mA of 2.67 A.
+void under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame()
+{
+    constexpr double COUNT_DEG = 0.01 / 2.67 * DEG;
+    for (const double offset_deg : {-2.0, 0.0, 2.0}) {
+        const nf::Config config = nf::load_scenario(
+            "s4", {},
+            {"drive.method=current", "scenario.fault=[{time_s=0.5, what='angle_offset', value=" +
+                                         std::to_string(offset_deg) + "}]"});
+        FrameCheck check;
+        nf::RunOptions options;
+        options.sink = &check;
+        TEST_ASSERT_TRUE(nf::run_scenario(config, options).faults.empty());
+        TEST_ASSERT_DOUBLE_WITHIN(0.5, -offset_deg * config.motor.pole_pairs,
+                                  check.frame_error_deg());
+        TEST_ASSERT_DOUBLE_WITHIN(COUNT_DEG, check.frame_error_deg(), check.current_angle_deg());
+    }
+}
+
 // What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what DESIGN.md
 // lists.
 void without_enough_lead_the_same_torque_takes_more_current()
@@ -290,6 +343,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(the_lead_is_that_of_no_i_d);
+    RUN_TEST(under_current_control_the_angle_of_the_true_current_is_the_error_of_the_frame);
     RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
     RUN_TEST(without_compensation_current_control_takes_the_load_before_it_runs_away);
     RUN_TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d);
