@@ -28,10 +28,12 @@ FAULTS = {
         "drive", "firmware/drive/drive.c", "s->phase_a = fx_sat15((int32_t)a - drive->offset_a);",
         "s->phase_a = (int32_t)a - drive->offset_a;", "signals.phase_a"),
     "a text that the TOML reader does not survive": (
-        "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "false", ""),
+        "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "false", "unreachable program point"),
     "a recording whose state is not looked at": (
         "recording", "host_sim/replay/recording.cpp", "state_problem(state, cfg); !bad.empty()",
         "state_problem(state, cfg); bad.size() > 1000", "runtime error: "),
+    "a refusal of two lines": (
+        "stepper", "host_sim/debug/set.cpp", "NAME = VALUE; found", "NAME = VALUE;\\nfound", "a refusal is one line"),
     "a line longer than its buffer": (
         "console", "hal/stm32g431/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
         "index 32 out of bounds"),
