@@ -9,8 +9,8 @@
 
 It needs the builds host, cortex-m0plus, cortex-m3 and cortex-m4 (tools/dev build PRESET). Their
 images hal/mps2/replay_*.elf replay runs of the simulator in an emulator: S1 to S3 with the
-published tuning and nothing imperfect, and with the robust tuning and every imperfection; S5, which
-the voltage drive runs, with real sensing. Each tick's results must be those of the PC, or there is
+published tuning and nothing imperfect, and with the robust tuning, every imperfection and a fault at
+the end; S5, which the voltage drive runs, with real sensing. Each tick's results must be those of the PC, or there is
 no figure.
 
 Counted is a call of the control interrupt from its first instruction to its return: sampling

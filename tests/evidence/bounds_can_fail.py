@@ -27,7 +27,7 @@ class BoundsCanFail(unittest.TestCase):
         self.assertIn("nothing is proven", bounds.outside(seen(), {})[0])
 
     def test_a_run_that_is_refused_is_found(self):
-        figures = bounds.figures_of([RUN, ("s1", "all", [], "refused")], [], [], 1, 2)
+        figures = bounds.figures_of([RUN, ("s1", "all", [], "refused")], [], [], [], [])
         self.assertFalse(figures[0]["ok"])
 
     def test_extremes_are_those_of_all_runs(self):
@@ -44,7 +44,14 @@ class BoundsCanFail(unittest.TestCase):
     def test_a_stack_too_small_is_found(self):
         _, largest = bounds.stack_rows(COST, 100)
         self.assertEqual(largest, 110 + bounds.EXCEPTION_BYTES)
-        self.assertFalse(bounds.figures_of([RUN], [], [], largest, 100)[3]["ok"])
+        for reserved, enough in ((largest, True), (largest - 1, False)):
+            self.assertEqual(bounds.figures_of([RUN], [], [], [], [("all", largest, reserved)])[-1]["ok"], enough)
+
+    def test_a_state_that_is_not_counted_is_found(self):
+        missing = bounds.uncounted(COST)
+        self.assertIn("m FAULT", missing)
+        self.assertNotIn("m RUN", missing)
+        self.assertFalse(bounds.figures_of([RUN], [], [], missing, [])[-1]["ok"])
 
 
 if __name__ == "__main__":

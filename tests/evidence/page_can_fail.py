@@ -51,6 +51,12 @@ class PageCanFail(unittest.TestCase):
         self.assertIn("not kept: one", printed)
         self.assertIn('<span class="verdict bad">not kept</span>', page)
 
+    def test_a_finding_beside_figures_that_are_kept_is_named(self):
+        part.end(self.folder / "one.json", "one", "One", "Shown.", [part.figure("share", 1, 1, True)], [], ["a:1: bad"])
+        status, _, printed = self.page("one")
+        self.assertEqual(status, 1)
+        self.assertIn("not kept: one", printed)
+
     def test_a_part_without_figures_shows_nothing(self):
         part.end(self.folder / "one.json", "one", "One", "Nothing.", [], [])
         self.assertEqual(self.page("one")[0], 1)

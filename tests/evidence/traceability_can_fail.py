@@ -28,6 +28,7 @@ FAULTS = {
                                "A (23): is 'not met' and has no note that says why"),
     "a key misspelt": (REGISTER, 'title = "no float, no heap"', 'titel = "no float, no heap"', "H2: there is no key 'titel'"),
     "an equation left out": (REGISTER, 'id = "A (23)"', 'id = "H23"', "equation (23) of paper A is missing"),
+    "a requirement left out": (REGISTER, 'id = "C7.8"', 'id = "C7.9"', "C7.8 is missing"),
     "an equation twice": (REGISTER, 'id = "H2"', 'id = "A (23)"', "A (23) stands twice"),
     "an equation that is not cited": ("firmware/control/rotor_position.h", "paper A (23): ", "",
                                       "A (23): no comment beside rotor_position_step names it"),

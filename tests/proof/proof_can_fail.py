@@ -1,5 +1,5 @@
-"""evidence.proof_can_fail: the proof finds an index out of its array, a saturation and a clamp that are gone, code that it
-does not go through, a question that it does not ask, and a tool that fails.
+"""evidence.proof_can_fail: the proof finds each kind of run-time error, a saturation and a clamp that are gone, code that
+it does not go through, a question that it does not ask, and a tool that fails.
 
 Each fault alone is put into a copy of the sources.
 """
@@ -12,6 +12,8 @@ from pathlib import Path
 from unittest import mock
 
 import proof
+
+RESET = "proof_init", "firmware/drive/config_guard.c", "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
 
 # Entry; file, text, what becomes of it; what the finding has in it.
 FAULTS = {
@@ -31,10 +33,20 @@ FAULTS = {
         "int32_t pi_left_behind(int32_t x)\n{\n    return x;\n}\n\nvoid pi_reset(",
         f"{proof.UNREACHED}: pi_left_behind"),
     "a statement that nothing reaches": (
-        "proof_init", "firmware/drive/config_guard.c", "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n",
-        "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
+        *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
         "    if (guard->at != 0U) {\n        guard->at = 0U;\n    }\n",
         "config_guard_reset: 1 of "),
+    "a function that is only declared": (
+        *RESET, "    extern void config_guard_elsewhere(void);\n    config_guard_elsewhere();\n"
+        "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n", "config_guard_elsewhere has neither code"),
+    "a shift too far": (
+        *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START << (32U + guard->at)};\n", "shift"),
+    "a division by zero": (
+        *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START / guard->at};\n", "division_by_zero"),
+    "a word that was never written": (
+        *RESET, "    uint32_t crc;\n    *guard = (config_guard_t){.at = 0U, .crc = crc};\n", "initialization"),
+    "a conversion that changes the value": (
+        *RESET, "    *guard = (config_guard_t){.at = 0U, .crc = (uint8_t)CRC32_START};\n", "downcast"),
     "an entry that asks for no range": (
         "proof_init", proof.DRIVE, "    drive_init(&drive, &cfg);\n    check_state();\n", "    drive_init(&drive, &cfg);\n",
         f"proof_init: {proof.CHECK}: "),

@@ -22,7 +22,6 @@ from bench.blocks import Decoder  # noqa: E402
 from bench.image import BenchError, Image  # noqa: E402
 
 # Calls `counted` with r0 = 0, 1, ... r5 − 1 and ends; `counted` is what each test adds.
-HEADER, FRAME_BYTES = 16, 18    # of a recording's frames
 FRAME = """
     .syntax unified
     .thumb
@@ -260,7 +259,9 @@ class Replays(unittest.TestCase):
             replay.replay("cortex-m3", cls.image, "s1", cls.recording, lambda size: None),))
 
     def test_every_tick_is_counted_under_its_state(self):
-        ticks = (len(self.recording["frames.nfr"]) - HEADER) // FRAME_BYTES
+        frames = self.recording["frames.nfr"]
+        frame_bytes = replay.HEADER.unpack_from(frames)[2]
+        ticks = (len(frames) - replay.HEADER.size) // frame_bytes
         ways = self.bench.replays[0].ways
         self.assertEqual(ways.total(), ticks)
         by_state = Counter(replay.states_of(self.recording["results.nfr"]))

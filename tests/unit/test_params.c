@@ -251,6 +251,28 @@ static void test_every_field_is_named_at_the_ends_of_its_type(void)
     }
 }
 
+/* What the proof takes for any valid configuration: a limit that is wider here would be beyond it. */
+static void test_every_field_is_refused_just_outside_what_is_proven(void)
+{
+#undef FIELD
+#define FIELD(path, lo, hi) {#path, offsetof(drive_cfg_t, path), lo, hi, NULL, NULL},
+    static const field_t proven[] = {
+#include "configuration_common.def"
+#include "configuration_startup.def"
+#include "configuration_voltage_drive.def"
+    };
+#undef FIELD
+
+    for (size_t i = 0; i < COUNT(proven); i++) {
+        TEST_ASSERT_NOT_NULL_MESSAGE(check_with(&proven[i], proven[i].highest + 1), proven[i].name);
+        if (strcmp(proven[i].name, "startup.current_hold") !=
+            0) { /* without it there is no start-up */
+            TEST_ASSERT_NOT_NULL_MESSAGE(check_with(&proven[i], proven[i].lowest - 1),
+                                         proven[i].name);
+        }
+    }
+}
+
 static drive_cfg_t with_sensor(void)
 {
     drive_cfg_t cfg = example_drive_cfg();
@@ -503,6 +525,7 @@ int main(void)
     RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
     RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
+    RUN_TEST(test_every_field_is_refused_just_outside_what_is_proven);
     RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
     RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
     RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);

@@ -83,9 +83,10 @@ class Image:
                 if len(words) == 3 and words[0].startswith(".") and not is_debug(words[0])}
 
     @cached_property
-    def _second_names(self):
-        """Addresses of names without a size: second names of what has one, in the compiler's library."""
-        lines = [line.split() for line in binutil("nm", self.path).splitlines()]
+    def _all_names(self):
+        """Addresses of all names. In the compiler's library some have no size: second names of what has one, and
+        functions written in assembly language."""
+        lines = [line.split() for line in binutil("nm", "-n", self.path).splitlines()]
         return {words[2]: int(words[0], 16) & ~1 for words in lines if len(words) == 3}
 
     def symbol(self, name):
@@ -93,9 +94,13 @@ class Image:
         for symbol in self.symbols:
             if symbol.name == name or symbol.name.startswith(name + "."):
                 return symbol
+        address = self._all_names.get(name)
         for symbol in self.symbols:
-            if symbol.address == self._second_names.get(name):
+            if symbol.address == address:
                 return symbol
+        if address is not None:
+            behind = min(other for other in self._all_names.values() if other > address)
+            return Symbol(name, address, behind - address, "T", "")
         raise BenchError(f"{self.path}: no symbol '{name}'; expected an image of hal/mps2")
 
     @cached_property

@@ -20,10 +20,11 @@ HEADER = struct.Struct("<IHHII")  # hal/mps2/recording.h
 RESULT = struct.Struct("<HHHBBI")
 STATE = 4  # of a result
 
-# The recordings of a tuning, as `record` takes them: scenario and imperfection set.
+# The recordings of a tuning, as `record` takes them: scenario, imperfection set, keys. The robust ones see every state.
+FAULT = "scenario.fault=[{time_s=1.6, what='break_input'}]"
 RECORDINGS = {
     "published": (("s1", "ideal"), ("s2", "ideal"), ("s3", "ideal")),
-    "robust": (("s1_robust", "all"), ("s2_robust", "all"), ("s3_robust", "all")),
+    "robust": (("s1_robust", "all"), ("s2_robust", "all"), ("s3_robust", "all", FAULT)),
     "voltage_phase": (("s5", "adc"),),
 }
 
@@ -74,12 +75,12 @@ def state_names():
     return re.findall(r"DRIVE_STATE_(\w+)", listed)
 
 
-def record(build, folder, scenario, imperfections):
+def record(build, folder, scenario, *choices):
     """A recording of the simulator, made now: an older one could be of another core."""
     program = build / "host/record"
     if not program.is_file():
         raise BenchError(f"{program}: no such program; build it with `tools/dev build`")
-    run = subprocess.run([program.resolve(), folder, scenario, imperfections],
+    run = subprocess.run([program.resolve(), folder, scenario, *choices],
                          capture_output=True, text=True)
     if run.returncode:
         raise BenchError(run.stderr.strip())
@@ -114,9 +115,9 @@ def measure(build, cores, tunings, progress):
     with tempfile.TemporaryDirectory() as work:
         recordings = {}
         for tuning in tunings:
-            for scenario, imperfections in RECORDINGS[tuning]:
+            for scenario, *choices in RECORDINGS[tuning]:
                 folder = Path(work) / scenario
-                record(build, folder, scenario, imperfections)
+                record(build, folder, scenario, *choices)
                 recordings.setdefault(tuning, {})[scenario] = read_recording(folder)
     return [bench(build, core, tuning, recordings[tuning], progress)
             for core in cores for tuning in tunings]

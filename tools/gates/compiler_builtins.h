@@ -1,9 +1,6 @@
-/* For a checker, which does not know them: functions that the compiler declares itself, ... */
+/* For a checker, which does not know them: functions that the compiler declares itself. */
 int __builtin_clz(unsigned int x);
 int __builtin_arm_ssat(int x, unsigned int bits);
 int __builtin_arm_usat(int x, unsigned int bits);
 int __builtin_arm_smlawb(int a, int b, int sum);
 void __atomic_signal_fence(int order);
-
-/* ... and what the header of an image's configuration defines, of which code needs the number. */
-#define DRIVE_RECORDER_ENTRIES (512U)

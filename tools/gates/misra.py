@@ -20,6 +20,8 @@ parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
 parser.add_argument("--out", type=Path, help="write findings and files there, as JSON for tools/evidence/misra.py")
 args = parser.parse_args()
+if args.out:
+    args.out.unlink(missing_ok=True)
 tools = Path(sys.executable).parent
 
 
