@@ -25,10 +25,7 @@ class MisraCanFail(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
-        subprocess.run(["git", "init", "-q", self.root], check=True)
-        for path, text in selftest.CLEAN.items():
-            (self.root / path).parent.mkdir(parents=True, exist_ok=True)
-            (self.root / path).write_text(text, encoding="utf-8")
+        selftest.plant(self.root, selftest.CLEAN)
 
     def replace(self, path, text, fault):
         content = (self.root / path).read_text(encoding="utf-8")

@@ -8,6 +8,9 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
+# The firmware is C and is debugged; of C++ line numbers are enough, in three quarters of the time to compile it.
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1 -DNDEBUG")
+
 # A simulation gives the same bytes on each PC and with each compiler: no fused
 # multiply-add, no fast-math, no code tuned to the machine that builds it.
 add_compile_options(-ffp-contract=off)

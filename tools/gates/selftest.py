@@ -28,16 +28,22 @@ CLEAN = {
 }
 
 
+def plant(root, files):
+    """A repository with these files."""
+    subprocess.run(["git", "init", "-q", root], check=True)
+    for path, text in files.items():
+        (root / path).parent.mkdir(parents=True, exist_ok=True)
+        (root / path).write_text(text, encoding="utf-8")
+
+
 class GatesCanFail(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
-        subprocess.run(["git", "init", "-q", self.root], check=True)
         # clang-format looks for its file upwards from the source.
         style = (GATES.parents[1] / ".clang-format").read_text(encoding="utf-8")
-        for path, text in {**CLEAN, ".clang-format": style}.items():
-            self.write(path, text)
+        plant(self.root, {**CLEAN, ".clang-format": style})
 
     def write(self, path, text):
         (self.root / path).parent.mkdir(parents=True, exist_ok=True)

@@ -16,6 +16,7 @@ NOT_FOR_CPP = "--checks=-clang-analyzer-*"
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("build", type=Path, help="a build folder with compile_commands.json")
+parser.add_argument("--beside", type=Path, help="another one; what it compiles as well is looked at there")
 args = parser.parse_args()
 
 
@@ -30,8 +31,12 @@ def tidy(path):
     return run.stdout if run.returncode == 0 else run.stdout + run.stderr, run.returncode
 
 
-commands = json.loads((args.build / "compile_commands.json").read_text(encoding="utf-8"))
-paths = sorted({Path(c["file"]) for c in commands if is_ours(Path(c["file"]))})
+def compiled(build):
+    commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
+    return {Path(c["file"]) for c in commands if is_ours(Path(c["file"]))}
+
+
+paths = sorted(compiled(args.build) - (compiled(args.beside) if args.beside else set()))
 with ThreadPoolExecutor(max_workers=2) as pool:
     results = list(pool.map(tidy, paths))
 bad = [output.strip() for output, code in results if code]
