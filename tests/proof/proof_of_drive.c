@@ -4,6 +4,8 @@
  */
 #include "firmware.h"
 
+#include "any_frame.h"
+
 #include <__fc_builtin.h>
 
 /* The word from there is still within the configuration; that the byte is the first of one is not needed. */
@@ -51,19 +53,6 @@ static void choose_voltage_drive(void)
 #undef FIELD
 }
 
-static void choose_frame(void)
-{
-    in.adc_ia = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_ib = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_bus = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_temperature = Frama_C_unsigned_short_interval(0, 65535);
-    in.flags = Frama_C_unsigned_short_interval(0, 65535);
-    in.angle = Frama_C_unsigned_short_interval(0, 65535);
-    in.command.target = Frama_C_interval(INT32_MIN, INT32_MAX);
-    in.command.mode = Frama_C_unsigned_char_interval(0, 255);
-    in.command.request = Frama_C_unsigned_char_interval(0, 255);
-}
-
 static void choose_state(void)
 {
     choose_words((uint32_t *)&drive, sizeof(drive));
@@ -92,7 +81,7 @@ static void check_state(void)
 
 static void step(void)
 {
-    choose_frame();
+    in = any_frame();
     drive_step(&drive, &in, &out);
     check_state();
     Frama_C_show_each_out(out.compare.phase[0], out.compare.phase[1], out.compare.phase[2],

@@ -6,7 +6,7 @@
  * `volatile` is for the background, which the step interrupts: while it runs, what was written is what is read. Eva
  * would take it to be any word.
  */
-#include "drive.h"
+#include "any_frame.h"
 
 #include <__fc_builtin.h>
 #include <stddef.h>
@@ -36,15 +36,7 @@ void within(int64_t value, int64_t lowest, int64_t highest);
 static void choose_tick(void)
 {
     drive.tick = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
-    in.adc_ia = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_ib = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_bus = Frama_C_unsigned_short_interval(0, 65535);
-    in.adc_temperature = Frama_C_unsigned_short_interval(0, 65535);
-    in.flags = Frama_C_unsigned_short_interval(0, 65535);
-    in.angle = Frama_C_unsigned_short_interval(0, 65535);
-    in.command.target = Frama_C_interval(INT32_MIN, INT32_MAX);
-    in.command.mode = Frama_C_unsigned_char_interval(0, 255);
-    in.command.request = Frama_C_unsigned_char_interval(0, 255);
+    in = any_frame();
     out.compare.phase[0] = Frama_C_unsigned_short_interval(0, 65535);
     out.compare.phase[1] = Frama_C_unsigned_short_interval(0, 65535);
     out.compare.phase[2] = Frama_C_unsigned_short_interval(0, 65535);
