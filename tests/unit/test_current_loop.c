@@ -1,5 +1,6 @@
 /* Current loop: decoupling, the voltage circle, what the integrals do at it, a step on a motor. */
 #include "current_loop.h"
+#include "exact.h"
 #include "example_cfg.h"
 #include "figure.h"
 #include "seeded.h"
@@ -150,13 +151,6 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
     }
 }
 
-static int64_t floor_divided(int64_t numerator, int64_t power_of_two)
-{
-    const int64_t rest = numerator % power_of_two;
-
-    return (numerator / power_of_two) - ((rest < 0) ? 1 : 0);
-}
-
 static void test_cross_is_the_product_rounded_down_and_limited_where_it_is_said(void)
 {
     static const int32_t speeds[] = {-32767, -16385, -7, -1, 0, 1, 7, 16385, 32767};
@@ -167,11 +161,11 @@ static void test_cross_is_the_product_rounded_down_and_limited_where_it_is_said(
         const int32_t speed = speeds[k % 9U];
         const int32_t reactance = reactances[(k / 9U) % 7U];
         const int32_t current = currents[k / 63U];
-        const int64_t reach = floor_divided((int64_t)speed * reactance, 8192);
-        const int64_t limited = (reach > 65000) ? 65000 : (reach < -65000) ? -65000 : reach;
-        const int64_t within = (current > 32767) ? 32767 : (current < -32768) ? -32768 : current;
+        const int64_t reach =
+            clamp64(floor_div_pow2((int64_t)speed * reactance, 13U), -65000, 65000);
+        const int64_t within = clamp64(current, -32768, 32767);
 
-        TEST_ASSERT_EQUAL_INT64(floor_divided(limited * within, 32768),
+        TEST_ASSERT_EQUAL_INT64(floor_div_pow2(reach * within, 15U),
                                 current_loop_cross(speed, reactance, current));
     }
 }

@@ -1,4 +1,5 @@
 /* Fixed-point primitives: exact results, saturation on both sides, direction of rounding. */
+#include "exact.h"
 #include "fx.h"
 #include "seeded.h"
 #include "unity.h"
@@ -17,25 +18,9 @@ void tearDown(void)
 {
 }
 
-/* floor(x / 2^n) without shifting a negative number. */
-static int64_t floor_div_pow2(int64_t x, uint32_t n)
-{
-    const int64_t divisor = (int64_t)1 << n;
-    const int64_t quotient = x / divisor;
-
-    return ((x % divisor) < 0) ? (quotient - 1) : quotient;
-}
-
 static int32_t saturate32(int64_t x)
 {
-    int64_t result = x;
-
-    if (x > INT32_MAX) {
-        result = INT32_MAX;
-    } else if (x < INT32_MIN) {
-        result = INT32_MIN;
-    }
-    return (int32_t)result;
+    return (int32_t)clamp64(x, INT32_MIN, INT32_MAX);
 }
 
 static void test_shift_rounds_towards_minus_infinity(void)

@@ -1,4 +1,5 @@
 /* PI controller: its law, its limits and what its integral does at them. */
+#include "exact.h"
 #include "fx.h"
 #include "pi.h"
 #include "seeded.h"
@@ -240,26 +241,6 @@ static void test_unwinding_again_and_again_beside_a_held_limit_ends_at_one(void)
         }
         TEST_ASSERT_EQUAL_INT32((sign > 0) ? INTEGRAL_MIN : INTEGRAL_MAX, pi.integral_q26);
     }
-}
-
-static int64_t floor_div_pow2(int64_t x, uint32_t n)
-{
-    const int64_t divisor = (int64_t)1 << n;
-    const int64_t quotient = x / divisor;
-
-    return ((x % divisor) < 0) ? (quotient - 1) : quotient;
-}
-
-static int64_t clamp64(int64_t x, int64_t lo, int64_t hi)
-{
-    int64_t result = x;
-
-    if (x > hi) {
-        result = hi;
-    } else if (x < lo) {
-        result = lo;
-    }
-    return result;
 }
 
 typedef struct {
