@@ -44,6 +44,7 @@ PROGRAMS = {
     "console": Program("any bytes to the board's console", 800, 60),
     "stepper": Program("any commands of the stepper", 2400, 5),
 }
+AT_ONCE = 2
 SEED = 1
 LENGTH_MAX = 4096  # bytes of an input
 LIMITS = ["-timeout=10", "-rss_limit_mb=1024"]
@@ -120,12 +121,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=int, default=60, help="of each program (60)")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of libFuzzer ({SEED})")
-    parser.add_argument("--jobs", type=int, default=2, help="programs at a time (2)")
     parser.add_argument("--only", action="append", choices=PROGRAMS, help="this program; may be repeated")
     args = part.arguments(parser)
     if build():
         return 1
-    with ThreadPoolExecutor(max_workers=args.jobs) as pool:
+    with ThreadPoolExecutor(max_workers=AT_ONCE) as pool:
         outcomes = list(pool.map(
             lambda name: fuzz(FOLDER / f"tests/fuzz/fuzz_{name}", name, args.seconds, KEPT, args.seed),
             args.only or PROGRAMS))
