@@ -1,6 +1,6 @@
 """target.loop.faults: what the image does when something goes wrong, and that the models notice.
 
-test_faults.py IMAGE BOARD, as scenario.py.
+test_faults.py IMAGE BOARD [TEST...], as scenario.py; all tests, or those named.
 """
 
 import re
@@ -261,4 +261,4 @@ class ModelsNotice(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

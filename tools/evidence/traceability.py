@@ -12,11 +12,11 @@ import argparse
 import functools
 import json
 import re
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+import ctested
 import part
 
 REGISTER = Path("tests/evidence/requirements.toml")
@@ -124,20 +124,6 @@ def citations(root):
 
 # --- What ctest runs ---
 
-def registered(build):
-    """The tests of a build that are not disabled, as ctest lists them: name, command, folder."""
-    if not (build / "compile_commands.json").is_file():
-        sys.exit(f"{build}: no build; expected one of the preset host, with all tests")
-    shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True,
-                           check=True)
-    for test in json.loads(shown.stdout[shown.stdout.index("{"):])["tests"]:
-        properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}
-        if "command" not in test:
-            sys.exit(f"{build}: {test['name']} is not built; `cmake --build --preset host` builds all tests")
-        if not properties.get("DISABLED"):
-            yield test["name"], test["command"], Path(properties.get("WORKING_DIRECTORY", build))
-
-
 def program_sources(build):
     """Name of a program → its own source files."""
     found = {}
@@ -159,15 +145,15 @@ def python_file(argument, folder):
 @functools.cache
 def tests(build):
     """Name of a test, or of a test function → names of the tests of ctest that run it."""
-    listed, found = list(registered(build)), {}
+    found = {}
     sources = program_sources(build)
-    for name, command, folder in listed:
+    for name, test in ctested.listed(build).items():
         found.setdefault(name, set()).add(name)
-        for argument in command:
+        for argument in test.command:
             for path in sources.get(Path(argument).name, []):
                 for function in RUN_TEST.findall(code_of(path)):
                     found.setdefault(function, set()).add(name)
-            path = python_file(argument, folder)
+            path = python_file(argument, test.folder)
             for function in PYTHON_TEST.findall(text_of(path)) if path else []:
                 found.setdefault(function, set()).add(name)
     return found

@@ -1,0 +1,109 @@
+"""evidence.planted_can_fail: a row that shows nothing is a finding, and a row that holds is none."""
+
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import part
+import planted
+
+BUILD = part.ROOT / "build" / "host"
+FAULT = planted.Fault("a wrong sign", "drive", "firmware/control/pi.c", "error * cfg->kp,", "error * -cfg->kp,", ("test_pi",))
+HARMLESS = {"old": '#include "pi.h"\n', "new": '#include "pi.h"\n\n'}
+ROWS = {  # what is changed in a row that holds, and what is then said
+    "that holds": ({}, None),
+    "that changes nothing": (HARMLESS, "test_pi passes with the fault in"),
+    "that one of its tests does not find": ({"tests": ("test_pi", "test_modulator")}, "test_modulator passes"),
+    "whose test runs other code": ({"tests": ("test_trig",)}, "test_trig runs nothing of firmware/control/pi.c"),
+    "whose test there is not": ({"tests": ("test_pie",)}, "ctest runs no test test_pie"),
+    "that does not compile": ({"new": "cfg->none,"}, "cannot be built with it"),
+    "whose text is gone": ({"old": "cfg->gone"}, "stands there 0 times; expected once"),
+    "whose text is there twice": ({"old": "int32_t"}, "times; expected once"),
+    "of a new file that is there": ({"old": ""}, "is there already"),
+}
+
+
+class RowsCanFail(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        cls.copy = planted.copy_of(part.ROOT, cls.folder / "copy")
+        cls.runner = planted.Runner(part.ROOT, BUILD)
+
+    def wrong(self, fault, name):
+        return self.runner.judge(fault, self.copy, self.folder / name).wrong
+
+    def test_each_row_that_shows_nothing_is_a_finding(self):
+        for name, (change, said) in ROWS.items():
+            with self.subTest(name):
+                wrong = self.wrong(replace(FAULT, **change), name)
+                self.assertEqual(bool(wrong), said is not None, wrong)
+                self.assertTrue(said is None or said in wrong[0], wrong)
+
+    def test_a_test_that_fails_without_the_fault_too_is_a_finding(self):
+        failing = replace(self.runner.listed["test_pi"], command=("false",))
+        self.runner.listed["failing"] = failing
+        self.assertEqual(self.wrong(replace(FAULT, tests=("failing",)), "failing"), ["failing fails without the fault too"])
+
+    def test_what_a_program_of_the_build_generates_is_followed(self):
+        fault = planted.Fault("another share", "config", "host_sim/config/per_unit.cpp", "constexpr double LATE_WINDOW_S = 1;",
+                              "constexpr double LATE_WINDOW_S = 2;", ("test_shipped",))
+        self.assertEqual(self.wrong(fault, "generated"), ["test_shipped passes with the fault in"])
+
+    def test_the_copy_is_afterwards_as_it_was(self):
+        for fault in (FAULT, replace(FAULT, file="firmware/control/new.h", old="", new="\n")):
+            path = self.copy / fault.file
+            before = path.read_bytes() if path.is_file() else None
+            with planted.Planted(self.copy, fault):
+                self.assertNotEqual(path.read_bytes(), before)
+            self.assertEqual(path.read_bytes() if path.is_file() else None, before)
+
+
+ROW = """
+[[fault]]
+name = "a"
+class = "drive"
+file = "f"
+old = "o"
+new = "n"
+tests = ["t"]
+"""
+
+
+class RegisterCanFail(unittest.TestCase):
+    def wrong(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "planted.toml"
+            path.write_text(text, encoding="utf-8")
+            return planted.registered(path)[1]
+
+    def test_the_register_that_there_is_has_nothing_wrong(self):
+        self.assertEqual(self.wrong(ROW), [])
+        self.assertEqual(planted.registered(part.ROOT / planted.REGISTER)[1], [])
+
+    def test_a_row_is_whole_of_a_known_class_and_there_once(self):
+        for text in (ROW.replace('"drive"', '"drives"'), ROW.replace('["t"]', "[]"), ROW.replace("tests", "test"),
+                     ROW.replace('old = "o"\n', ""), ROW + ROW):
+            with self.subTest(text):
+                self.assertEqual(len(self.wrong(text)), 1)
+
+
+class SampleCanFail(unittest.TestCase):
+    FAULTS = [replace(FAULT, name=f"{kind} {number}", kind=kind)
+              for kind, count in (("drive", 12), ("config", 6), ("board", 2)) for number in range(count)]
+
+    def test_a_sample_has_its_share_of_each_class_and_is_the_same_each_time(self):
+        sample = planted.chosen(self.FAULTS, None, 10)
+        self.assertEqual([sum(fault.kind == kind for fault in sample) for kind in ("drive", "config", "board")], [6, 3, 1])
+        self.assertEqual(planted.chosen(self.FAULTS, None, 10), sample)
+
+    def test_only_those_of_a_class_or_with_a_word_in_their_name(self):
+        self.assertEqual(len(planted.chosen(self.FAULTS, ["config"], None)), 6)
+        self.assertEqual(len(planted.chosen(self.FAULTS, ["board 1"], None)), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,45 @@
+"""The tests that ctest runs: each one's command, folder and surroundings."""
+
+import json
+import re
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Test:
+    """`title`: its name, with the arguments that were added."""
+
+    title: str
+    command: tuple
+    folder: Path
+    environment: dict
+    pass_expressions: tuple
+
+    def with_arguments(self, title, arguments):
+        return replace(self, title=title, command=(*self.command, *arguments))
+
+    def passes(self, status, output):
+        if self.pass_expressions:
+            return any(re.search(expression, output) for expression in self.pass_expressions)
+        return status == 0
+
+
+def listed(build):
+    """The tests of a build that are not disabled, by name."""
+    if not (build / "compile_commands.json").is_file():
+        sys.exit(f"{build}: no build; expected one of the preset host, with all tests")
+    shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True,
+                           check=True)
+    found = {}
+    for test in json.loads(shown.stdout[shown.stdout.index("{"):])["tests"]:
+        properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}
+        if "command" not in test:
+            sys.exit(f"{build}: {test['name']} is not built; `cmake --build --preset host` builds all tests")
+        if not properties.get("DISABLED"):
+            environment = dict(pair.split("=", 1) for pair in properties.get("ENVIRONMENT", []))
+            found[test["name"]] = Test(test["name"], tuple(test["command"]), Path(properties.get("WORKING_DIRECTORY", build)),
+                                       environment, tuple(properties.get("PASS_REGULAR_EXPRESSION", [])))
+    return found
