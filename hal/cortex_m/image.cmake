@@ -31,34 +31,3 @@ function(nf_add_image target)
         RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}
         LINK_DEPENDS "${script};${NF_CORTEX_M}/sections.ld")
 endfunction()
-
-# nf_drive_config(<target> MOTOR <name> BOARD <name> TUNING <name>)
-#
-# Lets <target> include drive_config.h, made by the host's nfconfig from these files.
-set(NF_NFCONFIG ${CMAKE_SOURCE_DIR}/build/host/nfconfig CACHE FILEPATH
-    "The host's nfconfig, which writes the drive's configuration")
-
-function(nf_drive_config target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "MOTOR;BOARD;TUNING" "WITH")
-    if(NOT EXISTS ${NF_NFCONFIG})
-        message(FATAL_ERROR
-            "There is no ${NF_NFCONFIG}.\n"
-            "Run `tools/dev build` first, or give the path with -DNF_NFCONFIG=FILE.")
-    endif()
-    set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
-    set(header ${folder}/drive_config.h)
-    set(data ${CMAKE_SOURCE_DIR}/host_sim)
-    set(with ${arg_WITH})
-    list(TRANSFORM with PREPEND "--with;")
-    list(TRANSFORM arg_WITH REPLACE "(.+)" "${data}/imperfections/\\1.toml")
-    file(MAKE_DIRECTORY ${folder})
-    add_custom_command(OUTPUT ${header}
-        COMMAND ${NF_NFCONFIG} header --motor ${arg_MOTOR} --board ${arg_BOARD}
-            --tuning ${arg_TUNING} ${with} --out ${header}
-        DEPENDS ${NF_NFCONFIG} ${data}/motors/${arg_MOTOR}.toml ${data}/boards/${arg_BOARD}.toml
-            ${data}/tunings/${arg_TUNING}.toml ${arg_WITH}
-        COMMENT "Configuration of the drive: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
-        VERBATIM)
-    target_sources(${target} PRIVATE ${header})
-    target_include_directories(${target} PRIVATE ${folder})
-endfunction()

@@ -20,7 +20,7 @@ typedef struct {
     uint32_t adc_sampling_ns;       /* sample switch closed at least as long, shunts */
     uint32_t amplifier_zero;        /* converter counts without current */
     bool amplifier_inverts;         /* current into the motor counts down */
-    uint32_t pga_gain;              /* of the operational amplifiers: 2, 4, 8, 16, 32, 64 */
+    uint32_t pga_gain;              /* of the operational amplifiers: 1, 2, 4, 8, 16, 32, 64 */
     uint32_t trip_count;            /* of 4096 of the reference, at the comparators' input */
     bool trip_below;                /* over-current is below that level, not above */
     uint32_t current_full_scale_ma; /* ± */

@@ -39,12 +39,23 @@ static uint32_t log2_of(uint32_t power)
     return log2;
 }
 
-/* Gain from the difference between plus and minus pin, so that the ground at the shunt counts. */
+/*
+ * What the amplifiers make of their pins. Behind an external amplifier they follow the plus pin: the comparators, which
+ * look there, and the converters then see the same voltage, by the same ways inside the chip as with any other gain.
+ * Else the gain is from the difference between plus and minus pin, so that the ground at the shunt counts.
+ */
+static uint32_t amplifier_mode(uint32_t gain)
+{
+    const uint32_t log2 = log2_of(gain);
+
+    return (log2 == 0U) ? OPAMP_CSR_VMSEL_FOLLOWER
+                        : (OPAMP_CSR_VMSEL_PGA | OPAMP_CSR_PGA_MINUS_PIN |
+                           ((log2 - 1U) << OPAMP_CSR_PGA_GAIN_SHIFT));
+}
+
 static void start_amplifiers(void)
 {
-    const uint32_t gain = (log2_of(BOARD.pga_gain) - 1U) << OPAMP_CSR_PGA_GAIN_SHIFT;
-    const uint32_t amplifier =
-        OPAMP_CSR_EN | OPAMP_CSR_VMSEL_PGA | OPAMP_CSR_HIGHSPEED | OPAMP_CSR_PGA_MINUS_PIN | gain;
+    const uint32_t amplifier = OPAMP_CSR_EN | OPAMP_CSR_HIGHSPEED | amplifier_mode(BOARD.pga_gain);
 
     reg_write(OPAMP1_CSR, amplifier);
     reg_write(OPAMP2_CSR, amplifier);

@@ -137,6 +137,7 @@
 #define OPAMP3_CSR (0x40010308U) /* plus PB0, minus PB2, output PB1 or ADC2 channel 18 */
 #define OPAMP_CSR_EN (1UL << 0)
 #define OPAMP_CSR_VMSEL_PGA (2UL << 5)
+#define OPAMP_CSR_VMSEL_FOLLOWER (3UL << 5)
 #define OPAMP_CSR_HIGHSPEED (1UL << 7)
 #define OPAMP_CSR_INTEN (1UL << 8)          /* output to the converter only */
 #define OPAMP_CSR_PGA_GAIN_SHIFT (14U)      /* 0…5: 2, 4, 8, 16, 32, 64 */

@@ -79,7 +79,7 @@ void check_choices(const Config &config)
                fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW));
     }
     need((hal.pga_gain & (hal.pga_gain - 1)) == 0, config, "hal.pga_gain", hal.pga_gain,
-         "is no gain of the amplifier", "2, 4, 8, 16, 32 or 64");
+         "is no gain of the amplifier", "1, 2, 4, 8, 16, 32 or 64");
     need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
          "a positive or negative number");
 }

@@ -14,7 +14,8 @@ struct HalSettings {
     double shunt_ohm = 0;
     double amplifier_gain = 0;   // shunt to converter; negative: current into the motor counts down
     double amplifier_zero_v = 0; // at the converter, without current
-    int pga_gain = 0;            // the part of the gain behind the comparators' inputs
+    int pga_gain =
+        0; // the part of the gain behind the comparators' inputs; 1: all of it is before them
     double adc_reference_v = 0;
     double bus_divider = 0; // bus to converter
 };

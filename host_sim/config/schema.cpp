@@ -89,7 +89,7 @@ const std::vector<Field> FIELDS = {
     {"hal", "shunt_ohm", "Ω", 1e-5, 1, OPTIONAL, hal<&H::shunt_ohm>, "low-side shunts"},
     {"hal", "amplifier_gain", "", -1000, 1000, OPTIONAL, hal<&H::amplifier_gain>, "shunt to converter; negative where a current into the motor counts down"},
     {"hal", "amplifier_zero_v", "V", 0, 5, OPTIONAL, hal<&H::amplifier_zero_v>, "at the converter without current"},
-    {"hal", "pga_gain", "", 2, 64, OPTIONAL, hal<&H::pga_gain>, "the part of the gain behind the comparators' inputs"},
+    {"hal", "pga_gain", "", 1, 64, OPTIONAL, hal<&H::pga_gain>, "the part of the gain behind the comparators' inputs; 1: all of it is an external amplifier's"},
     {"hal", "adc_reference_v", "V", 1, 5, OPTIONAL, hal<&H::adc_reference_v>, "full scale of the converters"},
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
 

@@ -28,10 +28,15 @@ class Amplifiers(Block):
     def output(self, number, inside):
         """At the output pin, or inside of the chip."""
         value = self[f"{number}_CSR"]
+        need(bool(bit(value, 8)) == inside, f"amplifier {number} drives another output")
+        return self.pins[SHUNT_PINS[number]] * self._gain(number, value)
+
+    def _gain(self, number, value):
+        if value & 0x6D == 0x61:  # its output is its minus input
+            return 1
         need(value & 0x6D == 0x41, f"amplifier {number} does not amplify its pin")
         need(value >> 17 & 3 == 1, f"amplifier {number} does not refer to its minus pin")
-        need(bool(bit(value, 8)) == inside, f"amplifier {number} drives another output")
-        return self.pins[SHUNT_PINS[number]] * (2 << (value >> 14 & 7))
+        return 2 << (value >> 14 & 7)
 
 
 class Converter(Block):

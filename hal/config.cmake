@@ -1,0 +1,88 @@
+# Motor, board and tuning of an image: files of host_sim/ by name, or paths of one's own.
+#
+# A reference with a '/' or ending in .toml is a path; any other is the name of a file in host_sim/. nfconfig reads it the
+# same way and says what is wrong with it.
+set(NF_PATH "/|\\.toml$")
+
+if(CMAKE_CROSSCOMPILING)
+    set(NF_NFCONFIG ${CMAKE_SOURCE_DIR}/build/host/nfconfig CACHE FILEPATH
+        "The host's nfconfig, which writes the configuration of an image")
+else()
+    set(NF_NFCONFIG nfconfig) # the target
+endif()
+
+# nf_choice(<name> <default> <help>)
+#
+# What the user gives with -D<name>=... A path of his is relative to the folder in which he calls cmake.
+function(nf_choice name default help)
+    if("$CACHE{${name}}" MATCHES "${NF_PATH}")
+        set(${name} ${default} CACHE FILEPATH "${help}") # the type makes an untyped path absolute
+    else()
+        set(${name} ${default} CACHE STRING "${help}")
+    endif()
+endfunction()
+
+# The file of a reference. A path in a CMakeLists.txt is relative to its folder.
+function(nf_data_file file folder reference)
+    if(reference MATCHES "${NF_PATH}")
+        cmake_path(ABSOLUTE_PATH reference OUTPUT_VARIABLE path)
+    else()
+        set(path ${CMAKE_SOURCE_DIR}/host_sim/${folder}/${reference}.toml)
+    endif()
+    set(${file} ${path} PARENT_SCOPE)
+endfunction()
+
+# Appends what nfconfig is told of a file, and the file, to `arguments` and `files`. nfconfig itself says that there is
+# no such file, and which names there are.
+macro(nf_refer option folder reference)
+    nf_data_file(file ${folder} "${reference}")
+    if("${reference}" MATCHES "${NF_PATH}")
+        list(APPEND arguments ${option} ${file})
+    else()
+        list(APPEND arguments ${option} ${reference})
+    endif()
+    if(EXISTS ${file})
+        list(APPEND files ${file})
+    endif()
+endmacro()
+
+# Lets <target> include <header>, made by the nfconfig <command>.
+function(nf_config_header target header command)
+    cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
+    if(CMAKE_CROSSCOMPILING AND NOT EXISTS ${NF_NFCONFIG})
+        message(FATAL_ERROR
+            "There is no ${NF_NFCONFIG}.\n"
+            "Run `tools/dev build` first, or give the path with -DNF_NFCONFIG=FILE.")
+    endif()
+    set(arguments)
+    set(files)
+    nf_refer(--motor motors ${arg_MOTOR})
+    nf_refer(--board boards ${arg_BOARD})
+    nf_refer(--tuning tunings ${arg_TUNING})
+    foreach(with IN LISTS arg_WITH)
+        nf_refer(--with imperfections ${with})
+    endforeach()
+    set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
+    file(MAKE_DIRECTORY ${folder})
+    add_custom_command(OUTPUT ${folder}/${header}
+        COMMAND ${NF_NFCONFIG} ${command} ${arguments} --out ${folder}/${header}
+        DEPENDS ${NF_NFCONFIG} ${files}
+        COMMENT "${header} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
+        VERBATIM)
+    target_sources(${target} PRIVATE ${folder}/${header})
+    target_include_directories(${target} PRIVATE ${folder})
+endfunction()
+
+# nf_drive_config(<target> MOTOR <file> BOARD <file> TUNING <file> [WITH <imperfection set>...])
+#
+# Lets <target> include drive_config.h: the drive's configuration.
+function(nf_drive_config target)
+    nf_config_header(${target} drive_config.h header ${ARGN})
+endfunction()
+
+# nf_hal_config(<target> MOTOR <file> BOARD <file> TUNING <file>)
+#
+# Lets <target> include hal_config.h: what a binding has to know of its board.
+function(nf_hal_config target)
+    nf_config_header(${target} hal_config.h hal-header ${ARGN})
+endfunction()

@@ -1,0 +1,92 @@
+"""target.loop.own_board: an image for a board and a motor of one's own, whose files lie outside of the project.
+
+test_own_board.py NFCONFIG: the board has an external amplifier, so that the chip's own ones have a gain of 1. cmake is
+called in the folder of the two files, by a path relative to it.
+"""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import board
+
+NFCONFIG = Path(sys.argv[1]).resolve()
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = ROOT / "host_sim"
+MIDDLE = 2048
+CALIBRATION_TICKS = 260
+FOLLOWERS = {1: 0xE1, 2: 0xE1, 3: 0x1E1}  # enabled, high speed, VM_SEL = 3; the third inside the chip: RM0440, OPAMPx_CSR
+
+
+def replaced(path, *pairs):
+    """A shipped file with some lines changed."""
+    text = path.read_text(encoding="utf-8")
+    for old, new in pairs:
+        if old not in text:
+            raise ValueError(f"{path} has no line {old}")
+        text = text.replace(old, new)
+    return text
+
+
+def own_files(folder):
+    (folder / "mine").mkdir()
+    (folder / "mine/motor.toml").write_text(
+        replaced(SHIPPED / "motors/motor_a.toml", ('name = "motor A (paper A, table 1)"', 'name = "my motor"')),
+        encoding="utf-8")
+    (folder / "mine/board.toml").write_text(
+        replaced(SHIPPED / "boards/g431_bench.toml", ('name = "STM32G431 with 310 V bench inverter"',
+                                                      'name = "my board"'), ("pga_gain = 16", "pga_gain = 1")),
+        encoding="utf-8")
+
+
+class OwnBoard(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(made.cleanup)
+        folder = Path(made.name)
+        own_files(folder)
+        for command in (["cmake", "-S", ROOT, "--preset", "stm32g431", "-B", "build", f"-DNF_NFCONFIG={NFCONFIG}",
+                         "-DNF_MOTOR=mine/motor.toml", "-DNF_BOARD=mine/board.toml"],
+                        ["cmake", "--build", "build", "--target", "neurofoc_g431"]):
+            run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+            if run.returncode:
+                raise AssertionError(run.stdout + run.stderr)
+        cls.board = board.Board(folder / "build/neurofoc_g431.elf", folder / "mine/board.toml")
+        cls.bus = round(310 / 450 * 4096)
+        cls.board.set_inputs(MIDDLE, MIDDLE, cls.bus)
+        cls.board.boot()
+        cls.board.tick(CALIBRATION_TICKS)
+        cls.greeting = cls.board.said()
+
+    def test_it_is_the_image_of_the_files_that_were_named(self):
+        self.assertIn("neurofoc: my motor, my board, robust", self.greeting)
+
+    def test_behind_an_external_amplifier_the_chips_own_ones_follow_their_pins(self):
+        amplifiers = self.board.chip.amplifiers
+        self.assertEqual({n: amplifiers[f"{n}_CSR"] for n in FOLLOWERS}, FOLLOWERS)
+
+    def test_the_current_is_that_of_the_shunt(self):
+        self.board.set_inputs(MIDDLE + 410, MIDDLE - 205, self.bus)  # of 2048 for 20 A
+        self.board.tick(3)
+        self.board.said()
+        self.board.type("status")
+        self.board.tick(3)
+        said = self.board.said()
+        self.board.set_inputs(MIDDLE, MIDDLE, self.bus)
+        self.assertRegex(said, r"\b4\.0\d* ")
+        self.assertRegex(said, r"-2\.0\d* ")
+
+    def test_the_comparators_trip_at_the_level_of_the_board_file(self):
+        self.board.type("run")
+        self.board.tick(3)
+        for ampere, on in ((18.8, True), (19.2, False)):
+            self.board.set_inputs(MIDDLE - round(ampere / 20 * MIDDLE), MIDDLE, self.bus)
+            self.assertEqual(self.board.chip.timer.gates_on(), on, f"{ampere} A")
+            self.board.set_inputs(MIDDLE, MIDDLE, self.bus)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
