@@ -7,6 +7,7 @@
 #include "header.h"
 #include "program.h"
 #include "schema.h"
+#include "timed_list.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -62,6 +63,10 @@ void print_keys()
     for (const nf::Field &field : nf::schema()) {
         std::cout << fmt::format("{:36}{:36}{:12}{}\n", field.name(), field.allowed(),
                                  field.default_text(), field.help);
+    }
+    for (const nf::EntryValue &value : nf::entry_values()) {
+        std::cout << fmt::format("{:36}{:36}{:12}{}\n", value.name(), value.allowed(),
+                                 "one of them", value.help);
     }
 }
 

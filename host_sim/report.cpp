@@ -65,6 +65,7 @@ std::string json_text(const Config &config, const RunResult &result)
     json["scenario"] = config.scenario.id;
     json["with"] = imperfection_names(config);
     json["set"] = config.sources.overrides;
+    json["notes"] = config.scenario.notes;
     json["seed"] = config.scenario.seed;
     for (const MetricField &field : metric_fields()) {
         const std::optional<double> &value = result.metrics.*field.value;
@@ -105,6 +106,10 @@ std::string table_text(const Config &config, const RunResult &result)
     std::string text = fmt::format(
         "{}: {}\n  {}, tuning {}, imperfections: {}\n\n", config.scenario.id, config.scenario.title,
         config.motor.name, config.tuning.name, selection_name(config.sources.imperfections));
+    for (const std::string &note : config.scenario.notes) {
+        text += note + '\n';
+    }
+    text += config.scenario.notes.empty() ? "" : "\n";
     text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");
     text += line("locked", result.metrics.locked ? "true" : "false", limits.must_lock ? "true" : "",
                  result.metrics.locked);

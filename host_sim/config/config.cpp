@@ -213,6 +213,18 @@ void pass_on_dead_time(Config &config)
     take_over(config.model.device_drop_v, config.plant.device_drop_v);
 }
 
+// Those that can hold what a scenario is made of.
+std::vector<const Layer *> scenario_layers(const Sources &sources)
+{
+    std::vector<const Layer *> all;
+    for (const auto *layers : {&sources.scenario, &sources.overrides}) {
+        for (const Layer &layer : *layers) {
+            all.push_back(&layer);
+        }
+    }
+    return all;
+}
+
 // Applies all layers and checks the whole.
 Config assemble(const Sources &sources)
 {
@@ -233,13 +245,11 @@ Config assemble(const Sources &sources)
     for (const auto &[kind, home] : homes) {
         check_complete(kind, home, config);
     }
-    for (const auto *layers : {&sources.scenario, &sources.overrides}) {
-        for (const Layer &layer : *layers) {
-            apply_scenario(layer, config);
-        }
-    }
     if (!sources.scenario.empty()) {
         check_complete(FileKind::scenario, sources.scenario.back(), config);
+    }
+    apply_scenario(scenario_layers(sources), config);
+    if (!sources.scenario.empty()) {
         check_prelude(config);
     }
     check_orders(config);

@@ -30,6 +30,8 @@ enum class DriveMode {
 constexpr double SPEED_COMMAND_MAX_RPM = 200000;
 constexpr double POSITION_COMMAND_MAX_RAD = 10000;
 constexpr double LOAD_MAX_NM = 10000;
+constexpr double SPEED_COMMAND_MAX_PCT = 200; // of rated speed
+constexpr double LOAD_MAX_PCT = 300;          // of rated torque
 
 struct TimedValue {
     double time_s;
@@ -106,8 +108,10 @@ struct ScenarioSettings {
     std::vector<TimedValue> command; // rpm, or mechanical rad in position mode; times rise
     std::vector<TimedValue> load;    // N·m; times rise
     std::vector<FaultEntry> faults;
-    std::vector<RequestEntry> requests;         // times rise
+    std::vector<RequestEntry> requests; // times rise
+    bool inherit_limits = true;         // false: limits that a file before it states do not count
     std::map<std::string, AcceptLimits> accept; // by selection, see selection_name()
+    std::vector<std::string> notes;             // what will not happen as written, a line each
 
     // The limits for a selection: those under its name, else those under `any`, else none.
     const AcceptLimits *limits(const std::string &selection) const;

@@ -3,9 +3,10 @@
 #include "event_file.h"
 #include "files.h"
 #include "suggest.h"
+#include "timed_list.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -31,32 +32,12 @@ const std::vector<std::string> METRICS = {"speed_error_max_rpm",
 const std::string LOCKED = "locked";
 const std::string ANY = "any";
 const std::string IDEAL = "ideal";
+const std::string INHERIT_LIMITS = "scenario.inherit_limits";
+constexpr double PER_CENT = 0.01;
 
-// What the entries of a list of timed values hold.
-struct TimedKey {
-    const char *key;
-    const char *unit;
-    double largest; // either sign
-};
-constexpr TimedKey SPEED = {"speed_rpm", "rpm", SPEED_COMMAND_MAX_RPM};
-constexpr TimedKey POSITION = {"position_rad", "rad", POSITION_COMMAND_MAX_RAD};
-constexpr TimedKey TORQUE = {"torque_nm", "N·m", LOAD_MAX_NM};
-
-std::vector<TimedValue> read_list(const std::string &list, const TimedKey &value_key,
-                                  const Node &node)
+std::string list_name(const std::string &list)
 {
-    const auto &[key, unit, largest] = value_key;
-    check_list(list, {"time_s", key}, node);
-    std::vector<TimedValue> values;
-    for (const Node &entry : node.items) {
-        const double time = read_time(list, entry);
-        if (!values.empty() && time <= values.back().time_s) {
-            fail(entry.origin, list + ".time_s", fmt::format("{}", time), "does not rise",
-                 fmt::format("more than {} s", values.back().time_s));
-        }
-        values.push_back({time, needed_number(list, entry, key, -largest, largest, unit)});
-    }
-    return values;
+    return "scenario." + list;
 }
 
 void check_selection(const std::string &selection, const Origin &origin)
@@ -124,21 +105,84 @@ void read_accept(const Node &accept, std::map<std::string, AcceptLimits> &all)
     }
 }
 
-void read_extra(const Layer &layer, ScenarioSettings &scenario)
+// Whether the limits that were stated before this layer do not count.
+bool drops_limits(const Layer &layer)
 {
-    const TimedKey &command = scenario.mode == DriveMode::speed ? SPEED : POSITION;
+    return std::any_of(layer.settings.begin(), layer.settings.end(), [](const Setting &setting) {
+        return setting.field->name() == INHERIT_LIMITS && !setting.value.boolean;
+    });
+}
+
+void read_extra(const Layer &layer, const MotorSettings &motor, ScenarioSettings &scenario)
+{
+    if (drops_limits(layer)) {
+        scenario.accept.clear();
+    }
     for (const auto &[name, node] : layer.extra) {
         if (name == "accept") {
             read_accept(node, scenario.accept);
         } else if (name == "load") {
-            scenario.load = read_list("scenario.load", TORQUE, node);
+            scenario.load = read_loads(node, motor);
         } else if (name == "fault") {
             scenario.faults = read_faults(node);
         } else if (name == "request") {
             scenario.requests = read_requests(node);
         } else {
-            scenario.command = read_list("scenario.command", command, node);
+            scenario.command = read_commands(node, scenario.mode, motor);
         }
+    }
+}
+
+// "KEY = VALUE UNIT (FILE:LINE)" of a setting that a file states.
+std::string stated(const std::string &key, double value, const std::string &unit,
+                   const Config &config)
+{
+    return fmt::format("{} = {} {} ({})", key, value, unit, config.origins.at(key).text());
+}
+
+// What is to happen at the end or later never does. A run with a fault or request is made for it; steps of command and
+// load are also those of a scenario that was cut short.
+void check_in_time(const std::string &list, const Node &node, Config &config)
+{
+    const double half_a_tick_s = 0.5 / config.board.pwm_frequency_hz;
+    for (const Node &entry : node.items) {
+        const Node &time = *member(entry, "time_s");
+        if (time.number() + half_a_tick_s < config.scenario.duration_s) {
+            continue;
+        }
+        const std::string end =
+            stated("scenario.duration_s", config.scenario.duration_s, "s", config);
+        const std::string name = list_name(list) + ".time_s";
+        if (list == "fault" || list == "request") {
+            fail(time.origin, name, shown(time), "is not before the end of the run",
+                 "less than " + end);
+        }
+        config.scenario.notes.push_back(
+            fmt::format("{}: {} = {}: never acts, the run ends before: {}", time.origin.text(),
+                        name, shown(time), end));
+    }
+}
+
+// The drive limits a speed command to the motor's.
+void note_clamped(const Node &command, Config &config)
+{
+    const MotorSettings &motor = config.motor;
+    for (std::size_t k = 0; k < command.items.size(); k++) {
+        if (config.scenario.mode != DriveMode::speed ||
+            std::abs(config.scenario.command[k].value) <= motor.max_speed_rpm) {
+            continue;
+        }
+        const EntryValue &choice = speed_value(command.items[k]);
+        const Node &value = *member(command.items[k], choice.key);
+        const std::string share =
+            choice.rated == nullptr
+                ? ""
+                : fmt::format(", {:.4g} % of motor.rated_speed_rpm",
+                              motor.max_speed_rpm / motor.rated_speed_rpm / PER_CENT);
+        config.scenario.notes.push_back(
+            fmt::format("{}: {} = {}: the drive turns no faster than {}{}", value.origin.text(),
+                        choice.name(), shown(value),
+                        stated("motor.max_speed_rpm", motor.max_speed_rpm, "rpm", config), share));
     }
 }
 
@@ -181,12 +225,28 @@ void check_scenario(const Layer &layer)
     }
     Config own;
     apply_layer(layer, own);
-    read_extra(layer, own.scenario);
+    read_extra(layer, own.motor, own.scenario);
 }
 
-void apply_scenario(const Layer &layer, Config &config)
+void apply_scenario(const std::vector<const Layer *> &layers, Config &config)
 {
-    read_extra(layer, config.scenario);
+    std::map<std::string, const Node *> lists; // those in force
+    for (const Layer *layer : layers) {
+        read_extra(*layer, config.motor, config.scenario);
+        for (const auto &[name, node] : layer->extra) {
+            lists[name] = &node;
+        }
+    }
+    lists.erase("accept");
+    if (config.origins.count("scenario.duration_s") == 0) {
+        return; // parts alone, without a run
+    }
+    for (const auto &[name, list] : lists) {
+        check_in_time(name, *list, config);
+    }
+    if (lists.count("command") != 0) {
+        note_clamped(*lists["command"], config);
+    }
 }
 
 } // namespace nf

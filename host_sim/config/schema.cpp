@@ -160,6 +160,7 @@ const std::vector<Field> FIELDS = {
     {"scenario", "initial_angle_el_deg", "°", -360, 360, OPTIONAL, scenario<&S::initial_angle_el_deg>, "electrical rotor angle at the start of the prelude"},
     {"scenario", "initial_speed_rpm", "rpm", -200000, 200000, OPTIONAL, scenario<&S::initial_speed_rpm>, "speed at the start of the prelude"},
     {"scenario", "load_scale", "", -10, 10, OPTIONAL, scenario<&S::load_scale>, "factor on every torque of the load"},
+    {"scenario", "inherit_limits", "", 0, 1, OPTIONAL, scenario<&S::inherit_limits>, "false: the limits of [accept] that the base states do not count"},
 };
 // clang-format on
 
@@ -249,6 +250,13 @@ void check_pair(const Field &field, const Node &value)
     }
 }
 
+void check_boolean(const Field &field, const Node &value)
+{
+    if (value.kind != Node::Kind::boolean) {
+        wrong(field, value, std::string("is ") + kind_name(value));
+    }
+}
+
 bool is_printable(const std::string &text)
 {
     return std::none_of(text.begin(), text.end(),
@@ -334,6 +342,7 @@ std::string Field::allowed() const
                           [&](const double *) { return std::string(range); },
                           [&](const int *) { return "a whole number, " + range; },
                           [&](const unsigned *) { return "a whole number, " + range; },
+                          [&](const bool *) { return std::string("true or false"); },
                           [&](const std::string *) {
                               return fmt::format("a string of {} to {} characters", min, max);
                           },
@@ -423,6 +432,7 @@ void check_value(const Field &field, const Node &value)
                    [&](const double *) { check_real(field, value); },
                    [&](const int *) { check_whole(field, value); },
                    [&](const unsigned *) { check_whole(field, value); },
+                   [&](const bool *) { check_boolean(field, value); },
                    [&](const std::string *) { check_string(field, value); },
                    [&](const std::array<double, 2> *) { check_pair(field, value); },
                    [&](const DriveMode *any) { check_choice(field, value, words_of(any)); },
@@ -438,6 +448,7 @@ void apply_value(const Field &field, const Node &value, Config &config)
                    [&](double *place) { *place = value.number(); },
                    [&](int *place) { *place = static_cast<int>(value.integer); },
                    [&](unsigned *place) { *place = static_cast<unsigned>(value.integer); },
+                   [&](bool *place) { *place = value.boolean; },
                    [&](std::string *place) { *place = value.text; },
                    [&](std::array<double, 2> *place) {
                        *place = {value.items[0].number(), value.items[1].number()};

@@ -23,8 +23,8 @@ enum class FileKind {
 
 const char *kind_name(FileKind kind);
 
-using Target = std::variant<double *, int *, unsigned *, std::string *, std::array<double, 2> *,
-                            DriveMode *, ControlMethod *, AngleSource *>;
+using Target = std::variant<double *, int *, unsigned *, bool *, std::string *,
+                            std::array<double, 2> *, DriveMode *, ControlMethod *, AngleSource *>;
 
 struct Field {
     const char *section;

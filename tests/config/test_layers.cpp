@@ -127,6 +127,69 @@ void a_position_scenario_commands_positions()
     TEST_ASSERT_EQUAL_DOUBLE(9.42, load().scenario.command[0].value);
 }
 
+// Rated are 1800 rpm and 7.8 N·m.
+void shares_of_rated_speed_and_torque_are_those_of_the_motor_in_force()
+{
+    const Folder folder;
+    const std::vector<std::string> shares = {
+        "scenario.command=[{time_s = 0, speed_pct = -50}, {time_s = 0.5, speed_rpm = 100}]",
+        "scenario.load=[{time_s = 0, torque_pct = 150}, {time_s = 0.5, torque_nm = 3}]"};
+    const nf::ScenarioSettings own = load({}, shares).scenario;
+    TEST_ASSERT_EQUAL_DOUBLE(-900.0, own.command[0].value);
+    TEST_ASSERT_EQUAL_DOUBLE(100.0, own.command[1].value);
+    TEST_ASSERT_EQUAL_DOUBLE(11.7, own.load[0].value);
+    TEST_ASSERT_EQUAL_DOUBLE(3.0, own.load[1].value);
+    const nf::ScenarioSettings other =
+        load({}, {shares[0], shares[1], "motor.rated_speed_rpm=1000", "motor.rated_torque_nm=2"})
+            .scenario;
+    TEST_ASSERT_EQUAL_DOUBLE(-500.0, other.command[0].value);
+    TEST_ASSERT_EQUAL_DOUBLE(3.0, other.load[0].value);
+}
+
+std::string notes_with(const std::vector<std::string> &set)
+{
+    std::string all;
+    for (const std::string &note : load({}, set).scenario.notes) {
+        all += note + '\n';
+    }
+    return all;
+}
+
+void a_command_beyond_the_motors_speed_is_noted()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING("", notes_with({"motor.max_speed_rpm=1000"}).c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "scenarios/s.toml:8: scenario.command.speed_rpm = 1000: the drive turns no faster than "
+        "motor.max_speed_rpm = 999 rpm (--set)\n",
+        notes_with({"motor.max_speed_rpm=999"}).c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: scenario.command.speed_pct = -120: the drive turns no faster than "
+        "motor.max_speed_rpm = 2000 rpm (motors/m.toml:10), 111.1 % of motor.rated_speed_rpm\n",
+        notes_with({"scenario.command=[{time_s = 0, speed_pct = -120}]"}).c_str());
+    folder.edit("scenarios/s.toml",
+                "\"speed\"\nduration_s = 1\ncommand = [{time_s = -0.1, "
+                "speed_rpm = 0}, {time_s = 0.2, speed_rpm = 1000}]",
+                "\"position\"\nduration_s = 1\ncommand = [{time_s = 0.3, position_rad = 9000}]");
+    TEST_ASSERT_EQUAL_STRING("", notes_with({}).c_str());
+}
+
+// The last tick that acts is one PWM period of 0.1 ms before the end.
+void a_step_that_comes_too_late_is_noted()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: scenario.load.time_s = 1: never acts, the run ends before: scenario.duration_s = 1 "
+        "s (scenarios/s.toml:7)\n",
+        notes_with(
+            {"scenario.load=[{time_s = 0.9999, torque_nm = 1}, {time_s = 1, torque_nm = 2}]"})
+            .c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "scenarios/s.toml:8: scenario.command.time_s = 0.2: never acts, the run ends before: "
+        "scenario.duration_s = 0.1 s (--set)\n",
+        notes_with({"scenario.duration_s=0.1"}).c_str());
+}
+
 const char *const DERIVED = "base = \"s\"\n"
                             "tuning = \"t\"\n"
                             "[scenario]\n"
@@ -151,6 +214,24 @@ void a_scenario_overrides_its_base_key_by_key()
 }
 
 // 2^8 samples and the tick before them, at 10 kHz.
+void a_scenario_can_do_without_the_limits_of_its_base()
+{
+    const Folder folder;
+    folder.write("scenarios/d.toml",
+                 std::string(DERIVED).replace(std::string(DERIVED).find("title"), 0,
+                                              "inherit_limits = false\n"));
+    const nf::ScenarioSettings s = nf::load_scenario("d").scenario;
+    TEST_ASSERT_EQUAL_DOUBLE(7.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
+    TEST_ASSERT_FALSE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_NULL(s.limits("hot"));
+    const nf::ScenarioSettings none =
+        nf::load_scenario("s", {}, {"scenario.inherit_limits=false"}).scenario;
+    TEST_ASSERT_NULL(none.limits("ideal"));
+    const nf::ScenarioSettings all =
+        nf::load_scenario("s", {}, {"scenario.inherit_limits=true"}).scenario;
+    TEST_ASSERT_TRUE(all.limits("ideal")->must_lock);
+}
+
 void without_a_prelude_the_drive_calibrates_before_t_0()
 {
     const Folder folder;
@@ -218,6 +299,10 @@ int main()
     RUN_TEST(a_scenario_has_its_command_load_and_limits);
     RUN_TEST(a_position_scenario_commands_positions);
     RUN_TEST(a_scenario_overrides_its_base_key_by_key);
+    RUN_TEST(a_scenario_can_do_without_the_limits_of_its_base);
+    RUN_TEST(shares_of_rated_speed_and_torque_are_those_of_the_motor_in_force);
+    RUN_TEST(a_command_beyond_the_motors_speed_is_noted);
+    RUN_TEST(a_step_that_comes_too_late_is_noted);
     RUN_TEST(without_a_prelude_the_drive_calibrates_before_t_0);
     RUN_TEST(a_selection_has_one_name_in_any_order);
     RUN_TEST(a_path_is_relative_to_the_file_that_names_it);

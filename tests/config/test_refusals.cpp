@@ -449,10 +449,10 @@ void command_and_load_are_checked_entry_by_entry()
     const Case cases[] = {
         {"scenarios/s.toml", "speed_rpm = 1000", "position_rad = 1",
          "scenarios/s.toml:8: scenario.command.position_rad = 1: unknown key; allowed: time_s, "
-         "speed_rpm"},
+         "speed_rpm, speed_pct"},
         {"scenarios/s.toml", ", speed_rpm = 1000", "",
          "scenarios/s.toml:8: scenario.command.speed_rpm: is missing; allowed: -200000 to 200000 "
-         "rpm"},
+         "rpm, or speed_pct"},
         {"scenarios/s.toml", "time_s = 0.2", "time_s = -0.1",
          "scenarios/s.toml:8: scenario.command.time_s = -0.1: does not rise; allowed: more than "
          "-0.1 s"},
@@ -523,6 +523,56 @@ void requests_are_checked_word_by_word()
          "scenarios/s.toml:12: scenario.request.time_s = 1: does not rise; allowed: more than 1 s"},
     };
     expect_all(cases);
+}
+
+// The base's, the file's own or an override's: what is asked for has to happen.
+void a_fault_or_request_after_the_end_is_refused()
+{
+    const Case cases[] = {
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.fault]]\ntime_s = 1.5\nwhat = \"adc_a_high\"\n[accept.ideal]",
+         "scenarios/s.toml:10: scenario.fault.time_s = 1.5: is not before the end of the run; "
+         "allowed: less than scenario.duration_s = 1 s (scenarios/s.toml:7)"},
+        {"scenarios/s.toml", "[accept.ideal]",
+         "[[scenario.request]]\ntime_s = 1\nrun = false\n[accept.ideal]",
+         "scenarios/s.toml:10: scenario.request.time_s = 1: is not before the end of the run; "
+         "allowed: less than scenario.duration_s = 1 s (scenarios/s.toml:7)"},
+    };
+    expect_all(cases);
+    const char *const fault = "scenario.fault=[{time_s = 0.9999, what = 'late_isr'}]";
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {fault}).c_str());
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {fault, "scenario.duration_s=2"}).c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: scenario.fault.time_s = 0.9999: is not before the end of the run; allowed: less "
+        "than scenario.duration_s = 0.5 s (--set)",
+        refusal({}, {fault, "scenario.duration_s=0.5"}).c_str());
+    try { // parts alone have no end
+        nf::load_parts("m", "b", "t", {}, {fault});
+    } catch (const nf::ConfigError &error) {
+        TEST_FAIL_MESSAGE(error.what());
+    }
+}
+
+void an_entry_holds_one_value_in_si_or_percent()
+{
+    const Folder folder;
+    const std::pair<const char *, const char *> cases[] = {
+        {"scenario.command=[{time_s = 0, speed_pct = 5, speed_rpm = 3}]",
+         "scenario.command.speed_pct = 5: stands beside speed_rpm; allowed: one of both"},
+        {"scenario.command=[{time_s = 0}]", "scenario.command.speed_rpm: is missing; allowed: "
+                                            "-200000 to 200000 rpm, or speed_pct"},
+        {"scenario.command=[{time_s = 0, speed_pct = 201}]",
+         "scenario.command.speed_pct = 201: is too large; allowed: -200 to 200 %"},
+        {"scenario.load=[{time_s = 0, torque_pct = \"half\"}]",
+         "scenario.load.torque_pct = \"half\": is a string; allowed: -300 to 300 %"},
+        {"scenario.inherit_limits=0",
+         "scenario.inherit_limits = 0: is a whole number; allowed: true or false"},
+    };
+    for (const auto &[set, message] : cases) {
+        TEST_ASSERT_EQUAL_STRING((std::string("--set: ") + message).c_str(),
+                                 refusal({}, {set}).c_str());
+    }
 }
 
 void lists_can_be_overridden()
@@ -649,6 +699,8 @@ int main()
     RUN_TEST(command_and_load_are_checked_entry_by_entry);
     RUN_TEST(faults_are_checked_word_by_word);
     RUN_TEST(requests_are_checked_word_by_word);
+    RUN_TEST(a_fault_or_request_after_the_end_is_refused);
+    RUN_TEST(an_entry_holds_one_value_in_si_or_percent);
     RUN_TEST(lists_can_be_overridden);
     RUN_TEST(accepted_limits_name_known_metrics_and_sets);
     RUN_TEST(a_base_is_checked_like_the_scenario_itself);

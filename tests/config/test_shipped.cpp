@@ -60,8 +60,10 @@ void every_shipped_imperfection_fits_the_firmware()
 void every_shipped_scenario_fits_the_firmware()
 {
     for (const nf::ScenarioInfo &info : nf::list_scenarios()) {
-        const drive_cfg_t cfg = nf::build(nf::load_scenario(info.id));
+        const nf::Config config = nf::load_scenario(info.id);
+        const drive_cfg_t cfg = nf::build(config);
         TEST_ASSERT_NULL(params_check(&cfg));
+        TEST_ASSERT_TRUE_MESSAGE(config.scenario.notes.empty(), info.id.c_str());
     }
 }
 

@@ -1,6 +1,7 @@
 """motorsim as its users meet it: exit status, messages, files, from any folder."""
 
 import csv
+import functools
 import json
 import subprocess
 import sys
@@ -10,11 +11,13 @@ from pathlib import Path
 
 MOTORSIM = Path(sys.argv.pop(1)).resolve()
 HOLDS, BROKEN, BAD_INPUT = 0, 1, 2
+DATA = Path(__file__).resolve().parents[2] / "host_sim"
 RATED_RPM = 1800
+SETTLED_PCT = 0.5  # of the command: the metrics take a load step for recovered within as much
 ROUNDING = 1e-3  # of a parameter in the firmware's numbers
 
 METRICS = """
-scenario with set seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
+scenario with set notes seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a locked faults state_final
 gates_enabled_final parameters saturations saturation_internal_count accepted failed_limits""".split()
@@ -44,6 +47,21 @@ speed_rpm = 100
 [accept.ideal]
 angle_error_max_deg = {angle}
 """
+
+
+def fits(motor, board):
+    """Whether the configuration takes both: currents, voltage and PWM of the board are enough."""
+    done = subprocess.run([MOTORSIM, "run", "any", "--set", f"motor={motor}", "--set",
+                           f"board={board}", "--set", "scenario.duration_s=0.001", "--json", "-"],
+                          text=True, capture_output=True, check=False)
+    return done.returncode != BAD_INPUT
+
+
+@functools.cache
+def pairs_that_fit():
+    motors, boards = ([path.stem for path in sorted((DATA / kind).glob("*.toml"))]
+                      for kind in ("motors", "boards"))
+    return [(motor, board) for motor in motors for board in boards if fits(motor, board)]
 
 
 class MotorsimTest(unittest.TestCase):
@@ -127,6 +145,51 @@ class Limits(MotorsimTest):
     def test_the_table_shows_values_and_limits(self):
         done = self.assert_status(HOLDS, "run", "s1")
         self.assertRegex(done.stdout, r"speed_error_max_pct +0\.\d+ +0\.5  ok")
+
+
+class Notes(MotorsimTest):
+    def test_what_will_not_happen_as_written_is_told_in_both_forms(self):
+        late = ("--set", "scenario.load=[{time_s = 3, torque_nm = 1}]")
+        note = self.metrics("s1", *late)["notes"]
+        self.assertEqual(len(note), 1)
+        self.assertRegex(note[0], r"^--set: scenario.load.time_s = 3: never acts, .*s1.toml:\d+\)$")
+        self.assertIn(note[0] + "\n", self.motorsim("run", "s1", *late).stdout)
+
+
+class AnyMotor(MotorsimTest):
+    """The scenario `any` takes every motor to the board that fits it."""
+
+    def test_every_shipped_motor_holds(self):
+        for motor, board in pairs_that_fit():
+            for sets in ((), ("--with", "adc", "--with", "hot", "--with", "saturated")):
+                with self.subTest(motor=motor, board=board, sets=sets):
+                    self.assert_status(HOLDS, "run", "any", "--set", f"motor={motor}", "--set",
+                                       f"board={board}", *sets)
+
+    def test_every_shipped_motor_has_a_board_that_fits(self):
+        motors = {path.stem for path in (DATA / "motors").glob("*.toml")}
+        self.assertEqual({motor for motor, _ in pairs_that_fit()}, motors)
+
+    def test_a_motor_of_ones_own_needs_three_lines(self):
+        (self.folder / "mine").mkdir()
+        shipped = (DATA / "motors" / "teknic_m2310p.toml").read_text(encoding="utf-8")
+        (self.folder / "mine" / "motor.toml").write_text(shipped, encoding="utf-8")
+        own = self.folder / "mine" / "run.toml"
+        own.write_text('base = "any"\nmotor = "motor.toml"\nboard = "frdm_mc_lvpmsm"\n',
+                       encoding="utf-8")
+        shared = ("any", "--set", "motor=teknic_m2310p", "--set", "board=frdm_mc_lvpmsm")
+        mine, theirs = self.metrics(own), self.metrics(*shared)
+        self.assertTrue(mine["accepted"])
+        for key in ("scenario", "set"):
+            del mine[key], theirs[key]
+        self.assertEqual(mine, theirs)
+
+    def test_the_rated_speed_is_held_under_half_of_the_rated_torque(self):
+        for motor, board in pairs_that_fit():
+            with self.subTest(motor=motor, board=board):
+                held = self.metrics("any", "--set", f"motor={motor}", "--set", f"board={board}", "--set",
+                                    "scenario.evaluate_from_s=1.5", "--set", "scenario.duration_s=1.7")
+                self.assertLess(held["command_error_settled_pct"], SETTLED_PCT)
 
 
 class Determinism(MotorsimTest):
