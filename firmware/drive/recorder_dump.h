@@ -23,7 +23,7 @@
 #include <stdint.h>
 
 #define RECORDER_MAGIC (0x4452464EU) /* "NFRD" */
-#define RECORDER_VERSION (1U)
+#define RECORDER_VERSION (2U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
 #define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U)) /* less its end */
@@ -31,12 +31,15 @@
 #define RECORDER_BUILD_WORDS (5U) /* 20 bytes: a GNU build-id */
 #define RECORDER_NAME_WORDS (24U)
 
-/* What the frames do not say. The scales give the integers their units; none acts on the replay. */
+/*
+ * What the frames do not say. The scales give the integers their units; none acts on the replay. Each is a fact of motor or
+ * board in a unit that fits 32 bits over the whole range of its key, as the comment says.
+ */
 typedef struct {
-    uint32_t tick_ns;
-    uint32_t current_full_scale_ma; /* ± */
-    uint32_t bus_full_scale_mv;
-    uint32_t step_per_rpm_q16; /* advance of the electrical angle in a tick, 2^32 = one turn */
+    uint32_t tick_ps;                     /* 10^7…5·10^8: 100…2 kHz */
+    uint32_t current_full_scale_ua;       /* ±, 0.1…2000 A */
+    uint32_t bus_full_scale_uv;           /* 5…2000 V */
+    uint32_t pole_pairs;                  /* 1…50 */
     uint32_t build[RECORDER_BUILD_WORDS]; /* of the image; zeros: the simulator */
     uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, zeros behind */
 } recorder_about_t;

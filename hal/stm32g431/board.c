@@ -13,7 +13,6 @@ _Static_assert(HAL_ADC_SAMPLING_NS <= 1100U,
 
 const board_t BOARD = {
     .timer_counts = HAL_TIMER_COUNTS,
-    .tick_ns = (HAL_TIMER_COUNTS * 2000U) / (BOARD_CLOCK_HZ / 1000000U),
     .dead_time_ticks = HAL_DEAD_TIME_TICKS,
     .adc_sampling_ns = HAL_ADC_SAMPLING_NS,
     .amplifier_zero = HAL_AMPLIFIER_ZERO,
@@ -21,9 +20,13 @@ const board_t BOARD = {
     .pga_gain = HAL_PGA_GAIN,
     .trip_count = HAL_TRIP_COUNT,
     .trip_below = HAL_TRIP_BELOW,
-    .current_full_scale_ma = HAL_CURRENT_FULL_SCALE_MA,
-    .bus_full_scale_mv = HAL_BUS_FULL_SCALE_MV,
-    .step_per_rpm_q16 = HAL_STEP_PER_RPM_Q16,
+    .current_full_scale_ua = HAL_CURRENT_FULL_SCALE_UA,
+    .bus_full_scale_uv = HAL_BUS_FULL_SCALE_UV,
+    .rotation =
+        {
+            .pole_pairs = HAL_POLE_PAIRS,
+            .tick_ps = (uint32_t)((HAL_TIMER_COUNTS * 2000000ULL) / (BOARD_CLOCK_HZ / 1000000U)),
+        },
     .speed_max_rpm = HAL_SPEED_MAX_RPM,
     .temperature_zero_mc = HAL_TEMPERATURE_ZERO_MC,
     .temperature_span_mc = HAL_TEMPERATURE_SPAN_MC,

@@ -7,6 +7,8 @@
 #ifndef BOARD_H
 #define BOARD_H
 
+#include "units.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,7 +17,6 @@
 
 typedef struct {
     uint32_t timer_counts;          /* of half a PWM period */
-    uint32_t tick_ns;               /* a PWM period */
     uint32_t dead_time_ticks;       /* of the timer's clock */
     uint32_t adc_sampling_ns;       /* sample switch closed at least as long, shunts */
     uint32_t amplifier_zero;        /* converter counts without current */
@@ -23,9 +24,9 @@ typedef struct {
     uint32_t pga_gain;              /* of the operational amplifiers: 1, 2, 4, 8, 16, 32, 64 */
     uint32_t trip_count;            /* of 4096 of the reference, at the comparators' input */
     bool trip_below;                /* over-current is below that level, not above */
-    uint32_t current_full_scale_ma; /* ± */
-    uint32_t bus_full_scale_mv;
-    uint32_t step_per_rpm_q16; /* advance of the electrical angle in a tick, 2^32 = one turn */
+    uint32_t current_full_scale_ua; /* ± */
+    uint32_t bus_full_scale_uv;
+    units_rotation_t rotation;
     int32_t speed_max_rpm;
     int32_t temperature_zero_mc; /* m°C at count 0 */
     int32_t temperature_span_mc; /* from there to full scale, 4096 counts; within ±500 °C */

@@ -6,12 +6,14 @@
 #include "reset.h"
 #include "sensing.h"
 #include "uart.h"
+#include "units.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 
+#define Q14_ONE (16384)
 #define Q15_ONE (32768)
-#define HEAT_BASE (2000U)       /* a Q14 of 1 is this many tenths of a per cent as Q15 */
+#define HEAT_BASE (1000000U)    /* of which thousandths are tenths of a per cent */
 #define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
 
 void console_say(console_t *console, const char *line)
@@ -20,19 +22,14 @@ void console_say(console_t *console, const char *line)
     text_add(&console->out, "\r\n");
 }
 
-/* Q15 of a base in thousandths of its unit. */
-static int32_t in_thousandths(int32_t value_q15, uint32_t base)
-{
-    const int64_t product = (int64_t)value_q15 * (int64_t)base;
-
-    return (int32_t)(product / Q15_ONE);
-}
-
 static int32_t in_rpm(step_t speed)
 {
-    const int64_t scaled = (int64_t)speed * 65536;
+    return units_rpm(&BOARD.rotation, speed);
+}
 
-    return (int32_t)(scaled / (int64_t)BOARD.step_per_rpm_q16);
+static int32_t in_mv(int32_t bus_q15)
+{
+    return units_thousandths(bus_q15, Q15_ONE, BOARD.bus_full_scale_uv);
 }
 
 static void add_quantity(text_t *text, const char *name, int32_t value, uint32_t decimals)
@@ -45,23 +42,24 @@ static void add_quantity(text_t *text, const char *name, int32_t value, uint32_t
 static void add_current(text_t *text, const char *name, uint16_t count)
 {
     const int32_t above_zero = (int32_t)count - (int32_t)SENSING_MIDDLE;
-    const int32_t full_scale_ma = (int32_t)BOARD.current_full_scale_ma;
+    const uint32_t full_scale_ua = BOARD.current_full_scale_ua;
 
-    add_quantity(text, name, (above_zero * full_scale_ma) / (int32_t)SENSING_MIDDLE, 3U);
+    add_quantity(text, name, units_thousandths(above_zero, (int32_t)SENSING_MIDDLE, full_scale_ua),
+                 3U);
 }
 
 /* Value or limit of a fault with its unit. */
 static void add_measure(text_t *text, const char *name, fault_unit_t unit, int32_t value)
 {
-    const uint32_t current_ma = BOARD.current_full_scale_ma * CURRENT_BASE_RATIO;
+    const uint32_t current_ua = BOARD.current_full_scale_ua * CURRENT_BASE_RATIO;
 
     switch (unit) {
     case FAULT_UNIT_CURRENT:
-        add_quantity(text, name, in_thousandths(value, current_ma), 3U);
+        add_quantity(text, name, units_thousandths(value, Q15_ONE, current_ua), 3U);
         text_add(text, " A");
         break;
     case FAULT_UNIT_VOLTAGE:
-        add_quantity(text, name, in_thousandths(value, BOARD.bus_full_scale_mv), 3U);
+        add_quantity(text, name, in_mv(value), 3U);
         text_add(text, " V");
         break;
     case FAULT_UNIT_SPEED:
@@ -69,7 +67,7 @@ static void add_measure(text_t *text, const char *name, fault_unit_t unit, int32
         text_add(text, " rpm");
         break;
     case FAULT_UNIT_HEAT:
-        add_quantity(text, name, in_thousandths(value, HEAT_BASE), 1U);
+        add_quantity(text, name, units_thousandths(value, Q14_ONE, HEAT_BASE), 1U);
         text_add(text, " %");
         break;
     default: /* NONE, WORD */
@@ -121,7 +119,7 @@ static void show_status(console_t *console)
     add_current(out, " rpm, phases ", app->in.adc_ia);
     add_current(out, " ", app->in.adc_ib);
     add_current(out, " ", console->hal->phase_c);
-    add_quantity(out, " A, bus ", in_thousandths(drive->signals.bus, BOARD.bus_full_scale_mv), 3U);
+    add_quantity(out, " A, bus ", in_mv(drive->signals.bus), 3U);
     add_quantity(out, " V, ", console->temperature_c, 0U);
     add_quantity(out, " C, late ", (int32_t)console->hal->overruns, 0U);
     add_quantity(out, ", load ", (int32_t)load_pct, 0U);
@@ -167,15 +165,6 @@ static void stop(console_t *console)
     console_say(console, "ok");
 }
 
-/* Rounded to the nearest step. */
-static int32_t step_of(int32_t rpm)
-{
-    const int64_t product = (int64_t)rpm * (int64_t)BOARD.step_per_rpm_q16;
-    const int64_t half = (product < 0) ? -32768 : 32768;
-
-    return (int32_t)((product + half) / 65536);
-}
-
 static void set_speed(console_t *console, const char *argument)
 {
     volatile drive_command_t *const command = &console->app->command;
@@ -183,7 +172,7 @@ static void set_speed(console_t *console, const char *argument)
     const bool good = text_to_number(argument, &rpm);
 
     if (good && (rpm >= -BOARD.speed_max_rpm) && (rpm <= BOARD.speed_max_rpm)) {
-        command->target = step_of(rpm);
+        command->target = units_step(&BOARD.rotation, rpm);
         console->speed_rpm = rpm;
         console_say(console, "ok");
     } else {
@@ -248,10 +237,10 @@ static void start_dump(console_t *console)
 {
     const app_t *const app = console->app;
     recorder_about_t about = {
-        .tick_ns = BOARD.tick_ns,
-        .current_full_scale_ma = BOARD.current_full_scale_ma,
-        .bus_full_scale_mv = BOARD.bus_full_scale_mv,
-        .step_per_rpm_q16 = BOARD.step_per_rpm_q16,
+        .tick_ps = BOARD.rotation.tick_ps,
+        .current_full_scale_ua = BOARD.current_full_scale_ua,
+        .bus_full_scale_uv = BOARD.bus_full_scale_uv,
+        .pole_pairs = BOARD.rotation.pole_pairs,
     };
 
     recorder_about_name(&about, BOARD_NAME);

@@ -14,11 +14,11 @@ namespace
 
 constexpr double NS = 1e-9;
 constexpr double MILLI = 1e-3;
+constexpr double MICRO = 1e-6;
 // No half bridge switches faster.
 constexpr double DEAD_TIME_MIN_NS = 10.0;
 // A product of decimals may lie this share above the whole number that it is.
 constexpr double PRODUCT_ERROR = 1e-9;
-constexpr double Q16 = 65536.0;
 constexpr double DAC_COUNTS = 4096.0;
 // Two statements of one scale, each rounded by hand, agree within this share.
 constexpr double SCALE_TOLERANCE = 0.02;
@@ -159,9 +159,10 @@ void check_trip(const Config &config)
     need(trip_a * rise_per_ampere >= RISE_MIN_V, config, "board.trip_a", trip_a,
          "is within offset and hysteresis of the comparator",
          fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
-    need(level > 0 && level < hal.adc_reference_v, config, "board.trip_a", trip_a,
-         fmt::format("needs a comparator level of {:.3g} V", level),
-         fmt::format("a current for which it is within 0 to {:g} V", hal.adc_reference_v));
+    const double largest = hal.adc_reference_v * (DAC_COUNTS - 1) / DAC_COUNTS;
+    need(level > 0 && level <= largest, config, "board.trip_a", trip_a,
+         fmt::format("needs a comparator level of {:.4g} V", level),
+         fmt::format("a current for which it is within 0 to {:.4g} V", largest));
 }
 
 // One line `#define HAL_NAME (value) /* meaning */`.
@@ -198,9 +199,9 @@ std::string sensing_lines(const Config &config)
                   fmt::format("counts without current, {:g} V", hal.amplifier_zero_v)) +
            flag("AMPLIFIER_INVERTS", hal.amplifier_gain < 0, "current into the motor counts down") +
            define("PGA_GAIN", hal.pga_gain, "U", "hal.pga_gain") +
-           define("CURRENT_FULL_SCALE_MA", config.board.current_full_scale_a / MILLI, "U",
+           define("CURRENT_FULL_SCALE_UA", config.board.current_full_scale_a / MICRO, "U",
                   "board.current_full_scale_a") +
-           define("BUS_FULL_SCALE_MV", config.board.bus_full_scale_v / MILLI, "U",
+           define("BUS_FULL_SCALE_UV", config.board.bus_full_scale_v / MICRO, "U",
                   "board.bus_full_scale_v");
 }
 
@@ -226,9 +227,7 @@ std::string temperature_lines(const BoardSettings &board)
 
 std::string speed_lines(const Config &config)
 {
-    const Bases bases = make_bases(config.motor, config.board);
-    return define("STEP_PER_RPM_Q16", bases.step_from_rpm(1.0) * Q16, "U",
-                  "advance of the electrical angle in a tick, 2^32 = one turn") +
+    return define("POLE_PAIRS", config.motor.pole_pairs, "U", "motor.pole_pairs") +
            define("SPEED_MAX_RPM", std::floor(config.motor.max_speed_rpm), "",
                   "motor.max_speed_rpm");
 }
@@ -254,6 +253,7 @@ std::string make_hal_header(const Config &config)
     check_timing(config);
     check_scales(config);
     check_trip(config);
+    (void)build(config); // a binding is for a drive that the firmware takes
     return fmt::format(
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
         "again. */\n"

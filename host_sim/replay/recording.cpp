@@ -1,5 +1,6 @@
 #include "recording.h"
 
+#include "schema.h"
 #include "state_check.h"
 
 extern "C" {
@@ -12,6 +13,7 @@ extern "C" {
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -23,8 +25,13 @@ namespace
 constexpr std::size_t WORD_BYTES = sizeof(uint32_t);
 constexpr std::size_t CONFIG_WORDS = sizeof(drive_cfg_t) / WORD_BYTES;
 constexpr std::size_t ENTRY_WORDS = sizeof(recorder_entry_t) / WORD_BYTES;
-constexpr uint32_t SCALE_MAX = 1000000000;
-constexpr int POLE_PAIRS_MAX = 50;
+// Of a scale, in its own unit. A board rounds its tick to its timer's counts: wider than the key's range.
+struct Scale {
+    const char *name;
+    uint32_t value;
+    uint32_t min;
+    uint32_t max;
+};
 
 template <typename... Arguments>
 [[noreturn]] void refuse(fmt::format_string<Arguments...> format, Arguments &&...arguments)
@@ -35,7 +42,8 @@ template <typename... Arguments>
 void check_sizes(const recorder_header_t &h, std::size_t words)
 {
     if (h.version != RECORDER_VERSION) {
-        refuse("format version {}, this program reads {}", h.version, RECORDER_VERSION);
+        refuse("of another firmware: its format is version {}, this program reads version {}",
+               h.version, RECORDER_VERSION);
     }
     if (h.config_words != CONFIG_WORDS) {
         refuse("of another firmware: its configuration has {} words, this one's {}", h.config_words,
@@ -57,10 +65,15 @@ void check_sizes(const recorder_header_t &h, std::size_t words)
 
 void check_scales(const recorder_about_t &about)
 {
-    for (const uint32_t scale : {about.tick_ns, about.current_full_scale_ma,
-                                 about.bus_full_scale_mv, about.step_per_rpm_q16}) {
-        if (scale < 1 || scale > SCALE_MAX) {
-            refuse("one of its scales is {}, allowed are 1 to {}", scale, SCALE_MAX);
+    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
+    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
+    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
+                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
+                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
+                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
+        if (scale.value < scale.min || scale.value > scale.max) {
+            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
+                   scale.max);
         }
     }
 }
@@ -136,26 +149,19 @@ void take_frames(Recording &recording, const uint32_t *words)
 
 Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
 {
-    constexpr double NANO = 1e-9;
-    constexpr double MILLI = 1e-3;
+    constexpr double PICO = 1e-12;
+    constexpr double MICRO = 1e-6;
     constexpr double Q15 = 32768.0;
-    constexpr double Q16 = 65536.0;
     constexpr double STEPS_PER_TURN = 4294967296.0;
     constexpr double TWO_PI = 6.28318530717958647693;
-    constexpr double S_PER_MIN = 60.0;
     Bases b{};
-    b.control_period_s = about.tick_ns * NANO;
-    b.current_a = 2 * about.current_full_scale_ma * MILLI;
-    b.voltage_v = about.bus_full_scale_mv * MILLI;
+    b.control_period_s = about.tick_ps * PICO;
+    b.current_a = 2.0 * about.current_full_scale_ua * MICRO;
+    b.voltage_v = about.bus_full_scale_uv * MICRO;
+    b.pole_pairs = static_cast<int>(about.pole_pairs);
     b.speed_shift = static_cast<int>(cfg.speed_shift);
     b.speed_el_rad_s =
         std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
-    const double turns_per_rpm = about.step_per_rpm_q16 / Q16 / STEPS_PER_TURN;
-    const double pairs = std::round(turns_per_rpm * S_PER_MIN / b.control_period_s);
-    if (pairs < 1 || pairs > POLE_PAIRS_MAX) {
-        refuse("its scales make {:g} pole pairs, allowed are 1 to {}", pairs, POLE_PAIRS_MAX);
-    }
-    b.pole_pairs = static_cast<int>(pairs);
     return b;
 }
 

@@ -20,25 +20,22 @@ uint32_t rounded(double value)
     return static_cast<uint32_t>(std::llround(value));
 }
 
-// In the units of a board's firmware (hal_header.cpp).
+} // namespace
+
 recorder_about_t about(const Config &config)
 {
-    constexpr double NANO = 1e-9;
-    constexpr double MILLI = 1e-3;
-    constexpr double Q16 = 65536.0;
-    const Bases bases = make_bases(config.motor, config.board);
+    constexpr double PICO = 1e-12;
+    constexpr double MICRO = 1e-6;
     recorder_about_t about{};
-    about.tick_ns = rounded(bases.control_period_s / NANO);
-    about.current_full_scale_ma = rounded(config.board.current_full_scale_a / MILLI);
-    about.bus_full_scale_mv = rounded(config.board.bus_full_scale_v / MILLI);
-    about.step_per_rpm_q16 = rounded(bases.step_from_rpm(1.0) * Q16);
+    about.tick_ps = rounded(1 / config.board.pwm_frequency_hz / PICO);
+    about.current_full_scale_ua = rounded(config.board.current_full_scale_a / MICRO);
+    about.bus_full_scale_uv = rounded(config.board.bus_full_scale_v / MICRO);
+    about.pole_pairs = static_cast<uint32_t>(config.motor.pole_pairs);
     recorder_about_name(&about, fmt::format("neurofoc: {}, {}, {}", config.motor.name,
                                             config.board.name, config.tuning.name)
                                     .c_str());
     return about;
 }
-
-} // namespace
 
 Writer::Writer(const Config &config)
     : about_(about(config)),

@@ -14,6 +14,9 @@ extern "C" {
 namespace nf::replay
 {
 
+// What a recording of this motor and board says of them, in the units of a board's firmware.
+recorder_about_t about(const Config &config);
+
 class Writer : public TickSink
 {
 public:

@@ -10,6 +10,7 @@
 #include "reset.h"
 #include "sensing.h"
 #include "uart.h"
+#include "units.h"
 
 #include <string.h>
 
@@ -17,7 +18,6 @@
 #define POST_TICKS (8U)
 #define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
 #define TICKS_OF_A_BYTE (16U)
-#define TARGET_ROUNDING (1)
 
 const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
 
@@ -145,8 +145,7 @@ static void tick(void)
 
 static void console_holds(void)
 {
-    const int64_t highest =
-        (((int64_t)BOARD.speed_max_rpm * BOARD.step_per_rpm_q16) / 65536) + TARGET_ROUNDING;
+    const int64_t highest = units_step(&BOARD.rotation, BOARD.speed_max_rpm);
     const int64_t target = app.command.target;
     const uint8_t request = app.command.request;
 

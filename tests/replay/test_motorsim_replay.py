@@ -4,6 +4,7 @@ test_motorsim_replay.py MOTORSIM
 """
 
 import base64
+import csv
 import re
 import struct
 import subprocess
@@ -53,10 +54,21 @@ class Replay(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.file = Path(folder.name) / "run.log"
+        self.trace = Path(folder.name) / "run.csv"
 
     def record(self, *arguments):
         run = motorsim("run", *arguments, "--record", self.file)
         self.assertTrue(self.file.is_file(), run.stderr)
+
+    def assert_ends_at_the_speed_of_the_trace(self):
+        """Of its last row: whole revolutions a minute, and the recording ends a tick later."""
+        run = motorsim("replay", self.file)
+        self.assertEqual(run.returncode, SAME, run.stdout + run.stderr)
+        self.assertIn("are those recorded", run.stdout)
+        with self.trace.open() as rows:
+            last = list(csv.DictReader(rows))[-1]
+        speed = float(re.search(r"ends in \w+, speed (-?\d+) rpm", run.stdout)[1])
+        self.assertAlmostEqual(speed, float(last["speed_estimated_rpm"]), delta=1.0)
 
     def stepped(self, commands):
         script = self.file.with_name("script")
@@ -70,6 +82,26 @@ class Replay(unittest.TestCase):
         self.assertEqual(run.returncode, SAME, run.stdout)
         self.assertIn("ends in RUN", run.stdout)
         self.assertIn("are those recorded", run.stdout)
+
+    def test_every_shipped_motor_replays_at_the_speed_that_it_ran_at(self):
+        for scenario in ("s1", "s1_motor_b", "s1_odrive_d5065", "s1_teknic_m2310p"):
+            with self.subTest(scenario):
+                self.record(scenario, "--set", "scenario.duration_s=0.2",
+                            "--set", "scenario.evaluate_from_s=0", "--trace", self.trace)
+                self.assert_ends_at_the_speed_of_the_trace()
+
+    def test_many_pole_pairs_at_a_low_pwm_frequency_replay_at_the_speed_that_they_ran_at(self):
+        for pole_pairs in (15, 16, 24):
+            with self.subTest(pole_pairs):
+                self.record("s1_robust", "--set", f"motor.pole_pairs={pole_pairs}",
+                            "--set", "motor.flux_linkage_wb=0.18",
+                            "--set", "motor.inertia_kg_m2=0.02",
+                            "--set", "motor.max_speed_rpm=300", "--set", "motor.rated_speed_rpm=250",
+                            "--set", "position_loop.speed_rpm=250",
+                            "--set", "scenario.command=[{time_s = 0.0, speed_rpm = 250.0}]",
+                            "--set", "scenario.duration_s=0.2",
+                            "--set", "scenario.evaluate_from_s=0", "--trace", self.trace)
+                self.assert_ends_at_the_speed_of_the_trace()
 
     def test_the_ring_is_that_of_the_board(self):
         for entries in (256, 512, 1408):

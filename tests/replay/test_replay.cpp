@@ -3,6 +3,7 @@
 #include "reader.h"
 #include "replay.h"
 #include "scenario.h"
+#include "schema.h"
 #include "writer.h"
 
 extern "C" {
@@ -12,7 +13,9 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <string>
@@ -292,7 +295,7 @@ void what_the_header_says_is_checked()
     const uint32_t many = 0xFFFFFFFF;
     for (const Case &c : std::vector<Case>{
              {0, 0x474E5089, "no recording of a flight recorder"},
-             {1, 2, "format version 2, this program reads 1"},
+             {1, 1, "of another firmware: its format is version 1, this program reads version 2"},
              {2, 77, "its header says 77 words"},
              {3, 3, "its configuration has 3 words"},
              {4, 3, "its state has 3 words"},
@@ -300,8 +303,12 @@ void what_the_header_says_is_checked()
              {6, 3, "its first tick is 3"},
              {7, 3, "frames for the ticks"},
              {9, FAULT_COUNT, "its fault is number"},
-             {13, 0, "one of its scales is 0"},
-             {16, 1, "pole pairs"},
+             {13, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
+             {13, 1000000001, "its tick in ps is 1000000001"},
+             {14, 0, "its current scale in uA is 0"},
+             {15, 0, "its bus scale in uV is 0"},
+             {16, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
+             {16, 51, "its number of pole pairs is 51"},
          }) {
         std::vector<uint32_t> words = good;
         words[c.word] = c.value;
@@ -406,19 +413,81 @@ void another_end_is_named()
     }
 }
 
+// From the smallest to the largest that a key allows, both included.
+std::vector<double> range_of(const char *key)
+{
+    constexpr int STEPS = 60;
+    const nf::Field &field = *nf::find_field(key);
+    std::vector<double> values;
+    for (int k = 0; k <= STEPS; k++) {
+        values.push_back(field.min * std::pow(field.max / field.min, double{1} * k / STEPS));
+    }
+    return values;
+}
+
+// What a replay takes from the recording of such a motor and board.
+nf::Bases replayed_bases(const nf::Config &config)
+{
+    static const std::vector<uint32_t> good = words_of(recorded());
+    const recorder_about_t about = nf::replay::about(config);
+    std::vector<uint32_t> words = good;
+    std::memcpy(words.data() + offsetof(recorder_header_t, about) / sizeof(uint32_t), &about,
+                sizeof about);
+    return nf::replay::parse(words).run.image.bases;
+}
+
+// `found` is `expected` but for half of a unit of the scale that it was recorded in, and for the arithmetic of doubles.
+void assert_rounded_once(double expected, double found, double scale_in_units)
+{
+    constexpr double DOUBLES = 1e-14;
+    const double tolerance = expected * (0.5 / scale_in_units + DOUBLES);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, expected, found);
+}
+
+void a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies()
+{
+    nf::Config config = nf::load_scenario("s1");
+    const nf::Field &pairs = *nf::find_field("motor.pole_pairs");
+    for (int p = static_cast<int>(pairs.min); p <= static_cast<int>(pairs.max); p++) {
+        for (const double frequency_hz : range_of("board.pwm_frequency_hz")) {
+            config.motor.pole_pairs = p;
+            config.board.pwm_frequency_hz = frequency_hz;
+            const nf::Bases expected = nf::make_bases(config.motor, config.board);
+            const nf::Bases found = replayed_bases(config);
+            const double tick_ps = 1e12 / frequency_hz;
+            TEST_ASSERT_EQUAL_INT(p, found.pole_pairs);
+            assert_rounded_once(expected.control_period_s, found.control_period_s, tick_ps);
+            assert_rounded_once(expected.rpm_from_step(1), found.rpm_from_step(1), tick_ps);
+        }
+    }
+}
+
+void a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales()
+{
+    nf::Config config = nf::load_scenario("s1");
+    for (const double current_a : range_of("board.current_full_scale_a")) {
+        config.board.current_full_scale_a = current_a;
+        const double found = replayed_bases(config).current_a;
+        assert_rounded_once(nf::make_bases(config.motor, config.board).current_a, found,
+                            current_a * 1e6);
+    }
+    for (const double bus_v : range_of("board.bus_full_scale_v")) {
+        config.board.bus_full_scale_v = bus_v;
+        const double found = replayed_bases(config).voltage_v;
+        assert_rounded_once(nf::make_bases(config.motor, config.board).voltage_v, found,
+                            bus_v * 1e6);
+    }
+}
+
 void scales_are_those_of_the_configuration()
 {
     const nf::Config config = nf::load_scenario("s1");
     const nf::Bases expected = nf::make_bases(config.motor, config.board);
     const nf::Bases found = nf::replay::read(recorded()).run.image.bases;
-    // The period is whole nanoseconds, the scales thousandths, the step 1/65536 of some 14000.
-    constexpr double ROUNDING = 1e-9;
     TEST_ASSERT_EQUAL_INT(expected.pole_pairs, found.pole_pairs);
     TEST_ASSERT_EQUAL_INT(expected.speed_shift, found.speed_shift);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.control_period_s, found.control_period_s);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.current_a, found.current_a);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, expected.voltage_v, found.voltage_v);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1.0, found.rpm_from_step(expected.step_from_rpm(1.0)));
+    assert_rounded_once(expected.speed_el_rad_s, found.speed_el_rad_s,
+                        1e12 * expected.control_period_s);
 }
 
 } // namespace
@@ -452,5 +521,7 @@ int main()
     RUN_TEST(another_output_is_named_with_its_tick);
     RUN_TEST(another_end_is_named);
     RUN_TEST(scales_are_those_of_the_configuration);
+    RUN_TEST(a_recorded_speed_is_that_of_the_run_for_all_pole_pairs_and_pwm_frequencies);
+    RUN_TEST(a_recorded_current_and_voltage_are_those_of_the_run_for_all_full_scales);
     return UNITY_END();
 }

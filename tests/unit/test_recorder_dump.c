@@ -23,10 +23,10 @@ void setUp(void)
     recorded_run_ticks(&run, 3000U);
     recorded_run_fail(&run);
     recorded_run_ticks(&run, RUN_POST_TICKS + 1U);
-    about = (recorder_about_t){.tick_ns = 1U,
-                               .current_full_scale_ma = 2U,
-                               .bus_full_scale_mv = 3U,
-                               .step_per_rpm_q16 = 4U,
+    about = (recorder_about_t){.tick_ps = 1U,
+                               .current_full_scale_ua = 2U,
+                               .bus_full_scale_uv = 3U,
+                               .pole_pairs = 4U,
                                .build = {5U, 6U, 7U, 8U, 9U},
                                .name = {10U}};
     recorder_dump_start(&dump, &run.recorder, &run.cfg, &about);

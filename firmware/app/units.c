@@ -1,0 +1,56 @@
+#include "units.h"
+
+/*
+ * rpm = step / 2^32 turns / (pole_pairs · tick), and a minute is 6·10^13 ps. Without the factor 2^14 that both numbers have
+ * all products fit: |step| · 3662109375 < 2^63, and pole_pairs · tick_ps · 2^18 < 2^53.
+ */
+#define MINUTE (3662109375LL)
+#define TURN (262144LL)
+
+static int64_t clamped(int64_t value, int64_t end)
+{
+    int64_t result = value;
+
+    if (value > end) {
+        result = end;
+    } else if (value < -end) {
+        result = -end;
+    } else {
+        /* within */
+    }
+    return result;
+}
+
+/* The nearest; half is rounded away from zero. `divisor` > 0. */
+static int64_t divided(int64_t value, int64_t divisor)
+{
+    const int64_t half = (value < 0) ? -(divisor / 2) : (divisor / 2);
+
+    return (value + half) / divisor;
+}
+
+static int64_t turn_of(const units_rotation_t *rotation)
+{
+    return (int64_t)rotation->pole_pairs * (int64_t)rotation->tick_ps * TURN;
+}
+
+int32_t units_rpm(const units_rotation_t *rotation, step_t step)
+{
+    return (int32_t)divided((int64_t)step * MINUTE, turn_of(rotation));
+}
+
+/* Clamped before the product is made. */
+step_t units_step(const units_rotation_t *rotation, int32_t rpm)
+{
+    const int64_t turn = turn_of(rotation);
+    const int64_t largest = ((int64_t)INT32_MAX * MINUTE) / turn;
+
+    return (step_t)divided(clamped(rpm, largest) * turn, MINUTE);
+}
+
+int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
+{
+    const int64_t product = (int64_t)value * (int64_t)base_millionths;
+
+    return (int32_t)clamped(product / ((int64_t)one * 1000), INT32_MAX);
+}

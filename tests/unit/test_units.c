@@ -1,0 +1,144 @@
+/* Units for a person, over all that the keys of motor and board file allow. */
+#include "units.h"
+#include "unity.h"
+
+#include <math.h>
+
+#define POLE_PAIRS_MAX (50U)
+#define TICK_PS_MIN (10000000U)  /* 100 kHz */
+#define TICK_PS_MAX (500000000U) /* 2 kHz */
+#define TICKS (40U)
+#define RPM_MAX (200000)
+#define BASE_MIN (100000U)     /* 0.1 A */
+#define BASE_MAX (4000000000U) /* twice 2000 A */
+#define NEAREST (0.5)
+#define DOUBLES \
+    (1e-6) /* of the expected values: 2^62 has 53 bits, and a quotient of some 10^6 is left */
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+/* From the shortest tick to the longest. */
+static uint32_t tick_ps_of(uint32_t at)
+{
+    const double ratio = (double)TICK_PS_MAX / TICK_PS_MIN;
+
+    return (uint32_t)lround(TICK_PS_MIN * pow(ratio, (double)at / TICKS));
+}
+
+static double exact_rpm(const units_rotation_t *rotation, double step)
+{
+    const double turns_per_tick = step / 4294967296.0 / rotation->pole_pairs;
+
+    return turns_per_tick / (rotation->tick_ps * 1e-12) * 60.0;
+}
+
+static void each_rotation(void (*check)(const units_rotation_t *rotation))
+{
+    for (uint32_t pairs = 1U; pairs <= POLE_PAIRS_MAX; pairs++) {
+        for (uint32_t at = 0U; at <= TICKS; at++) {
+            const units_rotation_t rotation = {.pole_pairs = pairs, .tick_ps = tick_ps_of(at)};
+
+            check(&rotation);
+        }
+    }
+}
+
+static void check_rpm(const units_rotation_t *rotation)
+{
+    static const step_t steps[] = {INT32_MIN, INT32_MIN + 1, -40000001, -12345,  -1,       0,
+                                   1,         54321,         76543210,  1 << 30, INT32_MAX};
+
+    for (uint32_t k = 0U; k < (sizeof(steps) / sizeof(steps[0])); k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(NEAREST + DOUBLES, exact_rpm(rotation, steps[k]),
+                                  units_rpm(rotation, steps[k]));
+    }
+}
+
+static void test_rpm_is_the_nearest_for_all_pole_pairs_and_ticks(void)
+{
+    each_rotation(check_rpm);
+}
+
+static void check_step(const units_rotation_t *rotation)
+{
+    static const int32_t speeds[] = {-RPM_MAX, -99999, -250, -1, 0, 1, 250, 4001, 99999, RPM_MAX};
+
+    for (uint32_t k = 0U; k < (sizeof(speeds) / sizeof(speeds[0])); k++) {
+        const double exact = speeds[k] / exact_rpm(rotation, 1.0);
+
+        if (fabs(exact) < INT32_MAX) {
+            const step_t step = units_step(rotation, speeds[k]);
+
+            TEST_ASSERT_DOUBLE_WITHIN(NEAREST + DOUBLES, exact, step);
+            TEST_ASSERT_EQUAL_INT32(speeds[k], units_rpm(rotation, step));
+        }
+    }
+}
+
+static void test_a_speed_comes_back_from_its_step_for_all_pole_pairs_and_ticks(void)
+{
+    each_rotation(check_step);
+}
+
+static void check_saturation(const units_rotation_t *rotation)
+{
+    const double one_rpm = 1.0 / exact_rpm(rotation, 1.0);
+
+    TEST_ASSERT_DOUBLE_WITHIN(one_rpm + 1.0, INT32_MAX, units_step(rotation, INT32_MAX));
+    TEST_ASSERT_DOUBLE_WITHIN(one_rpm + 1.0, INT32_MIN, units_step(rotation, INT32_MIN));
+}
+
+static void test_a_speed_beyond_all_steps_saturates_for_all_pole_pairs_and_ticks(void)
+{
+    each_rotation(check_saturation);
+}
+
+/* The numbers that used to wrap: 16 pole pairs at 16 kHz are 250 rpm at this step. */
+static void test_sixteen_pole_pairs_at_16_khz(void)
+{
+    const units_rotation_t rotation = {.pole_pairs = 16U, .tick_ps = 62500000U};
+
+    TEST_ASSERT_EQUAL_INT32(17895697, units_step(&rotation, 250)); /* 2^32 · 16 · 250/60 / 16000 */
+    TEST_ASSERT_EQUAL_INT32(250, units_rpm(&rotation, 17895697));
+}
+
+static void test_thousandths_are_cut_towards_zero_for_all_bases(void)
+{
+    static const int32_t values[] = {-65535, -32768, -2048, -1, 0, 1, 1023, 32767, 46340};
+
+    for (double base = BASE_MIN; base <= BASE_MAX; base *= 1.1) {
+        const uint32_t millionths = (uint32_t)base;
+
+        for (uint32_t k = 0U; k < (sizeof(values) / sizeof(values[0])); k++) {
+            const double exact = values[k] / 32768.0 * millionths / 1000.0;
+
+            TEST_ASSERT_EQUAL_INT32((int32_t)trunc(exact),
+                                    units_thousandths(values[k], 32768, millionths));
+        }
+    }
+}
+
+static void test_thousandths_saturate(void)
+{
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, units_thousandths(INT32_MAX, 1, UINT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-INT32_MAX, units_thousandths(INT32_MIN, 1, UINT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-1000, units_thousandths(-16384, 16384, 1000000U));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_rpm_is_the_nearest_for_all_pole_pairs_and_ticks);
+    RUN_TEST(test_a_speed_comes_back_from_its_step_for_all_pole_pairs_and_ticks);
+    RUN_TEST(test_a_speed_beyond_all_steps_saturates_for_all_pole_pairs_and_ticks);
+    RUN_TEST(test_sixteen_pole_pairs_at_16_khz);
+    RUN_TEST(test_thousandths_are_cut_towards_zero_for_all_bases);
+    RUN_TEST(test_thousandths_saturate);
+    return UNITY_END();
+}
