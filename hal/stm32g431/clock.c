@@ -24,13 +24,20 @@ typedef struct {
 
 #define LED_PIN (6U)
 
+/* A block takes no access in the two cycles after its clock was enabled, RM0440 7.2: the reading lasts longer. */
+static void enable_clocks(uint32_t address, uint32_t bits)
+{
+    reg_set(address, bits);
+    (void)reg_read(address);
+}
+
 static bool raise_power(void)
 {
-    reg_set(RCC_APB1ENR1, RCC_APB1ENR1_PWR);
+    enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_PWR);
     reg_clear(PWR_CR5, PWR_CR5_R1MODE);
     reg_change(FLASH_ACR, FLASH_ACR_LATENCY, WAIT_STATES_170MHZ);
     reg_set(FLASH_ACR, FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN);
-    return reg_wait(PWR_SR2, PWR_SR2_VOSF, 0U) &&
+    return reg_wait(PWR_CR5, PWR_CR5_R1MODE, 0U) && reg_wait(PWR_SR2, PWR_SR2_VOSF, 0U) &&
            reg_wait(FLASH_ACR, FLASH_ACR_LATENCY, WAIT_STATES_170MHZ);
 }
 
@@ -107,10 +114,10 @@ void clock_pins(void)
         {GPIOB, 4U, AF_USART2, GPIO_PULL_UP},
     };
 
-    reg_set(RCC_AHB2ENR, RCC_AHB2ENR_GPIOA | RCC_AHB2ENR_GPIOB | RCC_AHB2ENR_GPIOC |
-                             RCC_AHB2ENR_ADC12 | RCC_AHB2ENR_DAC3);
-    reg_set(RCC_APB1ENR1, RCC_APB1ENR1_USART2);
-    reg_set(RCC_APB2ENR, RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1);
+    enable_clocks(RCC_AHB2ENR, RCC_AHB2ENR_GPIOA | RCC_AHB2ENR_GPIOB | RCC_AHB2ENR_GPIOC |
+                                   RCC_AHB2ENR_ADC12 | RCC_AHB2ENR_DAC3);
+    enable_clocks(RCC_APB1ENR1, RCC_APB1ENR1_USART2);
+    enable_clocks(RCC_APB2ENR, RCC_APB2ENR_SYSCFG | RCC_APB2ENR_TIM1);
     reg_set(PWR_CR3, PWR_CR3_UCPD1_DBDIS);
     for (uint32_t k = 0U; k < PINS; k++) {
         set_alternate(&pins[k]);

@@ -11,6 +11,9 @@
 /* Timer ticks that three compare registers take to be written, with room: 0.4 µs. */
 #define WRITE_TICKS (64U)
 
+/* Ticks from one conversion of the temperature to the next; a power of two. */
+#define TEMPERATURE_TICKS (1024U)
+
 /* The comparators come first: the timer's break input must not see them start. */
 const char *hal_g431_init(hal_t *hal)
 {
@@ -49,8 +52,8 @@ const char *hal_g431_start(void)
  */
 static uint16_t take_flags(hal_t *hal)
 {
-    const uint32_t seen = reg_read(TIM1_SR) & (TIM_SR_UIF | TIM_SR_BIF);
-    const bool broken = (seen & TIM_SR_BIF) != 0U;
+    const uint32_t seen = reg_read(TIM1_SR) & (TIM_SR_UIF | PWM_BREAK_FLAGS);
+    const bool broken = (seen & PWM_BREAK_FLAGS) != 0U;
     const uint32_t late = hal->late ? DRIVE_FLAG_LATE : 0U;
 
     reg_write(TIM1_SR, ~seen);
@@ -60,12 +63,31 @@ static uint16_t take_flags(hal_t *hal)
     return (uint16_t)((broken || hal->tick_lost) ? (late | DRIVE_FLAG_BREAK) : late);
 }
 
+/*
+ * A regular conversion is started only here: right behind the injected sequence it has ended long before the next one. Where
+ * the two meet, channel 0 can be converted in place of a shunt (sensing.c). Behind a late tick the next sequence may be
+ * near, and the temperature waits. The interrupt counts each tick, so that it meets each phase.
+ */
+static void follow_temperature(hal_t *hal)
+{
+    const uint32_t phase = hal->ticks % TEMPERATURE_TICKS;
+
+    if ((phase == 0U) && !hal->late) {
+        sensing_start_temperature();
+    } else if (phase == 1U) {
+        hal->temperature = sensing_temperature();
+    } else {
+        /* it changes slowly */
+    }
+}
+
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
     guard_restart();
     reg_write(ADC1 + ADC_ISR, ADC_ISR_JEOS | ADC_ISR_JEOC);
     in->flags = take_flags(hal);
     pwm_write_rest();
+    follow_temperature(hal);
     in->adc_ia = sensing_current(reg_read(ADC1 + ADC_JDR1));
     in->adc_ib = sensing_current(reg_read(ADC2 + ADC_JDR1));
     in->adc_bus = (uint16_t)reg_read(ADC1 + ADC_JDR2);
@@ -82,7 +104,7 @@ static void set_gates(hal_t *hal, bool enable)
 {
     if (!enable) {
         hal_open_gates(hal);
-    } else if (!hal->gates_on && !hal->tick_lost && !reg_any(TIM1_SR, TIM_SR_BIF)) {
+    } else if (!hal->gates_on && !hal->tick_lost && !reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
         reg_set(TIM1_BDTR, TIM_BDTR_MOE);
         hal->gates_on = true;
         /* The tick guard may have come between its look above and the output's enabling. */
@@ -126,11 +148,6 @@ void hal_open_gates(hal_t *hal)
 uint32_t hal_ticks(const hal_t *hal)
 {
     return hal->ticks;
-}
-
-void hal_g431_set_temperature(hal_t *hal, uint16_t count)
-{
-    hal->temperature = count;
 }
 
 void hal_g431_tick_lost(hal_t *hal)

@@ -34,9 +34,6 @@ const char *hal_g431_init(hal_t *hal);
 /* Start the first tick. NULL, or what does not work. */
 const char *hal_g431_start(void);
 
-/* The frames to come have this temperature, raw counts. Context: background. */
-void hal_g431_set_temperature(hal_t *hal, uint16_t count);
-
 /* A tick was skipped or hangs. Context: tick guard's exception. */
 void hal_g431_tick_lost(hal_t *hal);
 

@@ -18,8 +18,6 @@
 
 #include <stddef.h>
 
-#define TEMPERATURE_TICKS (1024U) /* between two looks at the temperature */
-
 static app_t app;
 static hal_t hardware;
 static console_t console;
@@ -49,32 +47,18 @@ static int32_t temperature_of(uint16_t count)
     return (BOARD.temperature_zero_mc + above_mc) / 1000;
 }
 
-static void watch_temperature(uint32_t tick)
-{
-    uint16_t count = 0U;
-
-    if (sensing_get_temperature(&count)) {
-        hal_g431_set_temperature(&hardware, count);
-        console_set_temperature(&console, temperature_of(count));
-    }
-    if ((tick % TEMPERATURE_TICKS) == 0U) {
-        sensing_start_temperature();
-    }
-}
-
 /* Never returns. A lost tick ends the feeding, and the watchdog ends this. */
 static void background(void)
 {
     uint32_t fed = 0U;
 
-    sensing_start_temperature();
     for (;;) {
         const uint32_t tick = hal_ticks(&hardware);
 
         if ((tick != fed) && !hardware.tick_lost) {
             guard_feed();
             fed = tick;
-            watch_temperature(tick);
+            console_set_temperature(&console, temperature_of(hardware.temperature));
             led_show(app.drive.state, tick);
         }
         recorder_service(&recorder, &app.drive);

@@ -23,14 +23,20 @@ static uint32_t dead_time_code(uint32_t ticks)
     return code;
 }
 
+/*
+ * The filter. At turn-on the gate's charge and the diode's reverse recovery go through the shunt and make a spike of some
+ * tens of ns on its inductance; 47 ns would let it through, 141 ns does not. A real short rises on for as long: with
+ * 1 µH at 24 V by 3.4 A.
+ */
 static void set_break(void)
 {
     const uint32_t sources = TIM_AF1_BKCMP1E | TIM_AF1_BKCMP2E | TIM_AF1_BKCMP4E;
     const uint32_t inverted = TIM_AF1_BKCMP1P | TIM_AF1_BKCMP2P | TIM_AF1_BKCMP4P;
 
+    reg_set(SYSCFG_CFGR2, SYSCFG_CFGR2_CLL);
     reg_write(TIM1_AF1, BOARD.trip_below ? (sources | inverted) : sources);
     reg_write(TIM1_BDTR, dead_time_code(BOARD.dead_time_ticks) | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
-                             TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_8 | TIM_BDTR_LOCK_1);
+                             TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_6_OF_4 | TIM_BDTR_LOCK_1);
 }
 
 void pwm_init(void)

@@ -7,7 +7,8 @@
  * the middle of the low sides' on-time.
  *
  * Break. The comparators of trip.h clear the main output enable (MOE) without the core; then all six
- * outputs are low. Dead time, break and idle levels are locked until reset.
+ * outputs are low. A lockup of the core does the same. Dead time, break and idle levels are locked until
+ * reset.
  */
 #ifndef PWM_H
 #define PWM_H
@@ -18,6 +19,9 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* Flags of a break: of the comparators, and of the system. */
+#define PWM_BREAK_FLAGS (TIM_SR_BIF | TIM_SR_SBIF)
 
 /* All but the counter's start; gates open. */
 void pwm_init(void);

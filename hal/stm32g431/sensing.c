@@ -78,32 +78,36 @@ static bool wake_converter(uint32_t adc)
     return reg_wait(adc + ADC_ISR, ADC_ISR_ADRDY, ADC_ISR_ADRDY);
 }
 
-static void set_sequence(uint32_t adc, uint32_t second, uint32_t shunt_code)
+/* `second` behind the shunt at each peak; `regular` when it is asked for. */
+static void set_sequence(uint32_t adc, uint32_t second, uint32_t regular, uint32_t shunt_code)
 {
     reg_write(adc + ADC_CFGR, ADC_CFGR_JQDIS | ADC_CFGR_OVRMOD);
     reg_write(adc + ADC_SMPR1, (SLOW_SAMPLING << (3U * CHANNEL_BUS)) |
                                    (shunt_code << (3U * CHANNEL_SHUNT)) |
                                    (SLOW_SAMPLING << (3U * CHANNEL_TEMPERATURE)));
     reg_write(adc + ADC_SMPR2, shunt_code << (3U * (CHANNEL_AMPLIFIER_3 - 10U)));
+    reg_write(adc + ADC_SQR1, regular << ADC_SQR1_SQ1_SHIFT);
     reg_write(adc + ADC_JSQR, ADC_JSQR_TWO | ADC_JSQR_EXTSEL_TIM1_TRGO2 | ADC_JSQR_EXTEN_RISING |
                                   (CHANNEL_SHUNT << ADC_JSQR_SQ1_SHIFT) |
                                   (second << ADC_JSQR_SQ2_SHIFT));
 }
 
-/* Bits of the control register that are not meant are written as 0, which changes nothing. */
-void sensing_start_temperature(void)
+/* A regular conversion, before the injected ones are awaited. False when it does not end. */
+static bool convert_once(uint32_t adc)
 {
-    reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+    reg_write(adc + ADC_ISR, ADC_ISR_EOC);
+    reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADSTART);
+    return reg_wait(adc + ADC_ISR, ADC_ISR_EOC, ADC_ISR_EOC);
 }
 
-bool sensing_get_temperature(uint16_t *count)
+/*
+ * ES0431, "ADC channel 0 converted instead of the required ADC channel" (2.5.8, in later revisions 2.5.10): so can the first
+ * conversion behind the enabling, and one of a group that starts while the other group converts. Each converter makes one
+ * whose result nobody takes; a later one that follows within 1 ms is right (2.5.9).
+ */
+static bool forget_first(void)
 {
-    const bool ended = reg_any(ADC1 + ADC_ISR, ADC_ISR_EOC);
-
-    if (ended) {
-        *count = (uint16_t)reg_read(ADC1 + ADC_DR); /* clears the flag */
-    }
-    return ended;
+    return convert_once(ADC1) && convert_once(ADC2);
 }
 
 bool sensing_init(uint16_t *temperature)
@@ -115,14 +119,12 @@ bool sensing_init(uint16_t *temperature)
     if (!wake_converter(ADC1) || !wake_converter(ADC2)) {
         return false;
     }
-    set_sequence(ADC1, CHANNEL_BUS, shunt_code);
-    set_sequence(ADC2, CHANNEL_AMPLIFIER_3, shunt_code);
-    reg_write(ADC1 + ADC_SQR1, CHANNEL_TEMPERATURE << ADC_SQR1_SQ1_SHIFT);
-    sensing_start_temperature();
-    if (!reg_wait(ADC1 + ADC_ISR, ADC_ISR_EOC, ADC_ISR_EOC)) {
+    set_sequence(ADC1, CHANNEL_BUS, CHANNEL_TEMPERATURE, shunt_code);
+    set_sequence(ADC2, CHANNEL_AMPLIFIER_3, CHANNEL_SHUNT, shunt_code);
+    if (!forget_first() || !convert_once(ADC1)) {
         return false;
     }
-    (void)sensing_get_temperature(temperature);
+    *temperature = sensing_temperature();
     reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
     reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
     return true;

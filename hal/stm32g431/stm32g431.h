@@ -73,6 +73,10 @@
 #define GPIO_BSRR (0x18U) /* low half sets, high half resets */
 #define GPIO_AFRL (0x20U) /* four bits a pin, 0 to 7; the next register 8 to 15 */
 
+/* --- System configuration, 10.2 --------------------------------------------------------------- */
+#define SYSCFG_CFGR2 (0x4001001CU)
+#define SYSCFG_CFGR2_CLL (1UL << 0) /* a lockup of the core is a break of the timers, until reset */
+
 /* --- Converters, 21.6 and 21.7 ---------------------------------------------------------------- */
 #define ADC1 (0x50000000U)
 #define ADC2 (0x50000100U)
@@ -154,6 +158,7 @@
 #define TIM1_SR (0x40012C10U)
 #define TIM_SR_UIF (1UL << 0)
 #define TIM_SR_BIF (1UL << 7)
+#define TIM_SR_SBIF (1UL << 13) /* break by the system: the core's lockup */
 #define TIM1_EGR (0x40012C14U)
 #define TIM_EGR_UG (1UL << 0)
 #define TIM1_CCMR1 (0x40012C18U)
@@ -175,7 +180,8 @@
 #define TIM_BDTR_BKE (1UL << 12)
 #define TIM_BDTR_BKP (1UL << 13) /* break is active high */
 #define TIM_BDTR_MOE (1UL << 15)
-#define TIM_BDTR_BKF_8 (3UL << 16) /* 8 equal samples at 170 MHz: 47 ns */
+#define TIM_BDTR_BKF_6_OF_4 \
+    (6UL << 16) /* 6 equal samples, each 4 clocks apart: 141 ns at 170 MHz */
 #define TIM1_AF1 (0x40012C60U)
 #define TIM_AF1_BKCMP1E (1UL << 1)
 #define TIM_AF1_BKCMP2E (1UL << 2)

@@ -14,6 +14,7 @@ CONVERSION_HALF_CYCLES = 25
 HALF_CYCLE = 2                                     # at a quarter of 170 MHz
 REGULATOR_CYCLES = 20 * 170                        # 20 µs until the converter's regulator is up
 CALIBRATION_CYCLES = 116 * 4
+FLOATING = 4095                                    # what a pin that nobody drives may convert to
 
 
 class Amplifiers(Block):
@@ -48,9 +49,12 @@ class Converter(Block):
         self.due = NEVER       # end of the injected sequence
         self.regulated = NEVER
         self.calibrated = NEVER
+        self.converted = 0     # end of the regular conversion
+        self.converting = False  # regular, not yet told by its flag
+        self.fresh = False     # enabled, and nothing was converted since
         self.results = []
         super().__init__(name, base, {
-            "ISR": (0x00, Register(0, 0x7FF, on_write=self._acknowledge)),
+            "ISR": (0x00, Register(0, 0x7FF, self._flags, self._acknowledge)),
             "IER": (0x04, Register(0, 0x40)),
             "CR": (0x08, Register(0x20000000, 0x9000000D, self._control_read, self._control)),
             "CFGR": (0x0C, Register(0x80000000, 0x1000, on_write=self._stopped("CFGR"))),
@@ -70,10 +74,11 @@ class Converter(Block):
             return
         need(sequence & 0x1FF == 0xA1, f"{self.name}: not two conversions on the edge of TRGO2")
         need(self.due == NEVER, f"{self.name} is triggered while it converts")
+        need(self.chip.now >= self.converted, f"{self.name} is triggered in a regular conversion")
         channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)
         self.results = [self._convert(channel) for channel in channels]
         self.due = self.chip.now + sum(
-            HALF_CYCLE * (self._sampling(channel) + CONVERSION_HALF_CYCLES) for channel in channels)
+            self._duration(channel) for channel in channels)
 
     def fire(self):
         self.due = NEVER
@@ -87,7 +92,14 @@ class Converter(Block):
         register, place = ("SMPR1", channel) if channel < 10 else ("SMPR2", channel - 10)
         return HALF_CYCLES[self[register] >> 3 * place & 7]
 
+    def _duration(self, channel):
+        return HALF_CYCLE * (self._sampling(channel) + CONVERSION_HALF_CYCLES)
+
     def _convert(self, channel):
+        """ES0431 2.5.8: the first conversion behind the enabling may be one of channel 0."""
+        if self.fresh:
+            self.fresh = False
+            return FLOATING
         if channel not in self.inputs:
             raise WrongAccess(f"{self.name} converts channel {channel}, where nothing is connected")
         return min(max(round(self.inputs[channel]()), 0), 4095)
@@ -97,6 +109,12 @@ class Converter(Block):
             need(not bit(self["CR"], 3), f"{self.name}_{key} is written while triggers are awaited")
             self[key] = value
         return write
+
+    def _flags(self):
+        if self.converting and self.chip.now >= self.converted:
+            self.converting = False
+            self["ISR"] |= 4
+        return self.register("ISR").value
 
     def _acknowledge(self, value):
         self["ISR"] &= ~value
@@ -119,15 +137,20 @@ class Converter(Block):
         if bit(value, 0) and not bit(self["CR"], 0):
             need(now >= self.calibrated + 4 * 4, f"{self.name} is enabled before it is calibrated")
             self["ISR"] |= 1
+            self.fresh = True
         if value & 0xC:
             need(bit(self["CR"], 0), f"{self.name} is started before it is enabled")
         if bit(value, 2):
-            self["DR"] = self._convert(self["SQR1"] >> 6 & 0x1F)
-            self["ISR"] |= 4
+            need(self.due == NEVER, f"{self.name} is started within its injected sequence")
+            channel = self["SQR1"] >> 6 & 0x1F
+            self["DR"] = self._convert(channel)
+            self.converting = True
+            self.converted = self.chip.now + self._duration(channel)
         sticky = self["CR"] & 0x80000009  # these are not cleared by writing 0
         self["CR"] = value & 0xB0000009 | sticky
 
     def _read_regular(self):
+        need(self.chip.now >= self.converted, f"{self.name}_DR is read in a conversion")
         self["ISR"] &= ~4
         return self.register("DR").value
 

@@ -66,7 +66,8 @@ class Chip:
         self.timed = [self.timer, self.watchdog, self.system, *self.converters]
         self.blocks = [*power.blocks, *self.ports.values(), self.timer, self.usart, self.watchdog,
                        self.system, self.level, self.comparators, self.amplifiers,
-                       *self.converters, common, digital.debug_block()]
+                       *self.converters, common, digital.configuration_block(system_clock),
+                       digital.debug_block()]
 
     def _trigger(self):
         for converter in self.converters:

@@ -318,6 +318,11 @@ class System(Block):
         return value
 
 
+def configuration_block(clocked):
+    """System configuration: what else is a break of the timers."""
+    return Block("SYSCFG", 0x40010000, {"CFGR2": (0x1C, Register(0, 1))}, clocked)
+
+
 def debug_block():
     """What stops while a debugger holds the core."""
     return Block("DBGMCU", 0xE0042000, {

@@ -23,6 +23,9 @@ HALF_PERIOD = round(BOARD_FILE["board"]["timer_clock_hz"] / BOARD_FILE["board"][
 REST = (HALF_PERIOD // 2,) * 3
 CALIBRATION_TICKS = 260  # 256 samples and the changes of state
 WATCHDOG_S = 1e-3
+HOT = 4000                # counts of the temperature, beyond every limit
+TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
+OVERTEMPERATURE_TICKS = round(0.11 * BOARD_FILE["board"]["pwm_frequency_hz"])  # for 0.1 s
 FULL_SCALE_A = BOARD_FILE["board"]["current_full_scale_a"]
 
 # Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
@@ -218,6 +221,13 @@ class Console(unittest.TestCase):
         for text, expected in zip(shown.groups(), (205 * per_count, -102 * per_count, -103 * per_count)):
             self.assertAlmostEqual(float(text), expected, delta=1.01 * per_count)
         self.assertAlmostEqual(float(shown[4]), BUS_V, delta=BOARD_FILE["board"]["bus_full_scale_v"] / 4096)
+
+    def test_what_is_too_hot_is_a_fault_of_the_drive(self):
+        """It comes by way of the frames, whatever the console makes of it."""
+        made = ready()
+        made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
+        made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
+        self.assertIn("FAULT by OVERTEMPERATURE", made.said())
 
     def test_a_hot_board_stops(self):
         made = running()

@@ -1,0 +1,185 @@
+"""target.loop.registers: what the chip's registers hold once the image has booted, each bit by the manual.
+
+test_registers.py IMAGE BOARD, as scenario.py. The values are written down here a second time, from RM0440, the data sheet
+and the board file: a bit that the image forgets, and that no behaviour of the models shows, is missing here.
+"""
+
+import sys
+import tomllib
+import unittest
+from pathlib import Path
+
+import board
+
+IMAGE, BOARD = (Path(argument) for argument in sys.argv[1:3])
+FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
+STAGE, HAL = FILE["board"], FILE["hal"]
+
+CLOCK_HZ = 170e6
+HALF_PERIOD = round(CLOCK_HZ / STAGE["pwm_frequency_hz"] / 2)
+CALIBRATION_TICKS = 260
+
+# Pins by number, two bits each.
+ALTERNATE, OUTPUT, ANALOG = 2, 1, 3
+UP, DOWN = 1, 2
+GATES = {"A": (8, 9, 10, 12), "B": (15,), "C": (13,)}
+
+# Written to make something happen, or by each tick; what they do is tested as behaviour.
+ACTIONS = {"GPIOC_BSRR", "IWDG_KR", "SYSTEM_SYST_CVR", "RCC_CSR", "TIM1_EGR", "TIM1_SR", "TIM1_CCR1", "TIM1_CCR2",
+           "TIM1_CCR3", "ADC1_ISR", "ADC2_ISR", "USART2_TDR"}
+
+
+def placed(reset, width, fields):
+    """The register with the fields {place: value} of so many bits each."""
+    for place, value in fields.items():
+        mask = (1 << width) - 1 << width * place
+        reset = reset & ~mask | value << width * place
+    return reset
+
+
+def dead_time_code():
+    """RM0440 28.6.20, DTG: the shortest of all 256 that is long enough."""
+    def ticks(code):
+        if code < 0x80:
+            return code
+        if code < 0xC0:
+            return (64 + (code & 0x3F)) * 2
+        return (32 + (code & 0x1F)) * (8 if code < 0xE0 else 16)
+
+    wanted = STAGE["dead_time_s"] * CLOCK_HZ * (1 - 1e-9)
+    return min((code for code in range(256) if ticks(code) >= wanted), key=lambda code: (ticks(code), code))
+
+
+def sampling_code():
+    """RM0440 21.7.6: 2.5, 6.5, 12.5, 24.5, 47.5 cycles of a quarter of the clock."""
+    cycles = HAL["adc_sampling_ns"] * 1e-9 * CLOCK_HZ / 4
+    return next(code for code, long in enumerate((2.5, 6.5, 12.5, 24.5, 47.5)) if long >= cycles)
+
+
+def trip_count():
+    """Counts of the DAC, of 4096: the shunt's voltage and the bias before the amplifier."""
+    sign = 1 if HAL["break_polarity"] == "active_high" else -1
+    rise = STAGE["trip_a"] * HAL["shunt_ohm"] * abs(HAL["amplifier_gain"])
+    return round((HAL["amplifier_zero_v"] + sign * rise) / HAL["pga_gain"] / HAL["adc_reference_v"] * 4096)
+
+
+def pins():
+    analog = {"A": (0, 1, 2, 3, 5, 6, 7), "B": (0, 1, 2, 14), "C": ()}
+    serial = {"A": (), "B": (3, 4), "C": ()}
+    reset = {"A": (0xABFFFFFF, 0x64000000, 0x0C000000), "B": (0xFFFFFEBF, 0x100, 0), "C": (0xFFFFFFFF, 0, 0)}
+    for port in "ABC":
+        mode, pull, speed = reset[port]
+        used = GATES[port] + serial[port]
+        led = {6: OUTPUT} if port == "C" else {}
+        yield f"GPIO{port}_MODER", placed(mode, 2, dict.fromkeys(used, ALTERNATE) | dict.fromkeys(analog[port], ANALOG) | led)
+        pulls = dict.fromkeys(GATES[port], DOWN) | ({3: 0, 4: UP} if port == "B" else {})
+        yield f"GPIO{port}_PUPDR", placed(pull, 2, pulls)
+        yield f"GPIO{port}_OSPEEDR", placed(speed, 2, dict.fromkeys(used, 2))
+
+
+def expected():
+    amplifier = 1 | 2 << 5 | 1 << 7 | 8 << 14 | (HAL["pga_gain"].bit_length() - 2) << 14
+    comparator = 1 | 4 << 4 | 1 << 16 | 1 << 31      # on, against DAC3, 10 mV of hysteresis, locked
+    sampling, slow = sampling_code(), 4
+    channels = placed(0, 3, {1: slow, 3: sampling, 5: slow})
+    sequence = 1 | 8 << 2 | 1 << 7 | 3 << 9          # two, on the rising edge of TIM1's TRGO2, the first is channel 3
+    inverted = 0 if HAL["break_polarity"] == "active_high" else 1 << 10 | 1 << 11 | 1 << 13
+    return dict(pins()) | {
+        "SYSTEM_SCB_VTOR": 0x08000000,
+        "RCC_APB1ENR1": 1 << 17 | 1 << 28,           # USART2, PWR
+        "RCC_APB2ENR": 1 << 0 | 1 << 11,             # SYSCFG, TIM1
+        "RCC_AHB2ENR": 7 | 1 << 13 | 1 << 18,        # ports, converters, DAC3
+        "RCC_CR": 1 << 8 | 1 << 10 | 1 << 24 | 1 << 25,
+        "RCC_PLLCFGR": 2 | 3 << 4 | 85 << 8 | 1 << 24,
+        "RCC_CFGR": 0xF,
+        "PWR_CR5": 0,                                # boost
+        "PWR_CR3": 0x8000 | 1 << 14,                 # PB4 without the pull-down of a dead battery
+        "FLASH_ACR": 0x40000 | 4 | 7 << 8,
+        "GPIOA_AFRH": placed(0, 4, {0: 6, 1: 6, 2: 6, 4: 6}),
+        "GPIOB_AFRL": placed(0, 4, {3: 7, 4: 7}),
+        "GPIOB_AFRH": placed(0, 4, {7: 4}),
+        "GPIOC_AFRH": placed(0, 4, {5: 4}),
+        "USART2_BRR": round(CLOCK_HZ / 115200),
+        "USART2_CR1": 1 | 1 << 2 | 1 << 3 | 1 << 29,
+        "SYSTEM_SYST_RVR": 3 * HALF_PERIOD - 1,
+        "SYSTEM_SYST_CSR": 7,
+        "SYSTEM_SCB_SHPR3": 0,                       # the tick guard above the tick
+        "SYSTEM_NVIC_IPR4": 1 << 20,
+        "SYSTEM_NVIC_ISER0": 1 << 18,
+        "DAC3_MCR": 3 | 3 << 16 | 2 << 14,
+        "DAC3_DHR12R1": trip_count(),
+        "DAC3_DHR12R2": trip_count(),
+        "DAC3_CR": 1 | 1 << 16,
+        "COMP_1_CSR": comparator,
+        "COMP_2_CSR": comparator,
+        "COMP_4_CSR": comparator,
+        "OPAMP_1_CSR": amplifier,
+        "OPAMP_2_CSR": amplifier,
+        "OPAMP_3_CSR": amplifier | 1 << 8,           # inside, to ADC2
+        "TIM1_CR1": 1 | 1 << 5 | 1 << 7,
+        "TIM1_CR2": 2 << 20,
+        "TIM1_CCMR1": 0x6868,
+        "TIM1_CCMR2": 0x68,
+        "TIM1_CCER": 0x555,
+        "TIM1_PSC": 0,
+        "TIM1_ARR": HALF_PERIOD,
+        "TIM1_RCR": 1,
+        "TIM1_AF1": 1 << 1 | 1 << 2 | 1 << 4 | inverted,
+        # Locked; idle and run level driven; break on, active high, through 6 samples each 4 clocks apart; gates open.
+        "TIM1_BDTR": dead_time_code() | 1 << 8 | 1 << 10 | 1 << 11 | 1 << 12 | 1 << 13 | 6 << 16,
+        "SYSCFG_CFGR2": 1,                           # a lockup of the core opens the gates
+        "ADC12_CCR": 3 << 16,
+        "ADC1_CR": 1 | 1 << 3 | 1 << 28,
+        "ADC2_CR": 1 | 1 << 3 | 1 << 28,
+        "ADC1_CFGR": 1 << 31 | 1 << 12,
+        "ADC2_CFGR": 1 << 31 | 1 << 12,
+        "ADC1_SMPR1": channels,
+        "ADC2_SMPR1": channels,
+        "ADC1_SMPR2": placed(0, 3, {8: sampling}),
+        "ADC2_SMPR2": placed(0, 3, {8: sampling}),
+        "ADC1_SQR1": 5 << 6,                         # the temperature
+        "ADC2_SQR1": 3 << 6,
+        "ADC1_JSQR": sequence | 1 << 15,             # then the bus
+        "ADC2_JSQR": sequence | 18 << 15,            # then phase c
+        "ADC1_IER": 1 << 6,
+        "IWDG_PR": 0,
+        "IWDG_RLR": 7,                               # 8 of 125 µs
+        "DBGMCU_APB1FZR1": 1 << 12,                  # the watchdog stops with a halted core,
+        "DBGMCU_APB2FZ": 1 << 11,                    # and the gates open
+    }
+
+
+class Registers(unittest.TestCase):
+    def setUp(self):
+        self.made = board.Board(IMAGE, BOARD)
+        self.made.set_inputs(2048, 2048, round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096))
+        blocks = self.made.chip.blocks
+        self.registers = {f"{block.name}_{key}": register for block in blocks
+                          for key, register in block.by_address.values()}
+        self.names = {address: f"{block.name}_{key}" for block in blocks
+                      for address, (key, _) in block.by_address.items()}
+
+    def start(self):
+        self.made.boot()
+        self.made.tick(CALIBRATION_TICKS)
+
+    def test_hold_what_the_manual_asks_for(self):
+        self.start()
+        for name, value in expected().items():
+            with self.subTest(name):
+                self.assertEqual(f"{self.registers[name].value:#010x}", f"{value:#010x}")
+
+    def test_of_those_that_the_image_writes_none_is_missing_here(self):
+        written, write = set(), self.made.core.bus.write
+
+        def note(address, size, value):
+            written.add(self.names[address])
+            write(address, size, value)
+
+        self.made.core.bus.write = note
+        self.start()
+        self.assertEqual(written - ACTIONS, set(expected()))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
