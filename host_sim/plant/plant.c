@@ -187,6 +187,14 @@ static double acting_bus_v(const plant_t *plant)
     return has_capacitor(plant) ? plant->bus_v : supply_v(plant, present_time_s(plant) + half_s);
 }
 
+/* What has gathered of a run, which may be nothing. */
+static void end_run(plant_t *plant, unsigned pending, const plant_interval_t run[])
+{
+    if (pending > 0U) {
+        plant_motor_run_driven(&plant->motor, pending, run);
+    }
+}
+
 /* Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has taken
  * from the capacitor, if there is one, to *charge_c. */
 static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned count,
@@ -204,12 +212,12 @@ static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned co
             run[pending].v.beta = rails->bus_v * unit.beta;
             pending++;
         } else {
-            plant_motor_run_driven(&plant->motor, pending, run);
+            end_run(plant, pending, run);
             pending = 0;
             plant_bridge_run(&plant->motor, segment, rails, meter);
         }
     }
-    plant_motor_run_driven(&plant->motor, pending, run);
+    end_run(plant, pending, run);
 }
 
 static bool is_beyond_trip(const plant_t *plant)

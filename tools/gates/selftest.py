@@ -3,6 +3,7 @@
 A small clean tree is made in a temporary folder; then each fault alone is put into it.
 """
 
+import json
 import subprocess
 import sys
 import tempfile
@@ -52,8 +53,8 @@ class GatesCanFail(unittest.TestCase):
     def append(self, path, text):
         self.write(path, (self.root / path).read_text(encoding="utf-8") + text)
 
-    def run_gate(self, gate):
-        run = subprocess.run([sys.executable, GATES / f"{gate}.py", "--root", self.root],
+    def run_gate(self, gate, *arguments):
+        run = subprocess.run([sys.executable, GATES / f"{gate}.py", "--root", self.root, *arguments],
                              capture_output=True, text=True)
         return run.returncode, run.stdout + run.stderr
 
@@ -127,6 +128,32 @@ class GatesCanFail(unittest.TestCase):
             with self.subTest(wrong):
                 self.write("firmware/MISRA.md", f"{wrong} reason |\n")
                 self.assert_fails("misra_register", text)
+
+    def test_build_types(self):
+        source = self.root / "firmware/math/run.c"
+        build = self.root / "build"
+        build.mkdir()
+        entry = {"directory": str(build), "file": str(source), "command":
+                 f"gcc -O2 -g -DNDEBUG -Wall -Werror -o run.o -c {source}"}
+        (build / "compile_commands.json").write_text(json.dumps([entry]))
+        for text, complaints in (("int f(void);\nint f(void)\n{\n    return 1;\n}\n", ()),
+                                 ("#ifndef NDEBUG\nint f(\n#endif\n", ("Debug: ",)),
+                                 ("#ifdef __OPTIMIZE_SIZE__\nint f(\n#endif\n", ("MinSizeRel: ",)),
+                                 ("#ifdef NDEBUG\nint f(\n#endif\n", ("Release: ", "MinSizeRel: "))):
+            with self.subTest(complaints):
+                source.write_text(text)
+                code, output = self.run_gate("build_types", build)
+                self.assertEqual(code, 1 if complaints else 0, output)
+                found = {f"{line.split(':')[0]}: " for line in output.splitlines() if line.split(":")[0] in
+                         ("Debug", "Release", "MinSizeRel")}
+                self.assertEqual(found, set(complaints))
+
+    def test_build_types_that_look_at_nothing(self):
+        build = self.root / "build"
+        build.mkdir()
+        (build / "compile_commands.json").write_text("[]")
+        code, output = self.run_gate("build_types", build)
+        self.assertEqual(code, 1, output)
 
     def test_format(self):
         self.append("firmware/control/pi.c", "int  *  p ;\n")
