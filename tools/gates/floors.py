@@ -1,7 +1,10 @@
-"""gate.floors: includes go downwards only.
+"""gate.floors: includes go downwards only, and registers are touched in target bindings only.
 
 A firmware file includes its own floor or one below, a control module no other control
 module, and hal.h is seen by the HAL and the app alone. The plant knows no firmware.
+A folder of firmware/ or hal/ that is no floor is a finding: nobody has said what it may include.
+Outside of a target's binding nothing is volatile at an address: no pointer made of a number, no cast to a pointer to
+volatile, no volatile object that the linker places.
 """
 
 import argparse
@@ -21,8 +24,15 @@ BELOW = {
     "firmware/drive": ["firmware/math", "firmware/control"],
     "firmware/app": ["firmware/math", "firmware/control", "firmware/drive", "hal"],
     "hal": ["firmware/math", "firmware/control", "firmware/drive"],
+    "hal/cortex_m": [],
+    "hal/host": ["firmware/drive", "hal", "host_sim/plant"],
+    "hal/mps2": ["firmware/math", "firmware/drive", "firmware/app", "hal", "hal/cortex_m"],
+    "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/app", "hal", "hal/cortex_m"],
     "host_sim/plant": [],
 }
+FLOORED = ("firmware", "hal", "host_sim/plant")  # their folders are floors, each of them
+TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up of real chips
+GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
     "current_loop": ["pi", "transforms"],
@@ -32,30 +42,59 @@ BUILT_OF = {
     "phase_compensator": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
+REGISTER = re.compile(
+    r"\(\s*(?:const\s+)?volatile\b[^()]*\*[^()]*\)"        # (volatile uint32_t *)
+    r"|\([^()]*\bvolatile\s*\*[^()]*\)\s*[\w(]"            # (uint32_t volatile *)x
+    r"|\([\w\s]+\*[\s*]*(?:const\s*)?\)\s*\(?\s*(?:0[xX][0-9a-fA-F]+|[1-9]\d*)"  # (uint32_t *)0x4000
+    r"|\bextern\b[^;(]*\bvolatile\b")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
 
 
 def finding(path, kind, name, homes):
-    """Why `path` may not include `name`, or None. `homes`: header name -> its folder."""
+    """Why `path` may not include `name`, or None. `homes`: header name -> the folders with one."""
     folder = path.parent.as_posix()
     if kind == "<":
         if folder.startswith("firmware/") and name not in FREESTANDING:
             return f"<{name}> is not for firmware"
         return None
-    home = homes.get(Path(name).name)
-    if home is None or (home != folder and home not in BELOW[folder]):
-        return f'"{name}" ({home or "no floor"}) is not on a floor below {folder}'
+    if name in GENERATED and folder.startswith("hal/"):
+        return None
+    found = homes.get(Path(name).name, set())
+    if found.isdisjoint({folder, *BELOW[folder]}):
+        return f'"{name}" ({", ".join(sorted(found)) or "no floor"}) is not on a floor below {folder}'
     included = Path(name).stem
-    if home == folder == "firmware/control" and included != path.stem:
+    if folder == "firmware/control" and folder in found and included != path.stem:
         if included not in BUILT_OF.get(path.stem, []):
             return f'control module {path.stem} is not built of "{name}"'
     return None
 
 
+def no_floor(paths):
+    """Folders that nobody has given a floor."""
+    for folder in sorted({p.parent.as_posix() for p in paths} - BELOW.keys()):
+        yield f"{folder}: is no floor, so nothing says what it may include"
+
+
+def registers(root, paths):
+    """Places outside of the targets' bindings at which something like a register is touched."""
+    for path in paths:
+        if path.parent.as_posix() in TARGETS:
+            continue
+        text = sources.strip((root / path).read_text(encoding="utf-8"))
+        for match in REGISTER.finditer(text):
+            line = text.count("\n", 0, match.start()) + 1
+            yield f"{path}:{line}: {' '.join(match.group().split())} reads as a register, outside of a target's binding"
+
+
 def findings(root):
-    paths = [p for p in sources.files(root, "*.c", "*.h") if p.parent.as_posix() in BELOW]
+    floored = [p for p in sources.files(root, "*.c", "*.h") if any(p.is_relative_to(top) for top in FLOORED)]
+    yield from no_floor(floored)
+    yield from registers(root, floored)
+    paths = [p for p in floored if p.parent.as_posix() in BELOW]
     everywhere = sources.files(root, "firmware/*.h", "hal/*.h", "host_sim/*.h")
-    homes = {p.name: p.parent.as_posix() for p in everywhere}
+    homes = {}
+    for path in everywhere:
+        homes.setdefault(path.name, set()).add(path.parent.as_posix())
     for path in paths:
         text = (root / path).read_text(encoding="utf-8")
         for match in INCLUDE.finditer(text):
@@ -69,4 +108,4 @@ parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
 args = parser.parse_args()
 sources.finish("floors", list(findings(args.root)),
-               "Include downwards only; the floors are listed in tools/gates/floors.py.")
+               "Include downwards only; the floors are listed in tools/gates/floors.py. Registers are hal/'s.")

@@ -16,9 +16,9 @@ TAG = "    // cppcheck-suppress misra-c2012-11.4 ; D1: the address is given by t
 
 CLEAN = {
     "firmware/math/fx.h": "#include <stdint.h>\n",
-    "firmware/control/pi.h": '#include "fx.h"\nint32_t pi_step(void);\n',
-    "firmware/control/pi.c": '#include "pi.h"\n\n/* no float here */\nint32_t pi_step(void)\n{\n'
-                             + TAG + "    return *(const volatile int32_t *)0x4000U;\n}\n",
+    "firmware/control/pi.h": '#include "fx.h"\nint32_t pi_step(uint32_t place);\n',
+    "firmware/control/pi.c": '#include "pi.h"\n\n/* no float here */\nint32_t pi_step(uint32_t place)\n{\n'
+                             + TAG + "    return *(const int32_t *)place;\n}\n",
     "firmware/control/modulator.h": "",
     "firmware/drive/drive.h": '#include "pi.h"\n',
     "firmware/MISRA.md": "| 8.7, 15.5 | reason |\n\n"
@@ -58,8 +58,15 @@ class GatesCanFail(unittest.TestCase):
                              capture_output=True, text=True)
         return run.returncode, run.stdout + run.stderr
 
-    def assert_fails(self, gate, *texts):
-        code, output = self.run_gate(gate)
+    def library(self, source, *options):
+        (self.root / "lib.c").write_text(source)
+        made, library = self.root / "lib.o", self.root / "lib.a"
+        subprocess.run(["gcc", "-g", "-fno-builtin", *options, "-c", self.root / "lib.c", "-o", made], check=True)
+        subprocess.run(["ar", "rc", library, made], check=True)
+        return library
+
+    def assert_fails(self, gate, *texts, arguments=()):
+        code, output = self.run_gate(gate, *arguments)
         self.assertEqual(code, 1, output)
         for text in texts:
             self.assertIn(text, output)
@@ -71,20 +78,30 @@ class GatesCanFail(unittest.TestCase):
 
     def test_no_float(self):
         for line, word in (("float x;", "float"), ("int x = (int)1.5e3;", "1.5e3"),
-                           ("void *p = malloc(4);", "malloc")):
+                           ("_Float32 x;", "_Float32"), ("_Float64x x;", "_Float64x"), ("__fp16 x;", "__fp16"),
+                           ("__float128 x;", "__float128"), ("float32_t x;", "float32_t"),
+                           ("_Decimal64 x;", "_Decimal64"), ("void *p = malloc(4);", "malloc")):
             with self.subTest(line):
                 self.write("firmware/math/bad.c", f"/* */\n{line}\n")
                 self.assert_fails("no_float", f"firmware/math/bad.c:2: {word}")
 
     def test_no_float_in_objects(self):
-        source, library = self.root / "log.c", self.root / "liblog.a"
-        source.write_text("double log(double); int f(int x) { return (int)log(x); }\n")
-        subprocess.run(["gcc", "-fno-builtin", "-c", source, "-o", self.root / "log.o"], check=True)
-        subprocess.run(["ar", "rc", library, self.root / "log.o"], check=True)
-        run = subprocess.run([sys.executable, GATES / "no_float.py", "--root", self.root, library],
-                             capture_output=True, text=True)
-        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
-        self.assertIn("liblog.a(log.o) calls log", run.stdout)
+        library = self.library("double log(double); int f(int x) { return (int)log(x); }\n")
+        self.assert_fails("no_float", "lib.a(lib.o) calls log", arguments=[library])
+
+    def test_no_float_by_a_name_that_nobody_thought_of(self):
+        library = self.library("typedef __typeof__(__builtin_inff()) number;\n"
+                               "int f(int x) { number y = x; return (int)(y * y); }\n")
+        self.assert_fails("no_float", "lib.a uses float: float", arguments=[library])
+
+    def test_no_float_that_can_be_seen(self):
+        library = self.library("int f(int x) { return x; }\n", "-g0")
+        self.assert_fails("no_float", "lib.a has no debug information", arguments=[library])
+
+    def test_integers_and_what_stddef_brings_along_pass(self):
+        library = self.library("#include <stddef.h>\nint f(ptrdiff_t x) { return (int)x; }\n")
+        code, output = self.run_gate("no_float", library)
+        self.assertEqual(code, 0, output)
 
     def test_floors(self):
         for path, include in (
@@ -98,6 +115,34 @@ class GatesCanFail(unittest.TestCase):
                 self.setUp()
                 self.append(path, f"#include {include}\n")
                 self.assert_fails("floors", path, include)
+
+    def test_floors_knows_each_folder(self):
+        for folder in ("firmware/spare", "firmware/drive/deep", "hal/newchip", "host_sim/plant/more"):
+            with self.subTest(folder):
+                self.setUp()
+                self.write(f"{folder}/new.c", '#include "motor.h"\n')
+                self.assert_fails("floors", f"{folder}: is no floor")
+
+    def test_registers_are_touched_in_target_bindings_only(self):
+        lines = ("*(volatile uint32_t *)place = 1U;", "*(const volatile uint32_t *)0x40010300U;",
+                 "*(uint32_t *)0x40010300U = 1U;", "*(uint32_t volatile *)(place) = 1U;",
+                 "extern volatile uint32_t port;", "timer_t *const timer = (timer_t *)1073816320;")
+        for path in ("firmware/math/fx.h", "firmware/app/control_isr.c", "hal/hal.h", "hal/host/hal_host.c",
+                     "host_sim/plant/motor.h"):
+            with self.subTest(path):
+                self.setUp()
+                self.write(path, "/* a comment\n of two lines */\n" + "\n".join(lines))
+                self.assert_fails("floors", *(f"{path}:{3 + k}: " for k in range(len(lines))))
+        self.setUp()
+        self.write("hal/stm32g431/reg.h", "\n".join(lines))
+        code, output = self.run_gate("floors")
+        self.assertEqual(code, 0, output)
+
+    def test_what_is_no_register_passes(self):
+        self.write("firmware/math/fx.h", "volatile uint32_t in_force;\nint x = (int32_t)(a * 0x4000);\n"
+                                         "f((const uint8_t *)&word, 4U);\nint y = (b) * 4;\n")
+        code, output = self.run_gate("floors")
+        self.assertEqual(code, 0, output)
 
     def test_misra(self):
         self.write("firmware/control/pi.c", CLEAN["firmware/control/pi.c"].replace(TAG, ""))
@@ -154,6 +199,30 @@ class GatesCanFail(unittest.TestCase):
         (build / "compile_commands.json").write_text("[]")
         code, output = self.run_gate("build_types", build)
         self.assertEqual(code, 1, output)
+
+    def test_each_test_is_run(self):
+        tests = self.root / "tests/unit"
+        for name in ("test_a.c", "test_script.py", "test_module.py", "drive_can_fail.py"):
+            self.write(f"tests/unit/{name}", "")
+        build = self.root / "build"
+        build.mkdir()
+        (build / "compile_commands.json").write_text(json.dumps([
+            {"directory": str(build), "file": str(tests / "test_a.c"), "command": "cc -o CMakeFiles/test_a.dir/test_a.c.o"}]))
+        registered = {
+            "test_a.c": f'add_test(a "{build}/test_a")',
+            "test_script.py": f'add_test(script python3 "{tests}/test_script.py" "more")',
+            "test_module.py": 'add_test(module python3 "-m" "unittest" "test_module")\n'
+                              f'set_tests_properties(module PROPERTIES WORKING_DIRECTORY "{tests}")',
+            "drive_can_fail.py": f'add_test(fails python3 "{tests}/drive_can_fail.py")',
+        }
+        for left_out in (None, *registered):
+            with self.subTest(left_out):
+                lines = [line for name, line in registered.items() if name != left_out]
+                (build / "CTestTestfile.cmake").write_text("\n".join(lines))
+                code, output = self.run_gate("tests_run", build)
+                self.assertEqual(code, 1 if left_out else 0, output)
+                self.assertEqual(output.count("no test of"), code, output)
+                self.assertIn(left_out or "clean", output)
 
     def test_format(self):
         self.append("firmware/control/pi.c", "int  *  p ;\n")
