@@ -206,6 +206,7 @@ class GatesCanFail(unittest.TestCase):
             self.write(f"tests/unit/{name}", "")
         build = self.root / "build"
         build.mkdir()
+        (build / "test_a").touch(0o755)
         (build / "compile_commands.json").write_text(json.dumps([
             {"directory": str(build), "file": str(tests / "test_a.c"), "command": "cc -o CMakeFiles/test_a.dir/test_a.c.o"}]))
         registered = {

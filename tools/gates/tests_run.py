@@ -23,11 +23,12 @@ args = parser.parse_args()
 
 
 def commands(build):
-    """The words of each test's command, and the folder in which it runs."""
+    """The words of each test's command, and the folder in which it runs. ctest tells no command whose program is not built
+    yet; its test is called as the program."""
     listed = subprocess.run(["ctest", "--show-only=json-v1"], cwd=build, check=True, capture_output=True, text=True)
     for test in json.loads(listed.stdout)["tests"]:
         properties = {p["name"]: p["value"] for p in test.get("properties", [])}
-        yield test.get("command", []), Path(properties.get("WORKING_DIRECTORY", build))
+        yield test.get("command", [test["name"]]), Path(properties.get("WORKING_DIRECTORY", build))
 
 
 def run_by_python(words, folder):
