@@ -1,0 +1,86 @@
+"""tools/dev demo, with stand-ins for what it calls: what it builds, and what it says of runs that do not hold."""
+
+import os
+import re
+import shutil
+import stat
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+HOLDS, BROKEN = 0, 1
+CONTRAST = "phase_compensator.lead_max_deg"  # of the one run that is meant to break its limits
+
+MOTORSIM = f"""#!/bin/sh
+echo "$@" >>runs.log
+case "$*" in
+    *{CONTRAST}*) echo 's4: id_settled_a = 3.5, limit: 0.05' >&2; exit $CONTRAST_STATUS ;;
+    *) exit $STATUS ;;
+esac
+"""
+RECORDER = '#!/bin/sh\necho "$@" >>"$LOG"\n'
+
+
+class Demo(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        (self.root / "tools").mkdir()
+        shutil.copy(ROOT / "tools/dev", self.root / "tools/dev")
+        self.write("tools/requirements.txt", "")
+        for name in ("tools/setup/apt", "tools/setup/python", "tools/setup/unity", ".cache/venv/bin/python",
+                     "build/host/gaindesign"):
+            self.script(name, "#!/bin/sh\n")
+        self.script("build/host/motorsim", MOTORSIM)
+        self.script("bin/cmake", RECORDER)
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def script(self, name, text):
+        path = self.write(name, text)
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+
+    def demo(self, status=HOLDS, contrast=BROKEN):
+        environment = {**os.environ, "PATH": f"{self.root / 'bin'}:{os.environ['PATH']}", "LOG": str(self.root / "cmake.log"),
+                       "STATUS": str(status), "CONTRAST_STATUS": str(contrast)}
+        return subprocess.run([self.root / "tools/dev", "demo"], env=environment, text=True,
+                              capture_output=True, check=False)
+
+    def test_it_builds_what_it_runs_and_nothing_else(self):
+        done = self.demo()
+        self.assertEqual(done.returncode, 0, done.stderr)
+        built = re.search(r"^--build .*--target (.*)$", (self.root / "cmake.log").read_text(encoding="utf-8"), re.M)[1]
+        demo = re.search(r"^demo\(\) \{\n(.*?)^\}", (ROOT / "tools/dev").read_text(encoding="utf-8"), re.M | re.S)[1]
+        run = set(re.findall(r"build/host/(\w+)", demo)) | {"motorsim"}  # by demo_run, and by plot.py deadtime
+        self.assertEqual(set(built.split()), run)
+
+    def test_each_scenario_of_the_report_is_run(self):
+        self.demo()
+        runs = (self.root / "runs.log").read_text(encoding="utf-8")
+        for scenario in ("s1", "s2", "s3", "s4", "s5"):
+            self.assertIn(f"run {scenario} --trace build/runs/{scenario}.csv", runs)
+
+    def test_a_run_that_is_meant_to_break_its_limits_says_what_it_shows(self):
+        said = self.demo().stdout.splitlines()
+        at = next(k for k, line in enumerate(said) if CONTRAST in line)
+        self.assertRegex(said[at + 1], r"^no failure, but a contrast: .*lead is held")
+        self.assertEqual(said[at + 2], "    what it costs: s4: id_settled_a = 3.5, limit: 0.05")
+
+    def test_any_other_run_that_breaks_its_limits_is_a_failure(self):
+        self.assertEqual(self.demo(status=BROKEN).returncode, BROKEN)
+
+    def test_a_contrast_that_shows_none_is_a_failure(self):
+        done = self.demo(contrast=HOLDS)
+        self.assertEqual(done.returncode, BROKEN)
+        self.assertIn("should have broken its limits: the lead is held", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
