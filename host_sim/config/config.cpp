@@ -3,10 +3,12 @@
 #include "files.h"
 #include "layer.h"
 #include "low_speed_units.h"
+#include "numbers.h"
 #include "scenario_file.h"
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -89,21 +91,34 @@ void read_overrides(const std::vector<std::string> &set, Sources &sources)
     }
 }
 
-[[noreturn]] void missing(const Field &field, const Layer &home)
+// One line for all that is missing in a file; the place is the table of the first.
+[[noreturn]] void missing(const std::vector<const Field *> &fields, const Layer &home)
 {
-    const auto table = home.tables.find(field.section);
+    const auto table = home.tables.find(fields.front()->section);
     const Origin origin = table == home.tables.end() ? Origin{home.file, 1} : table->second;
-    fail(origin, field.name(), "", "is missing", field.allowed());
+    std::vector<std::string> names;
+    std::vector<std::string> allowed;
+    for (const Field *field : fields) {
+        names.push_back(field->name());
+        allowed.push_back(field->allowed());
+    }
+    fail(origin, fmt::format("{}", fmt::join(names, ", ")), "",
+         fields.size() == 1 ? "is missing" : "are missing",
+         fmt::format("{}", fmt::join(allowed, ", ")));
 }
 
 // Every required setting of the sections that `home` is there for has to be known by now.
 void check_complete(FileKind kind, const Layer &home, const Config &config)
 {
+    std::vector<const Field *> lacking;
     for (const Field &field : schema()) {
         if (field.required && may_hold(kind, field.section) &&
             config.origins.count(field.name()) == 0) {
-            missing(field, home);
+            lacking.push_back(&field);
         }
+    }
+    if (!lacking.empty()) {
+        missing(lacking, home);
     }
 }
 
@@ -197,20 +212,20 @@ void take(const Layer &layer, Config &config)
     }
 }
 
-void take_over(double &value, double from)
-{
-    if (value < 0) {
-        value = from;
-    }
-}
-
-// The plant's dead time and drop are the board's, the model's are the plant's, unless they are written.
+// The plant's dead time and drop are the board's, the model's are the plant's, unless they are written; −1 is as
+// if nothing were.
 void pass_on_dead_time(Config &config)
 {
-    take_over(config.plant.dead_time_s, config.board.dead_time_s);
-    take_over(config.plant.device_drop_v, config.board.device_drop_v);
-    take_over(config.model.dead_time_s, config.plant.dead_time_s);
-    take_over(config.model.device_drop_v, config.plant.device_drop_v);
+    const auto take_over = [&](const char *key, double &value, double from) {
+        if (value < 0) {
+            value = from;
+            config.origins.erase(key);
+        }
+    };
+    take_over("plant.dead_time_s", config.plant.dead_time_s, config.board.dead_time_s);
+    take_over("plant.device_drop_v", config.plant.device_drop_v, config.board.device_drop_v);
+    take_over("model.dead_time_s", config.model.dead_time_s, config.plant.dead_time_s);
+    take_over("model.device_drop_v", config.model.device_drop_v, config.plant.device_drop_v);
 }
 
 // Those that can hold what a scenario is made of.
@@ -319,6 +334,38 @@ std::string limit_text(const SettingError &error)
                        unit.empty() ? "" : " ", unit);
 }
 
+// The value of a key that holds a number, as in a file.
+std::string number_text(const std::string &key, const Config &config)
+{
+    Config copy = config;
+    return std::visit(
+        [](const auto *value) -> std::string {
+            if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(*value)>>) {
+                return fmt::format("{}", *value);
+            }
+            return "";
+        },
+        find_field(key)->target(copy));
+}
+
+// A setting that does not fit: by the line that holds it, or by the one that a rule made it from.
+[[noreturn]] void refuse(const Config &config, const SettingError &error)
+{
+    if (const char *from = rule_source(error.key, config.tuning)) {
+        fail(config.origins.at(from), from, number_text(from, config),
+             error.key + " follows from it by rule and does not fit the firmware",
+             "another motor, or write " + error.key);
+    }
+    const std::string key = written_key(config, error.key);
+    const auto found = config.origins.find(key);
+    if (found == config.origins.end()) {
+        fail({config.sources.tuning, 0}, key, "", "its default does not fit the firmware",
+             fmt::format("{}: {}", limit_text(error), error.reason));
+    }
+    fail(found->second, key, fmt::format("{}", error.value), "does not fit the firmware",
+         fmt::format("{}: {}", limit_text(error), error.reason));
+}
+
 } // namespace
 
 Config load_scenario(const std::string &id_or_path, const std::vector<std::string> &with,
@@ -377,12 +424,7 @@ drive_cfg_t build(const Config &config)
     try {
         return make_drive_cfg(config.motor, config.board, config.tuning, config.model);
     } catch (const SettingError &error) {
-        const std::string key = written_key(config, error.key);
-        const auto found = config.origins.find(key);
-        const Origin origin =
-            found == config.origins.end() ? Origin{config.sources.motor, 0} : found->second;
-        fail(origin, key, fmt::format("{}", error.value), "does not fit the firmware",
-             fmt::format("{}: {}", limit_text(error), error.reason));
+        refuse(config, error);
     }
 }
 

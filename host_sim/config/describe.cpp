@@ -393,7 +393,7 @@ void add_voltage_drive(Rows &to)
 std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
 {
     Rows to = {config,
-               for_motor(config.tuning, config.motor),
+               settled_tuning(config.motor, config.board, config.tuning, config.model),
                built,
                make_bases(config.motor, config.board),
                {}};

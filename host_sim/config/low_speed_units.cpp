@@ -61,14 +61,18 @@ constexpr double FLUX_SPEED_SHARE = 0.2; // of rated speed
 
 const char *const CURRENT_REASON = "the firmware's steps of current";
 
+constexpr double PERIODS_MAX = 60000; // what a counter of slow periods is set to at most
+constexpr double HOLD_MIN = 8;        // Q15: less than a count of a 12-bit converter is no current
+constexpr double PI_GAIN_MAX = 16000; // of a gain that no file writes: within make_pi's format
+
 // While the rotor is pulled in, its EMF drives up to 0.8 of the imposed current on top of it.
 constexpr double SWING_HEADROOM = 1.8;
 
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &tuning)
 {
-    return std::min(tuning.startup_current_pct / 100 * continuous_current(motor),
-                    board.overcurrent_a / SWING_HEADROOM);
+    return std::min({tuning.startup_current_pct / 100 * continuous_current(motor),
+                     board.overcurrent_a / SWING_HEADROOM, motor.max_current_a});
 }
 
 // The rotor in the field of the current I: J/P·δ'' = −1.5·P·φ·I·sin δ.
@@ -91,7 +95,8 @@ uint32_t ticks(double seconds, const Bases &b)
 
 uint32_t slow_periods(double seconds, const TuningSettings &tuning, const Bases &b)
 {
-    return static_cast<uint32_t>(std::ceil(seconds / b.control_period_s / tuning.slow_ticks));
+    return static_cast<uint32_t>(
+        std::clamp(std::ceil(seconds / b.control_period_s / tuning.slow_ticks), 1.0, PERIODS_MAX));
 }
 
 uint32_t measure_log2(double swing, const Bases &b)
@@ -111,9 +116,15 @@ void set_voltage_step(align_cfg_t &c, double fall_a, const BoardSettings &board,
     const double drop = m.resistance * time_s / (2 * m.inductance_d);
     const double voltage = std::min(largest, flux / time_s * (1 + drop));
     const double fall = voltage * time_s / m.inductance_d;
-    c.step_voltage = static_cast<int32_t>(std::lround(voltage / b.voltage_v * Q15));
-    c.step_fall = current_q15(fall, b);
+    keep(c.step_voltage, voltage / b.voltage_v * Q15, 1, MANTISSA_MAX);
+    keep(c.step_fall, fall / b.current_a * Q15, 1, Q14);
     c.step_drop_q14 = static_cast<int32_t>(std::lround(std::min(drop * Q14, Q13)));
+}
+
+// Half a turn of the vector: in the rotor's own time, and not faster than the drive may turn.
+double sweep_time_s(double swing, const Bases &b)
+{
+    return std::max(SWEEP / swing, STEPS_PER_TURN / 2 / b.speed_limit * b.control_period_s);
 }
 
 align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
@@ -126,9 +137,9 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     c.current_high = current_q15(current, b);
     c.current_low = current_q15(current * LOW_SHARE, b);
     c.slope = static_cast<int32_t>(std::ceil(high / ticks(RISE / swing, b)));
-    c.sweep_ticks = ticks(SWEEP / swing, b);
-    c.sweep_speed = static_cast<step_t>(std::lround(STEPS_PER_TURN / 2 / c.sweep_ticks));
-    c.pull_ticks = ticks(PULL / swing, b);
+    c.sweep_ticks = ticks(sweep_time_s(swing, b), b);
+    keep(c.sweep_speed, STEPS_PER_TURN / 2 / c.sweep_ticks, 1, b.speed_limit);
+    c.pull_ticks = std::max(c.sweep_ticks, ticks(sweep_time_s(swing, b) * (PULL / SWEEP), b));
     c.settle_ticks = ticks(SETTLE / swing, b);
     c.measure_log2 = measure_log2(swing, b);
     set_voltage_step(c, current * (1 - LOW_SHARE), board, m, b);
@@ -177,27 +188,31 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
         return c;
     }
     const double current = hold_current(motor, board, tuning) / b.current_a * Q15;
-    const double handover =
-        b.step_from_rpm(motor.rated_speed_rpm * tuning.handover_speed_pct / 100);
+    const double handover_rpm = motor.rated_speed_rpm * tuning.handover_speed_pct / 100;
+    require(handover_rpm, 0, motor.max_speed_rpm, {"motor.rated_speed_rpm", motor.rated_speed_rpm},
+            "the share startup.handover_speed_pct of it is within motor.max_speed_rpm");
+    const double handover = b.step_from_rpm(handover_rpm);
     c.catch_spin = make_catch_spin(motor, board, m, b);
     c.align = make_align(motor, board, tuning, m, b);
-    store(c.current_hold, current, 1, Q14, {"startup.current_pct", tuning.startup_current_pct},
-          CURRENT_REASON);
+    store(c.current_hold, current, HOLD_MIN, Q14,
+          {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
     store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
     const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
     c.current_floor = current_q15(floor * continuous_current(motor), b);
     c.current_slope = c.align.slope;
-    c.handover_speed = static_cast<step_t>(std::lround(handover));
+    keep(c.handover_speed, handover, 2, Q30 / 2);
     const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
-    c.ramp =
-        static_cast<step_t>(std::ceil(acceleration * tuning.slow_ticks *
-                                      std::pow(b.control_period_s, 2) / TWO_PI * STEPS_PER_TURN));
-    c.track_speed = static_cast<step_t>(std::lround(handover * TRACK_SHARE));
-    c.hold_speed = static_cast<step_t>(std::lround(handover * HOLD_SHARE));
-    c.residual_max = current_q15(RESIDUAL_SHARE * continuous_current(motor), b);
-    c.residual_lost = current_q15(LOST_SHARE * continuous_current(motor), b);
+    keep(c.ramp,
+         std::ceil(acceleration * tuning.slow_ticks * std::pow(b.control_period_s, 2) / TWO_PI *
+                   STEPS_PER_TURN),
+         1, Q30 / 2);
+    keep(c.track_speed, handover * TRACK_SHARE, 1, c.handover_speed);
+    keep(c.hold_speed, handover * HOLD_SHARE, 1, c.handover_speed - 1);
+    const double continuous = continuous_current(motor) / b.current_a * Q15;
+    keep(c.residual_max, RESIDUAL_SHARE * continuous, 1, Q14);
+    keep(c.residual_lost, LOST_SHARE * continuous, c.residual_max, Q14);
     c.lost_periods = slow_periods(LOST_TIME_S, tuning, b);
     c.handover_periods = slow_periods(HANDOVER_TIME_S, tuning, b);
     c.attempts = ATTEMPTS;
@@ -216,8 +231,8 @@ current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const Moto
         const double kp = std::max(0.0, damping - m.resistance);
         const double ki = (m.resistance + kp) * HOLD_INTEGRAL * swing * b.control_period_s;
         const double base = b.voltage_v / b.current_a;
-        c.pi_d =
-            make_pi(kp / base, ki / base, 1, "startup.current_pct", tuning.startup_current_pct);
+        c.pi_d = make_pi(std::min(kp / base, PI_GAIN_MAX), std::min(ki / base, PI_GAIN_MAX / 2048),
+                         1, "startup.current_pct", tuning.startup_current_pct);
         c.pi_q = c.pi_d;
     }
     return c;
@@ -229,8 +244,7 @@ void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
 {
     const double resistive = VOLTAGE_RESISTANCE_SHARE * m.resistance * motor.max_current_a;
     const double voltage = resistive + VOLTAGE_BUS_SHARE * board.bus_nominal_v;
-    c.voltage_max = static_cast<int32_t>(
-        std::lround(std::clamp(voltage / b.voltage_v * Q15, 1.0, MANTISSA_MAX)));
+    keep(c.voltage_max, voltage / b.voltage_v * Q15, 1, MANTISSA_MAX);
     if (tuning.startup_current_pct > 0) {
         c.swing_periods =
             slow_periods(UNLIKE_SWING / swing_rad_s(motor, board, tuning, m), tuning, b);
@@ -247,11 +261,9 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
     c.inductance_limit_q14 =
         static_cast<int32_t>(std::lround(tuning.adapt_inductance_pct / 100 * Q14));
     c.flux_limit_q14 = static_cast<int32_t>(std::lround(tuning.adapt_flux_pct / 100 * Q14));
-    store(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
-          MANTISSA_MAX, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
-          "the firmware's steps of the flux");
-    c.flux_speed_min =
-        static_cast<step_t>(std::lround(b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE)));
+    keep(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
+         MANTISSA_MAX);
+    keep(c.flux_speed_min, b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE), 0, Q30 / 2);
     return c;
 }
 
@@ -266,7 +278,8 @@ double startup_time(const MotorSettings &motor, const BoardSettings &board,
     const double swing = swing_rad_s(motor, board, tuning, make_model(motor, ModelScales()));
     const double catching = (2 * CATCH_TICKS + CATCH_PAUSE_MAX + 2) * b.control_period_s;
     const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
-    return catching + (PULL + SETTLE) / swing + measuring + STEP_TICKS_MAX * b.control_period_s;
+    const double pulling = sweep_time_s(swing, b) * (PULL / SWEEP);
+    return catching + pulling + SETTLE / swing + measuring + STEP_TICKS_MAX * b.control_period_s;
 }
 
 } // namespace nf

@@ -22,6 +22,11 @@ void require(double number, double lo, double hi, const Source &setting, const c
                        what);
 }
 
+void require(const Source &setting, double lo, double hi, const char *what)
+{
+    require(setting.value, lo, hi, setting, what);
+}
+
 Mantissa normalise(double number, int shift_min, int shift_max, const Source &setting,
                    const char *what)
 {
@@ -84,32 +89,70 @@ constexpr double VOLTAGE_CORNER_S = 8;
 // The lead of a braking drive stays this share above −atan(R/(ω·L_d)), where more voltage means less torque.
 constexpr double BRAKE_SHARE = 0.8;
 
-void fill(double &setting, double value)
+using T = TuningSettings;
+
+// What a tuning may leave to the motor, and the key that weighs most in the rule.
+struct Rule {
+    const char *key;
+    double T::*value;
+    const char *from;
+};
+constexpr Rule RULES[] = {
+    {"speed_loop.bandwidth_hz", &T::speed_bandwidth_hz, "motor.inertia_kg_m2"},
+    {"speed_loop.ramp_rpm_s", &T::speed_ramp_rpm_s, "motor.inertia_kg_m2"},
+    {"position_loop.bandwidth_hz", &T::position_bandwidth_hz, "motor.inertia_kg_m2"},
+    {"position_loop.speed_rpm", &T::position_speed_rpm, "motor.rated_speed_rpm"},
+    {"position_loop.acceleration_rad_s2", &T::position_acceleration_rad_s2, "motor.inertia_kg_m2"},
+    {"position_loop.softness_s", &T::position_softness_s, "motor.inertia_kg_m2"},
+    {"voltage_loop.kp_v_s_per_rad", &T::voltage_kp_v_s_per_rad, "motor.flux_linkage_wb"},
+    {"voltage_loop.ki_v_per_rad", &T::voltage_ki_v_per_rad, "motor.flux_linkage_wb"},
+    {"phase_compensator.brake_max_deg", &T::brake_max_deg, "motor.resistance_ohm"},
+};
+
+const Rule &rule_of(double T::*value)
 {
-    if (!(setting > 0)) {
-        setting = value;
-    }
+    return *std::find_if(std::begin(RULES), std::end(RULES),
+                         [&](const Rule &rule) { return rule.value == value; });
 }
 
 } // namespace
 
-TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor)
+const char *rule_source(const std::string &key, const TuningSettings &as_written)
+{
+    const auto rule = std::find_if(std::begin(RULES), std::end(RULES),
+                                   [&](const Rule &any) { return any.key == key; });
+    const bool is_left_open = rule != std::end(RULES) && !(as_written.*(rule->value) > 0);
+    return is_left_open ? rule->from : nullptr;
+}
+
+TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor,
+                         const RuleRanges &ranges)
 {
     const double torque = 1.5 * motor.pole_pairs * motor.flux_linkage_wb * motor.max_current_a;
     const double acceleration = torque / motor.inertia_kg_m2;
     TuningSettings t = tuning;
-    fill(t.speed_bandwidth_hz,
+    const auto fill = [&](double T::*setting, double value) {
+        if (!(t.*setting > 0)) {
+            const auto range = ranges.find(rule_of(setting).key);
+            t.*setting = range == ranges.end()
+                             ? value
+                             : std::clamp(value, range->second.least, range->second.most);
+        }
+    };
+    fill(&T::speed_bandwidth_hz,
          SPEED_PER_TORQUE * acceleration / rad_s_from_rpm(motor.rated_speed_rpm) / TWO_PI);
-    fill(t.speed_ramp_rpm_s, RAMP_TORQUE * acceleration / rad_s_from_rpm(1));
-    fill(t.position_bandwidth_hz, POSITION_SHARE * t.speed_bandwidth_hz);
-    fill(t.position_speed_rpm, PROFILE_SPEED * motor.rated_speed_rpm);
-    fill(t.position_acceleration_rad_s2, PROFILE_TORQUE * acceleration);
-    fill(t.position_softness_s, SOFTNESS / (TWO_PI * t.position_bandwidth_hz));
-    fill(t.voltage_kp_v_s_per_rad, VOLTAGE_PER_FLUX * motor.flux_linkage_wb);
-    fill(t.voltage_ki_v_per_rad, VOLTAGE_CORNER_S * t.voltage_kp_v_s_per_rad);
+    fill(&T::speed_ramp_rpm_s, RAMP_TORQUE * acceleration / rad_s_from_rpm(1));
+    fill(&T::position_bandwidth_hz, POSITION_SHARE * t.speed_bandwidth_hz);
+    fill(&T::position_speed_rpm,
+         std::min(PROFILE_SPEED * motor.rated_speed_rpm, motor.max_speed_rpm));
+    fill(&T::position_acceleration_rad_s2, PROFILE_TORQUE * acceleration);
+    fill(&T::position_softness_s, SOFTNESS / (TWO_PI * t.position_bandwidth_hz));
+    fill(&T::voltage_kp_v_s_per_rad, VOLTAGE_PER_FLUX * motor.flux_linkage_wb);
+    fill(&T::voltage_ki_v_per_rad, VOLTAGE_CORNER_S * t.voltage_kp_v_s_per_rad);
     const double reactance =
         rad_s_from_rpm(motor.rated_speed_rpm) * motor.pole_pairs * motor.inductance_d_h;
-    fill(t.brake_max_deg, BRAKE_SHARE * std::atan(motor.resistance_ohm / reactance) * 360 / TWO_PI);
+    fill(&T::brake_max_deg,
+         BRAKE_SHARE * std::atan(motor.resistance_ohm / reactance) * 360 / TWO_PI);
     return t;
 }
 
@@ -130,6 +173,13 @@ double continuous_current(const MotorSettings &motor)
     const double rated = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
     const double current = motor.continuous_current_a > 0 ? motor.continuous_current_a : rated;
     return std::min(current, motor.max_current_a);
+}
+
+Source continuous_source(const MotorSettings &motor)
+{
+    return motor.continuous_current_a > 0
+               ? Source{"motor.continuous_current_a", motor.continuous_current_a}
+               : Source{"motor.rated_torque_nm", motor.rated_torque_nm};
 }
 
 } // namespace nf

@@ -3,7 +3,10 @@
 
 #include "per_unit.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 namespace nf
 {
@@ -37,6 +40,15 @@ struct Source {
 // Refuses a setting whose number is not within lo…hi, and says up to where it would be.
 void require(double number, double lo, double hi, const Source &setting, const char *what);
 
+// Likewise for a limit in the setting's own unit.
+void require(const Source &setting, double lo, double hi, const char *what);
+
+// A number that no file writes: rounded, and kept within what the field holds.
+template <typename Field> void keep(Field &field, double number, double lo, double hi)
+{
+    field = static_cast<Field>(std::round(std::clamp(number, lo, hi)));
+}
+
 // A number rounded to an integer field, refused where the field cannot hold it.
 template <typename Field>
 void store(Field &field, double number, double lo, double hi, const Source &setting,
@@ -68,13 +80,25 @@ struct Model {
 
 Model make_model(const MotorSettings &motor, const ModelScales &scale);
 
+// Within what a rule's value has to stay, by key: what the firmware's numbers hold.
+struct RuleRange {
+    double least = 0;
+    double most = HUGE_VAL;
+};
+using RuleRanges = std::map<std::string, RuleRange>;
+
 // The tuning with what it leaves to the motor (0) filled in by one rule for every motor, see numbers.cpp.
-TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor);
+TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor,
+                         const RuleRanges &ranges = {});
+
+// The key of the motor file that a rule's value follows from most, or null where `key` is written or has no rule.
+const char *rule_source(const std::string &key, const TuningSettings &as_written);
 
 // With an angle sensor nothing is to be found at the start, and the observer's speed is not trained.
 TuningSettings for_sensor(const TuningSettings &tuning);
 
-// Peak phase current for ever: the motor file's, else that of rated torque.
+// Peak phase current for ever: the motor file's, else that of rated torque; and the key that says so.
 double continuous_current(const MotorSettings &motor);
+Source continuous_source(const MotorSettings &motor);
 
 } // namespace nf

@@ -65,9 +65,12 @@ constexpr double STALL_SHARE = 0.5;
 constexpr double STALL_TIME_S = 1;
 constexpr uint32_t LATE_MAX = 10;
 constexpr double LATE_WINDOW_S = 1;
+constexpr double PERIODS_MAX = 1e6; // what a counter of periods is set to at most
 
-// There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus.
-void check_voltage(const MotorSettings &motor, const BoardSettings &board)
+// There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus. And the observer turns
+// its currents by the small angle of a PWM period.
+void check_speed(const MotorSettings &motor, const BoardSettings &board, const Model &m,
+                 const Bases &b)
 {
     const double emf =
         rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs * motor.flux_linkage_wb;
@@ -75,6 +78,10 @@ void check_voltage(const MotorSettings &motor, const BoardSettings &board)
             {"motor.max_speed_rpm", motor.max_speed_rpm},
             "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
             "leave, and the drive does not weaken the field");
+    require(m.max_speed_el * b.control_period_s, 0, TURN_MAX_RAD,
+            {"motor.max_speed_rpm", motor.max_speed_rpm},
+            "above it the rotor turns more than 0.7 rad in a PWM period; a higher "
+            "board.pwm_frequency_hz raises it");
 }
 
 // Nothing to refuse: the ranges of the keys are those of the fields.
@@ -95,7 +102,8 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
 {
     const char *const reason = "what the firmware can measure";
     protection_cfg_t c{};
-    store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, Q14 - 2,
+    const double rail = Q14 - 1 - std::ldexp(1.0, 15 - board.adc_bits);
+    store(c.current_max, board.overcurrent_a / b.current_a * Q15, 1, rail,
           {"board.overcurrent_a", board.overcurrent_a}, reason);
     if (board.trip_a > 0) {
         require(board.trip_a, board.overcurrent_a, HUGE_VAL, {"board.trip_a", board.trip_a},
@@ -107,18 +115,16 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
           {"board.bus_min_v", board.bus_min_v}, reason);
     store(c.offset_max, board.offset_max_a / b.current_a * Q15, 0, MANTISSA_MAX,
           {"board.offset_max_a", board.offset_max_a}, reason);
-    require(c.offset_max, 0, Q14 - 1 - std::ldexp(1.0, 15 - board.adc_bits) - c.current_max,
-            {"board.offset_max_a", board.offset_max_a},
+    require(c.offset_max, 0, rail - c.current_max, {"board.offset_max_a", board.offset_max_a},
             "a sample at the end of the converter has to exceed board.overcurrent_a whatever the "
             "offset");
     return c;
 }
 
-// Share 1 at `full`, 0 at `zero`; the gain is rounded up, so that nothing is derated at `full`.
-fade_t make_fade(double full, double zero, const Source &setting, const char *what)
+// Share 1 at `full`, 0 at `zero`, two steps away at least; the gain is rounded up, so that nothing is derated at `full`.
+fade_t make_fade(double full, double zero)
 {
     const double span = zero - full;
-    require(std::abs(span), 2, Q15 * 2, setting, what);
     int shift = FADE_SHIFT_MAX;
     while (std::ceil(std::ldexp(Q15, shift) / std::abs(span)) > MANTISSA_MAX) {
         shift--;
@@ -148,11 +154,16 @@ void set_heat(derating_cfg_t &c, const MotorSettings &motor, double period_s)
     c.heat_rate = rate.value;
     c.heat_rate_shift = rate.shift;
     c.heat_max_q14 = static_cast<int32_t>(std::lround(HEAT_MAX * Q14));
-    c.heat = make_fade(HEAT_WARN * Q14, Q14, time, "");
+    c.heat = make_fade(HEAT_WARN * Q14, Q14);
 }
 
+// The firmware's steps that lie between the ends of a fade at least.
+constexpr double FADE_STEPS = 2;
+
+// Without a level of its own the bus derates a share of the way from the limit: then that limit is the key.
 void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases &b)
 {
+    const double step_v = FADE_STEPS * b.voltage_v / Q15;
     const double low =
         board.bus_low_v > 0
             ? board.bus_low_v
@@ -161,31 +172,48 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
         board.bus_brake_v > 0
             ? board.bus_brake_v
             : board.bus_nominal_v + BUS_BRAKE_SHARE * (board.bus_max_v - board.bus_nominal_v);
-    require(low, board.bus_min_v, board.bus_nominal_v, {"board.bus_low_v", low},
-            "from board.bus_min_v to board.bus_nominal_v");
-    require(brake, board.bus_nominal_v, board.bus_max_v, {"board.bus_brake_v", brake},
-            "from board.bus_nominal_v to board.bus_max_v");
+    if (board.bus_low_v > 0) {
+        require({"board.bus_low_v", low}, board.bus_min_v + step_v, board.bus_nominal_v,
+                "from board.bus_min_v to board.bus_nominal_v");
+    }
+    require({"board.bus_min_v", board.bus_min_v}, 0, board.bus_nominal_v - step_v / BUS_LOW_SHARE,
+            "board.bus_nominal_v, and room to derate motoring before it");
+    if (board.bus_brake_v > 0) {
+        require({"board.bus_brake_v", brake}, board.bus_nominal_v,
+                board.bus_max_v - step_v / BUS_END_SHARE,
+                "from board.bus_nominal_v to board.bus_max_v");
+    }
+    require({"board.bus_max_v", board.bus_max_v},
+            board.bus_nominal_v + step_v / BUS_END_SHARE / (1 - BUS_BRAKE_SHARE), HUGE_VAL,
+            "board.bus_nominal_v, and room to derate braking before it");
     const double steps = Q15 / b.voltage_v;
-    c.bus_low = make_fade(low * steps, board.bus_min_v * steps, {"board.bus_low_v", low},
-                          "the firmware's steps of voltage above board.bus_min_v");
+    c.bus_low = make_fade(low * steps, board.bus_min_v * steps);
     const double end = brake + BUS_END_SHARE * (board.bus_max_v - brake);
-    c.bus_high = make_fade(brake * steps, end * steps, {"board.bus_brake_v", brake},
-                           "the firmware's steps of voltage below board.bus_max_v");
+    c.bus_high = make_fade(brake * steps, end * steps);
+}
+
+// The temperature at a count of its sensor.
+double temperature_at(const BoardSettings &board, double count)
+{
+    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
+    return board.temperature_at_zero_c + std::ldexp(count, -board.adc_bits) * span_c;
 }
 
 // The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
 void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, double period_s)
 {
+    const double count_c = std::abs(temperature_at(board, 1) - temperature_at(board, 0));
+    const auto ends = std::minmax(
+        {temperature_at(board, 1), temperature_at(board, std::ldexp(1.0, board.adc_bits) - 2)});
+    require({"board.temperature_max_c", board.temperature_max_c}, ends.first, ends.second,
+            "what the sensor can measure");
     const double warn = board.temperature_warn_c > 0 ? board.temperature_warn_c
                                                      : board.temperature_max_c - TEMPERATURE_SPAN_C;
-    require(warn, -TEMPERATURE_SPAN_C, board.temperature_max_c, {"board.temperature_warn_c", warn},
-            "up to board.temperature_max_c");
-    const double limit = temperature_count(board, board.temperature_max_c);
-    require(limit, 1, std::ldexp(1.0, board.adc_bits) - 2,
-            {"board.temperature_max_c", board.temperature_max_c}, "what the sensor can measure");
-    c.temperature =
-        make_fade(temperature_count(board, warn), limit, {"board.temperature_warn_c", warn},
-                  "two counts of the sensor below board.temperature_max_c");
+    require({"board.temperature_warn_c", warn}, -TEMPERATURE_SPAN_C,
+            board.temperature_max_c - FADE_STEPS * count_c,
+            "two counts of the sensor below board.temperature_max_c");
+    c.temperature = make_fade(temperature_count(board, warn),
+                              temperature_count(board, board.temperature_max_c));
     c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
 }
 
@@ -197,13 +225,12 @@ derating_cfg_t make_derating(const MotorSettings &motor, const BoardSettings &bo
     derating_cfg_t c{};
     store(c.current_max, motor.max_current_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, reason);
-    store(c.current_continuous, continuous / b.current_a * Q15, 1, Q14,
-          {"motor.continuous_current_a", continuous}, reason);
+    store(c.current_continuous, continuous / b.current_a * Q15, 1, Q14, continuous_source(motor),
+          reason);
     set_heat(c, motor, period_s);
     set_temperature_derating(c, board, period_s);
     set_bus_derating(c, board, b);
-    store(c.regeneration_speed, b.step_from_rpm(motor.max_speed_rpm) * STANDSTILL, 0, Q30 / 2,
-          {"motor.max_speed_rpm", motor.max_speed_rpm}, "the firmware's steps of speed");
+    keep(c.regeneration_speed, b.step_from_rpm(motor.max_speed_rpm) * STANDSTILL, 0, Q30 / 2);
     return c;
 }
 
@@ -211,7 +238,7 @@ supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettin
                                    const TuningSettings &tuning, double period_s, const Bases &b)
 {
     const auto periods = [&](double seconds) {
-        return static_cast<uint32_t>(std::ceil(seconds / period_s));
+        return static_cast<uint32_t>(std::min(std::ceil(seconds / period_s), PERIODS_MAX));
     };
     // A share of the continuous current, not less than what converter noise can look like.
     const auto current = [&](double share, double lsb) {
@@ -339,16 +366,9 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings 
     c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, headroom.flux, m, b));
     set_network(c, motor, board, headroom, m, b);
     set_adaptation(c, tuning, headroom.rate, m, b);
-    check_voltage(motor, board);
-    require(m.max_speed_el * b.control_period_s, 0, TURN_MAX_RAD,
-            {"motor.max_speed_rpm", motor.max_speed_rpm},
-            "above it the rotor turns more than 0.7 rad in a PWM period; a higher "
-            "board.pwm_frequency_hz raises it");
-    c.speed_limit = static_cast<step_t>(
-        std::lround(std::min(b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, Q30 / 2)));
-    c.rho_speed_min =
-        std::max(1, static_cast<int>(std::lround(b.step_from_rpm(motor.rated_speed_rpm) *
-                                                 tuning.handover_speed_pct / 200)));
+    c.speed_limit = b.speed_limit;
+    keep(c.rho_speed_min, b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200,
+         1, Q30 / 2);
     return c;
 }
 
@@ -364,6 +384,13 @@ pi_cfg_t make_current_pi(const TuningSettings &tuning, const Model &m, const Bas
                    "current_loop.bandwidth_hz", tuning.current_bandwidth_hz);
 }
 
+// The largest gain of the decoupling whose product with the highest speed the current loop can hold.
+double reach_gain_max(const Bases &b)
+{
+    const double speed = std::floor(std::ldexp(b.speed_limit, -b.speed_shift));
+    return std::min(MANTISSA_MAX, std::floor(CURRENT_LOOP_REACH_MAX * Q13 / speed));
+}
+
 current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSettings &tuning,
                                      const Model &m, const Bases &b)
 {
@@ -371,13 +398,11 @@ current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSet
     current_loop_cfg_t c{};
     c.pi_d = make_current_pi(tuning, m, b, m.inductance_d);
     c.pi_q = make_current_pi(tuning, m, b, m.inductance_q);
-    const char *const reason = "more is beyond what the decoupling can hold at the highest speed";
-    store(c.reactance_d_q13, reactance * m.inductance_d, 0, MANTISSA_MAX,
-          {"motor.inductance_d_h", motor.inductance_d_h}, reason);
-    store(c.reactance_q_q13, reactance * m.inductance_q, 0, MANTISSA_MAX,
-          {"motor.inductance_q_h", motor.inductance_q_h}, reason);
-    store(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, MANTISSA_MAX,
-          {"motor.flux_linkage_wb", motor.flux_linkage_wb}, reason);
+    // The most that ω·L·i can be told at the highest speed; beyond, the integrals do the rest.
+    const double most = reach_gain_max(b);
+    keep(c.reactance_d_q13, reactance * m.inductance_d, 0, most);
+    keep(c.reactance_q_q13, reactance * m.inductance_q, 0, most);
+    keep(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, most);
     store(c.resistance_q13, m.resistance * b.current_a / b.voltage_v * Q13, 0, MANTISSA_MAX,
           {"motor.resistance_ohm", motor.resistance_ohm},
           "four times board.bus_full_scale_v over board.current_full_scale_a");
@@ -485,9 +510,8 @@ phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const Tunin
 // The voltage drive gives back at 3/4 of its lowest speed, which has to be before the observer does.
 constexpr double ABOVE_HANDOVER = 1.5;
 
-// Without a K_i of its own it follows from K_p, which is then the key to change.
 voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
-                                       bool own_ki, const Bases &b)
+                                       const Bases &b)
 {
     const double slow_period = b.control_period_s * tuning.slow_ticks;
     const double base = 2 * b.speed_el_rad_s / b.voltage_v; // of the speed error, in U_b
@@ -500,7 +524,7 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
     const Source ki = {"voltage_loop.ki_v_per_rad", tuning.voltage_ki_v_per_rad};
     const Mantissa p = normalise(tuning.voltage_kp_v_s_per_rad * base, 1, 30, kp, reason);
     const Mantissa i = normalise(std::ldexp(tuning.voltage_ki_v_per_rad * base * slow_period, 11),
-                                 1, 30, own_ki ? ki : kp, reason);
+                                 1, 30, ki, reason);
     c.enabled = 1;
     c.pi.kp = p.value;
     c.pi.kp_shift = p.shift;
@@ -508,8 +532,10 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
     c.pi.ki_shift = i.shift;
     const double slowest_pct =
         std::max(tuning.voltage_speed_pct, ABOVE_HANDOVER * tuning.handover_speed_pct);
-    c.speed_min = static_cast<step_t>(
-        std::lround(b.step_from_rpm(slowest_pct / 100 * motor.rated_speed_rpm)));
+    require(slowest_pct / 100 * motor.rated_speed_rpm, 0, motor.max_speed_rpm,
+            {"motor.rated_speed_rpm", motor.rated_speed_rpm},
+            "the share voltage_loop.speed_min_pct of it is within motor.max_speed_rpm");
+    keep(c.speed_min, b.step_from_rpm(slowest_pct / 100 * motor.rated_speed_rpm), 0, Q30 / 2);
     store(c.settle_periods, tuning.voltage_settle_s / slow_period, 1, 10000,
           {"voltage_loop.settle_s", tuning.voltage_settle_s}, "10000 periods of the speed loop");
     c.compensator = make_compensator(motor, tuning, b);
@@ -589,9 +615,9 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
     b.current_a = board.current_full_scale_a * CURRENT_BASE_RATIO;
     b.voltage_v = board.bus_full_scale_v;
     b.pole_pairs = motor.pole_pairs;
-    const double largest = b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM;
+    keep(b.speed_limit, b.step_from_rpm(motor.max_speed_rpm) * ESTIMATE_HEADROOM, 1, Q30 / 2);
     b.speed_shift = 1;
-    while (std::ldexp(Q15, b.speed_shift) < largest && b.speed_shift < 16) {
+    while (std::ldexp(Q15, b.speed_shift) <= b.speed_limit) {
         b.speed_shift++;
     }
     b.speed_el_rad_s =
@@ -599,12 +625,15 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
     return b;
 }
 
-drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &as_written, const ModelScales &scales)
+namespace
 {
-    const TuningSettings tuning = for_sensor(for_motor(as_written, motor));
+
+drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
+                    const TuningSettings &tuning, const ModelScales &scales)
+{
     const Bases b = make_bases(motor, board);
     const Model m = make_model(motor, scales);
+    check_speed(motor, board, m, b);
     drive_cfg_t c{};
     c.sampling = make_sampling(motor, board, tuning);
     c.protection = make_protection(board, b);
@@ -620,12 +649,59 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
-    c.voltage_drive = make_voltage_drive(motor, tuning, as_written.voltage_ki_v_per_rad > 0, b);
+    c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);
+    return c;
+}
+
+// Each round moves one end of one rule's range; a rule that is moved this often contradicts the others.
+constexpr int RULE_ROUNDS = 64;
+// A value that its limit was computed for is within it in spite of rounding.
+constexpr double INWARDS = 1e-9;
+
+// Moves the range of a rule whose value was refused; false where the value is written.
+bool narrow(RuleRanges &ranges, const SettingError &error, const TuningSettings &as_written)
+{
+    if (rule_source(error.key, as_written) == nullptr) {
+        return false;
+    }
+    RuleRange &range = ranges[error.key];
+    if (error.limit.at_most) {
+        range.most = error.limit.value * (1 - INWARDS);
+    } else {
+        range.least = error.limit.value * (1 + INWARDS);
+    }
+    return range.least <= range.most;
+}
+
+} // namespace
+
+TuningSettings settled_tuning(const MotorSettings &motor, const BoardSettings &board,
+                              const TuningSettings &as_written, const ModelScales &scales)
+{
+    RuleRanges ranges;
+    for (int round = 0;; round++) {
+        const TuningSettings tuning = for_sensor(for_motor(as_written, motor, ranges));
+        try {
+            convert(motor, board, tuning, scales);
+            return tuning;
+        } catch (const SettingError &error) {
+            if (round == RULE_ROUNDS || !narrow(ranges, error, as_written)) {
+                throw;
+            }
+        }
+    }
+}
+
+drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
+                           const TuningSettings &as_written, const ModelScales &scales)
+{
+    const drive_cfg_t c =
+        convert(motor, board, settled_tuning(motor, board, as_written, scales), scales);
     if (const char *bad = params_check(&c)) {
-        throw std::logic_error(fmt::format("the firmware refuses its setting {}", bad));
+        throw std::logic_error(fmt::format("{} is outside its range", bad));
     }
     return c;
 }

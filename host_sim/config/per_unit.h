@@ -38,6 +38,7 @@ struct Bases {
     double speed_el_rad_s; // Ω_b: Q15 one
     int speed_shift;       // Q15 of Ω_b = step >> speed_shift
     int pole_pairs;
+    step_t speed_limit; // of the estimate; below Ω_b
 
     double step_from_rpm(double rpm) const; // mechanical rpm to step_t
     double rpm_from_step(double step) const;
@@ -53,8 +54,13 @@ double temperature_count(const BoardSettings &board, double temperature_c);
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
-// Settings that are 0 by motor are filled in. Throws SettingError naming the offending key; the result passes
-// params_check.
+// The tuning that acts: settings that are left to the motor (0) are filled in by rule, as far as the firmware's numbers
+// hold; with an angle sensor, what finds the angle is off. Throws SettingError naming the offending key.
+TuningSettings settled_tuning(const MotorSettings &motor, const BoardSettings &board,
+                              const TuningSettings &as_written, const ModelScales &scales);
+
+// The firmware's numbers of the tuning that acts. Throws SettingError naming the offending key, or logic_error if
+// params_check refuses the result, which no settings within the ranges of the keys can bring about.
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
                            const TuningSettings &as_written, const ModelScales &scales);
 

@@ -1,0 +1,190 @@
+// Real motors, and every key at both ends of its range: what is not accepted is refused by a line that the user wrote.
+#include "any_motor.h"
+#include "folder.h"
+
+#include "schema.h"
+
+#include "unity.h"
+
+#include <cstdlib>
+
+namespace
+{
+
+using Lines = std::vector<std::string>;
+
+const char *const TUNINGS[] = {"published", "robust", "voltage_phase"};
+const char *const SOURCES[] = {"observer", "sensor"};
+
+// What the shipped board and the published tuning say of another motor.
+const Lines OWN_BOARD = {"board.trip_a=0",
+                         "speed_loop.bandwidth_hz=0",
+                         "speed_loop.ramp_rpm_s=0",
+                         "position_loop.bandwidth_hz=0",
+                         "position_loop.speed_rpm=0",
+                         "position_loop.acceleration_rad_s2=0",
+                         "position_loop.softness_s=0"};
+
+Lines real_motor(test::Draw &draw)
+{
+    Lines lines = test::any_motor(draw);
+    lines.insert(lines.end(), OWN_BOARD.begin(), OWN_BOARD.end());
+    return lines;
+}
+
+// "" or the refusal.
+std::string refusal_of(const std::string &tuning, const Lines &set)
+{
+    try {
+        nf::build(nf::load_parts("motor_a", "bench_310v", tuning, {}, set));
+    } catch (const nf::ConfigError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+std::string after(const std::string &text, const std::string &mark)
+{
+    const std::size_t at = text.find(mark);
+    return at == std::string::npos ? "" : text.substr(at + mark.size());
+}
+
+// Line `number` of a file.
+std::string line_of(const std::string &file, int number)
+{
+    std::ifstream stream(file);
+    std::string line;
+    for (int k = 0; k < number; k++) {
+        std::getline(stream, line);
+    }
+    return line;
+}
+
+bool is_number(const std::string &text, double value)
+{
+    const double found = std::strtod(text.c_str(), nullptr);
+    return std::abs(found - value) <= 1e-9 * std::abs(value);
+}
+
+// "PLACE: KEY = VALUE: ...": VALUE stands at that place for that key.
+bool names_what_is_written(const std::string &refusal, const Lines &set)
+{
+    const std::string place = refusal.substr(0, refusal.find(": "));
+    const std::string assignment = after(refusal, ": ");
+    const std::string key = assignment.substr(0, assignment.find(" = "));
+    const double value = std::strtod(after(assignment, " = ").c_str(), nullptr);
+    if (place == "--set") {
+        // The last of several wins.
+        const auto line = std::find_if(set.rbegin(), set.rend(), [&](const std::string &any) {
+            return any.rfind(key + "=", 0) == 0;
+        });
+        return line != set.rend() && is_number(after(*line, "="), value);
+    }
+    const std::size_t colon = place.rfind(':');
+    const std::string line =
+        line_of(place.substr(0, colon), std::atoi(place.substr(colon + 1).c_str()));
+    return line.find(after(key, ".")) != std::string::npos && is_number(after(line, "= "), value);
+}
+
+void expect_a_written_line(const std::string &refusal, const Lines &set)
+{
+    if (!refusal.empty() && !names_what_is_written(refusal, set)) {
+        TEST_FAIL_MESSAGE(refusal.c_str());
+    }
+}
+
+constexpr int MOTORS = 1000;
+
+void a_real_motor_is_accepted_or_refused_as_written()
+{
+    test::Draw draw(1);
+    for (int k = 0; k < MOTORS; k++) {
+        Lines set = real_motor(draw);
+        set.push_back(fmt::format("drive.angle_source={}", SOURCES[k / 3 % 2]));
+        expect_a_written_line(refusal_of(TUNINGS[k % 3], set), set);
+    }
+}
+
+// Beside the range of each key, from the schema, the values of combinations: not-so-real motors.
+void every_key_at_both_ends_is_accepted_or_refused_as_written()
+{
+    test::Draw draw(2);
+    for (int round = 0; round < 3; round++) {
+        const Lines motor = real_motor(draw);
+        for (const nf::Field &field : nf::schema()) {
+            nf::Config any;
+            const nf::Target target = field.target(any);
+            const bool is_number =
+                std::holds_alternative<double *>(target) || std::holds_alternative<int *>(target);
+            if (!is_number || std::string(field.section) == "hal" ||
+                std::string(field.section) == "scenario") {
+                continue;
+            }
+            for (const double end : {field.min, field.max}) {
+                Lines set = motor;
+                set.push_back(fmt::format("drive.angle_source={}", SOURCES[round % 2]));
+                set.push_back(fmt::format("{}={}", field.name(), end));
+                expect_a_written_line(refusal_of(TUNINGS[round % 3], set), set);
+            }
+        }
+    }
+}
+
+// Several keys at an end at once.
+void any_combination_of_ends_is_accepted_or_refused_as_written()
+{
+    std::vector<const nf::Field *> fields;
+    for (const nf::Field &field : nf::schema()) {
+        nf::Config any;
+        const std::string section = field.section;
+        if (std::holds_alternative<double *>(field.target(any)) && section != "hal" &&
+            section != "scenario" && section != "plant") {
+            fields.push_back(&field);
+        }
+    }
+    test::Draw draw(3);
+    for (int round = 0; round < 600; round++) {
+        Lines set = real_motor(draw);
+        set.push_back(fmt::format("drive.angle_source={}", SOURCES[draw.below(2)]));
+        for (int k = 0; k < 3; k++) {
+            const nf::Field &field = *fields[draw.below(fields.size())];
+            const double end = draw.below(2) == 0 ? field.min : field.max;
+            const double value = draw.below(2) == 0 ? end
+                                                    : draw.log_uniform(std::max(field.min, 1e-7),
+                                                                       std::max(field.max, 1e-6));
+            set.push_back(
+                fmt::format("{}={}", field.name(), std::clamp(value, field.min, field.max)));
+        }
+        expect_a_written_line(refusal_of(TUNINGS[draw.below(3)], set), set);
+    }
+}
+
+// 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it, just outside.
+void a_highest_speed_on_a_step_of_the_speed_base_is_accepted()
+{
+    for (const double rpm : {1500 * (1 - 1e-9), 1500.0, 1500 * (1 + 1e-9)}) {
+        const Lines set = {"motor=motor_b", "board.pwm_frequency_hz=16000",
+                           fmt::format("motor.max_speed_rpm={:.12g}", rpm)};
+        TEST_ASSERT_EQUAL_STRING("", refusal_of("robust", set).c_str());
+    }
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_real_motor_is_accepted_or_refused_as_written);
+    RUN_TEST(every_key_at_both_ends_is_accepted_or_refused_as_written);
+    RUN_TEST(any_combination_of_ends_is_accepted_or_refused_as_written);
+    RUN_TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted);
+    return UNITY_END();
+}
