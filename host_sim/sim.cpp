@@ -112,16 +112,22 @@ void Simulation::restore(const State &state)
     app_ = state.app;
 }
 
+void Simulation::command(drive_mode_t mode, double target)
+{
+    drive_command_t whole = command_mailbox_take(&app_.mailbox);
+    whole.mode = mode;
+    whole.target = to_target(target);
+    command_mailbox_post(&app_.mailbox, &whole);
+}
+
 void Simulation::command_speed_rpm(double rpm)
 {
-    app_.command.mode = DRIVE_MODE_SPEED;
-    app_.command.target = to_target(bases_.step_from_rpm(rpm));
+    command(DRIVE_MODE_SPEED, bases_.step_from_rpm(rpm));
 }
 
 void Simulation::command_position_rad(double mech_rad)
 {
-    app_.command.mode = DRIVE_MODE_POSITION;
-    app_.command.target = to_target(bases_.turns_from_mech_rad(mech_rad) * Q16);
+    command(DRIVE_MODE_POSITION, bases_.turns_from_mech_rad(mech_rad) * Q16);
 }
 
 void Simulation::set_load_nm(double torque_nm)

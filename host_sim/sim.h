@@ -74,13 +74,15 @@ public:
     void feed(const drive_in_t &in)
     {
         hal_host_feed(&hal_, &in);
-        app_.command = in.command;
+        command_mailbox_post(&app_.mailbox, &in.command);
     }
 
     // Requests of the user, from the next control() on.
     void request(uint8_t drive_request)
     {
-        app_.command.request = drive_request;
+        drive_command_t command = command_mailbox_take(&app_.mailbox);
+        command.request = drive_request;
+        command_mailbox_post(&app_.mailbox, &command);
     }
     void command_speed_rpm(double rpm);
     void command_position_rad(double mech_rad);
@@ -119,6 +121,8 @@ public:
     }
 
 private:
+    void command(drive_mode_t mode, double target);
+
     drive_cfg_t cfg_;
     Bases bases_;
     plant_t plant_{};

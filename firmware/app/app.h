@@ -4,13 +4,14 @@
 #ifndef APP_H
 #define APP_H
 
+#include "command_mailbox.h"
 #include "drive.h"
 #include "hal.h"
 #include "recorder.h"
 
 typedef struct {
     drive_t drive;
-    drive_command_t command; /* written by the background, one aligned field at a time */
+    command_mailbox_t mailbox; /* the background posts, the interrupt takes */
     hal_t *hal;
     drive_in_t in; /* the frames of the last tick, for traces and recordings */
     drive_out_t out;

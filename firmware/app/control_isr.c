@@ -6,7 +6,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
 {
     hal_open_gates(hal);
     app->hal = hal;
-    app->command = (drive_command_t){0};
+    command_mailbox_init(&app->mailbox);
     app->in = (drive_in_t){0};
     app->out = (drive_out_t){0};
     app->recorder = NULL;
@@ -22,7 +22,7 @@ void app_record(app_t *app, recorder_t *recorder)
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
-    app->in.command = app->command;
+    app->in.command = command_mailbox_take(&app->mailbox);
     drive_step(&app->drive, &app->in, &app->out);
     hal_apply(app->hal, &app->out);
     if (app->recorder != NULL) {

@@ -60,7 +60,7 @@ static void run_block(uint32_t ticks)
         const drive_in_t in = recording_get_frame(&frames[k * RECORDING_FRAME_BYTES]);
 
         hal_mps2_feed(&hardware, &in);
-        app.command = in.command;
+        command_mailbox_post(&app.mailbox, &in.command);
         control_interrupt();
         recorder_service(&recorder, &app.drive);
         recording_put_result(&results[k * RECORDING_RESULT_BYTES], &hardware.applied, &app.drive);

@@ -132,9 +132,11 @@ static void show_status(console_t *console)
 
 static void request(console_t *console, uint8_t what)
 {
-    volatile drive_command_t *const command = &console->app->command;
+    command_mailbox_t *const mailbox = &console->app->mailbox;
+    drive_command_t command = command_mailbox_take(mailbox);
 
-    command->request = what;
+    command.request = what;
+    command_mailbox_post(mailbox, &command);
 }
 
 static void start_motor(console_t *console)
@@ -167,12 +169,14 @@ static void stop(console_t *console)
 
 static void set_speed(console_t *console, const char *argument)
 {
-    volatile drive_command_t *const command = &console->app->command;
+    command_mailbox_t *const mailbox = &console->app->mailbox;
+    drive_command_t command = command_mailbox_take(mailbox);
     int32_t rpm = 0;
     const bool good = text_to_number(argument, &rpm);
 
     if (good && (rpm >= -BOARD.speed_max_rpm) && (rpm <= BOARD.speed_max_rpm)) {
-        command->target = units_step(&BOARD.rotation, rpm);
+        command.target = units_step(&BOARD.rotation, rpm);
+        command_mailbox_post(mailbox, &command);
         console->speed_rpm = rpm;
         console_say(console, "ok");
     } else {
@@ -329,9 +333,9 @@ static void take(console_t *console, uint8_t byte)
 /* A clear is done once the fault is left: kept, it would clear the next one unseen. */
 static void finish_clear(console_t *console)
 {
-    const drive_command_t *const command = &console->app->command;
+    const drive_command_t command = command_mailbox_take(&console->app->mailbox);
 
-    if ((command->request == DRIVE_REQUEST_CLEAR) &&
+    if ((command.request == DRIVE_REQUEST_CLEAR) &&
         (console->app->drive.state != DRIVE_STATE_FAULT)) {
         request(console, 0U);
     }
@@ -380,7 +384,8 @@ void console_step(console_t *console)
 
 void console_set_temperature(console_t *console, int32_t temperature_c)
 {
-    const bool running = (console->app->command.request & DRIVE_REQUEST_RUN) != 0U;
+    const bool running =
+        (command_mailbox_take(&console->app->mailbox).request & DRIVE_REQUEST_RUN) != 0U;
 
     console->temperature_c = temperature_c;
     if (running && (temperature_c > BOARD.temperature_max_c)) {

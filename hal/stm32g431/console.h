@@ -3,8 +3,8 @@
  *
  *     run  stop  clear  speed RPM  status  dump  record
  *
- * Runs in the background. It writes app_t.command and reads the drive; both may be interrupted by the
- * control tick at any instruction, each field is one aligned access.
+ * Runs in the background. It posts commands to app_t.mailbox and reads the drive; the control tick may interrupt it at
+ * any instruction.
  */
 #ifndef CONSOLE_H
 #define CONSOLE_H

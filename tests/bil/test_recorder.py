@@ -4,7 +4,6 @@ test_recorder.py IMAGE BOARD MOTORSIM: the image in the emulator fails, sends it
 MOTORSIM replays it.
 """
 
-import os
 import random
 import re
 import subprocess
@@ -15,6 +14,7 @@ import unittest
 from pathlib import Path
 
 import board
+from copies import in_a_copy
 
 IMAGE, BOARD, MOTORSIM = (Path(argument) for argument in sys.argv[1:4])
 
@@ -73,23 +73,6 @@ def replay(log, *arguments):
         path = Path(folder) / "field.log"
         path.write_text(log, newline="")
         return subprocess.run([MOTORSIM, "replay", path, *arguments], capture_output=True, text=True)
-
-
-def in_a_copy(act):
-    """What `act` returns, a text, in a copy of this process: what it changes is not changed here."""
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            with open(writer, "w", newline="") as pipe:
-                pipe.write(act())
-        finally:
-            os._exit(0)
-    os.close(writer)
-    with open(reader, newline="") as pipe:
-        text = pipe.read()
-    os.waitpid(child, 0)
-    return text
 
 
 class Recorder(unittest.TestCase):

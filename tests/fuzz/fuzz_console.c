@@ -146,8 +146,9 @@ static void tick(void)
 static void console_holds(void)
 {
     const int64_t highest = units_step(&BOARD.rotation, BOARD.speed_max_rpm);
-    const int64_t target = app.command.target;
-    const uint8_t request = app.command.request;
+    const drive_command_t command = command_mailbox_take(&app.mailbox);
+    const int64_t target = command.target;
+    const uint8_t request = command.request;
 
     HOLDS((target >= -highest) && (target <= highest), "a target is within the board's speed");
     HOLDS((request == 0U) || (request == DRIVE_REQUEST_RUN) || (request == DRIVE_REQUEST_CLEAR),

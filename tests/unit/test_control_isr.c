@@ -49,6 +49,13 @@ void hal_open_gates(hal_t *h)
     note(h, 'o');
 }
 
+static void post(int32_t target, drive_mode_t mode, uint8_t request)
+{
+    const drive_command_t command = {.target = target, .mode = (uint8_t)mode, .request = request};
+
+    command_mailbox_post(&app.mailbox, &command);
+}
+
 void setUp(void)
 {
     cfg = example_drive_cfg();
@@ -67,7 +74,7 @@ static void test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware(v
 {
     TEST_ASSERT_EQUAL_STRING("o", hal.diary);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, app.drive.state);
-    TEST_ASSERT_EQUAL_UINT8(0U, app.command.request);
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
     TEST_ASSERT_FALSE(app.out.gate_enable);
 }
 
@@ -94,7 +101,7 @@ static void test_step_gets_the_sampled_frame_with_the_command_of_the_background(
 {
     hal.next.adc_ia = 2111U;
     hal.next.flags = 0x8000U;
-    app.command = (drive_command_t){.target = 77, .mode = 1U, .request = DRIVE_REQUEST_RUN};
+    post(77, DRIVE_MODE_POSITION, DRIVE_REQUEST_RUN);
     control_isr(&app);
     TEST_ASSERT_EQUAL_UINT16(2111U, app.in.adc_ia);
     TEST_ASSERT_EQUAL_UINT16(0x8000U, app.in.flags);
@@ -109,7 +116,7 @@ static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
     drive_out_t out = {0};
 
     TEST_ASSERT_NULL(drive_init(&alone, &cfg));
-    app.command = (drive_command_t){.target = 10000000, .request = DRIVE_REQUEST_RUN};
+    post(10000000, DRIVE_MODE_SPEED, DRIVE_REQUEST_RUN);
     for (uint32_t k = 0U; k < 400U; k++) {
         control_isr(&app);
         drive_step(&alone, &app.in, &out);
@@ -122,7 +129,7 @@ static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
 
 static void test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt(void)
 {
-    app.command.request = DRIVE_REQUEST_RUN;
+    post(0, DRIVE_MODE_SPEED, DRIVE_REQUEST_RUN);
     for (uint32_t k = 0U; k < 300U; k++) {
         control_isr(&app);
     }

@@ -22,7 +22,7 @@ import part
 REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 # Of each section of the requirements, and of the house's rules and the firmware's own design: C1.1, H1, F1 and so on.
-REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 19, "F": 25}
+REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 19, "F": 26}
 SOURCES = ("firmware", "hal", "host_sim", "tools/design")
 PUBLIC = "firmware"  # whose headers declare nothing that no entry names
 KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}

@@ -1,0 +1,99 @@
+"""target.loop.command: the control tick finds whole commands only, wherever it interrupts the background.
+
+test_command.py IMAGE BOARD GDB
+"""
+
+import struct
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import board
+from copies import in_a_copy
+
+IMAGE, BOARD, GDB = (Path(argument) for argument in sys.argv[1:4])
+
+MIDDLE = 2048
+COMMAND = struct.Struct("<iBB2x")  # target, mode, request; as gdb is asked below
+RUN = 1
+NOBODYS = COMMAND.pack(-123456789, 1, 3)
+COARSE = 32  # instructions, more than a post has: what a tick could find amiss lies as near to a change
+
+
+def output(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+
+
+def offsets(*members):
+    """Of members of the types in the image's debug information."""
+    asked = [part for one in members for part in ("-ex", f"output/d {one}", "-ex", "echo \\n")]
+    return [int(number) for number in output(GDB, "-nx", "-batch", *asked, IMAGE)]
+
+
+def address_of(name):
+    words = output("arm-none-eabi-nm", IMAGE)
+    return int(words[words.index(name) - 2], 16)
+
+
+class Command(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        app = address_of("app")
+        taken, slots, in_force, *layout = offsets(
+            "(int)&((app_t *)0)->in.command", "(int)&((app_t *)0)->mailbox.slots",
+            "(int)&((app_t *)0)->mailbox.in_force", "sizeof(drive_command_t)",
+            "(int)&((drive_command_t *)0)->mode", "(int)&((drive_command_t *)0)->request")
+        assert layout == [COMMAND.size, 4, 5], layout
+        cls.taken, cls.slots, cls.in_force = app + taken, app + slots, app + in_force
+
+    def setUp(self):
+        self.board = board.Board(IMAGE, BOARD)
+        self.board.set_inputs(MIDDLE, MIDDLE, MIDDLE)
+        self.board.boot()
+        self.board.tick(3)
+
+    def memory(self, address, size):
+        return bytes(self.board.core.uc.mem_read(address, size))
+
+    def found(self):
+        """What the last tick has taken."""
+        target, mode, request = COMMAND.unpack(self.memory(self.taken, COMMAND.size))
+        return f"{target} {mode} {request}"
+
+    def tick_after(self, instructions):
+        """The commands `speed` and `run` in one pass, and a tick that comes upon it after so many instructions."""
+        in_force, = struct.unpack("<I", self.memory(self.in_force, 4))
+        self.board.core.uc.mem_write(self.slots + COMMAND.size * (1 - in_force), NOBODYS)
+        self.board.chip.usart.typed.extend(b"speed 1000\rrun\r")
+        self.board.handle_next(instructions)
+        slept = self.board.sleeps()
+        self.board.handle_next()
+        return f"{'slept' if slept else 'interrupted'}\n{self.found()}"
+
+    def looks(self, first, distance):
+        """(instructions, what a tick finds then), to the end of the background's pass."""
+        instructions, how = first, "interrupted"
+        while how == "interrupted":
+            how, _, found = in_a_copy(lambda: self.tick_after(instructions)).partition("\n")
+            yield instructions, found
+            instructions += distance
+
+    def test_a_tick_at_each_instruction_takes_what_was_posted_and_nothing_else(self):
+        coarse = list(self.looks(1, COARSE))
+        changed = [at for (at, found), (_, before) in zip(coarse[1:], coarse) if found != before]
+        posted = coarse[-1][1]
+        step = int(posted.split()[0])
+        self.assertGreater(step, 0)
+        self.assertGreater(changed[0], 2 * COARSE)
+        seen = []
+        for at, found in self.looks(changed[0] - 2 * COARSE, 1):
+            if found not in seen[-1:]:
+                seen.append(found)
+            if at > changed[-1] + COARSE:
+                break
+        self.assertEqual(seen, ["0 0 0", f"{step} 0 0", f"{step} 0 {RUN}"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,148 @@
+/*
+ * The mailbox between background and interrupt. The background is a child process that is stopped after each of its
+ * instructions; what an interrupt would take there is read from the memory that both share.
+ */
+#define _DEFAULT_SOURCE
+#include "command_mailbox.h"
+#include "unity.h"
+
+#include <signal.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/mman.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define POSTED (3U)
+#define INSTRUCTIONS_MAX (100000U) /* of the background, far more than three posts need */
+
+typedef struct {
+    command_mailbox_t box;
+    volatile bool done;
+} shared_t;
+
+/* Every field differs from that of every other: a mixture is none of them. */
+static const drive_command_t commands[POSTED + 1U] = {
+    {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U},
+    {.target = 0x11223344, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = DRIVE_REQUEST_RUN},
+    {.target = -5, .mode = 7U, .request = DRIVE_REQUEST_CLEAR},
+    {.target = 0x7FFF0000, .mode = 9U, .request = 0x83U},
+};
+
+static shared_t *shared;
+
+void setUp(void)
+{
+    shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    TEST_ASSERT_TRUE(shared != MAP_FAILED);
+    command_mailbox_init(&shared->box);
+}
+
+void tearDown(void)
+{
+    (void)munmap(shared, sizeof *shared);
+}
+
+static bool same(drive_command_t a, drive_command_t b)
+{
+    return (a.target == b.target) && (a.mode == b.mode) && (a.request == b.request);
+}
+
+static void test_first_command_asks_for_nothing(void)
+{
+    TEST_ASSERT_TRUE(same(commands[0], command_mailbox_take(&shared->box)));
+}
+
+static void test_command_posted_last_is_taken_again_and_again(void)
+{
+    for (uint32_t k = 0U; k < (2U * POSTED); k++) {
+        const drive_command_t *const command = &commands[(k % POSTED) + 1U];
+
+        command_mailbox_post(&shared->box, command);
+        TEST_ASSERT_TRUE(same(*command, command_mailbox_take(&shared->box)));
+        TEST_ASSERT_TRUE(same(*command, command_mailbox_take(&shared->box)));
+    }
+}
+
+static void test_init_forgets_what_was_posted(void)
+{
+    command_mailbox_post(&shared->box, &commands[1]);
+    command_mailbox_init(&shared->box);
+    TEST_ASSERT_TRUE(same(commands[0], command_mailbox_take(&shared->box)));
+    command_mailbox_post(&shared->box, &commands[2]);
+    TEST_ASSERT_TRUE(same(commands[2], command_mailbox_take(&shared->box)));
+}
+
+/* A 64-bit processor may copy a command with one store, which the test below cannot interrupt; others cannot. */
+static void test_post_does_not_touch_the_slot_that_is_in_force(void)
+{
+    for (uint32_t k = 0U; k < (2U * POSTED); k++) {
+        const uint32_t before = shared->box.in_force;
+        const drive_command_t in_force = command_mailbox_take(&shared->box);
+
+        command_mailbox_post(&shared->box, &commands[(k % POSTED) + 1U]);
+        TEST_ASSERT_NOT_EQUAL_UINT32(before, shared->box.in_force);
+        TEST_ASSERT_TRUE(same(in_force, shared->box.slots[before]));
+    }
+}
+
+/* The child: stops, and goes on by single steps. No check of the test's framework in it. */
+static void be_the_background(void)
+{
+    if ((ptrace(PTRACE_TRACEME, 0, NULL, NULL) != 0) || (raise(SIGSTOP) != 0)) {
+        _exit(1);
+    }
+    for (uint32_t k = 1U; k <= POSTED; k++) {
+        command_mailbox_post(&shared->box, &commands[k]);
+    }
+    shared->done = true;
+    _exit(0);
+}
+
+/* Which of the commands an interrupt finds here: the present one or the next. */
+static uint32_t command_found(uint32_t before)
+{
+    const drive_command_t found = command_mailbox_take(&shared->box);
+    const uint32_t next = (before < POSTED) ? (before + 1U) : before;
+
+    TEST_ASSERT_TRUE_MESSAGE(same(found, commands[before]) || same(found, commands[next]),
+                             "the interrupt takes a command that nobody has posted");
+    return same(found, commands[before]) ? before : next;
+}
+
+static void test_interrupt_at_any_instruction_takes_a_whole_command(void)
+{
+    const pid_t background = fork();
+    uint32_t instructions = 0U;
+    uint32_t found = 0U;
+    int status = 0;
+
+    if (background == 0) {
+        be_the_background();
+    }
+    TEST_ASSERT_TRUE(background > 0);
+    TEST_ASSERT_EQUAL_INT(background, waitpid(background, &status, 0));
+    while (WIFSTOPPED(status) && !shared->done) {
+        found = command_found(found);
+        instructions++;
+        TEST_ASSERT_LESS_THAN_UINT32(INSTRUCTIONS_MAX, instructions);
+        TEST_ASSERT_EQUAL_INT(0, ptrace(PTRACE_SINGLESTEP, background, NULL, NULL));
+        TEST_ASSERT_EQUAL_INT(background, waitpid(background, &status, 0));
+    }
+    TEST_ASSERT_TRUE_MESSAGE(shared->done, "the background did not come to its end");
+    TEST_ASSERT_EQUAL_UINT32(POSTED, found);
+    TEST_ASSERT_EQUAL_INT(0, ptrace(PTRACE_CONT, background, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT(background, waitpid(background, &status, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_first_command_asks_for_nothing);
+    RUN_TEST(test_command_posted_last_is_taken_again_and_again);
+    RUN_TEST(test_init_forgets_what_was_posted);
+    RUN_TEST(test_post_does_not_touch_the_slot_that_is_in_force);
+    RUN_TEST(test_interrupt_at_any_instruction_takes_a_whole_command);
+    return UNITY_END();
+}
