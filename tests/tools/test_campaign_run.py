@@ -21,7 +21,8 @@ OPTION_SEPARATOR = "  # "
 
 
 def metrics(**changed):
-    return {"accepted": False, "state_final": "RUN", "gates_enabled_final": True} | changed
+    return {"accepted": False, "locked": False, "state_final": "RUN",
+            "gates_enabled_final": True} | changed
 
 
 class Classes(unittest.TestCase):
@@ -32,14 +33,22 @@ class Classes(unittest.TestCase):
         self.assertEqual(simulator.outcome(metrics(state_final="FAULT", gates_enabled_final=False)),
                          "failed safe")
 
+    def test_a_rotor_held_to_the_end_beyond_a_limit_is_a_class_of_its_own(self):
+        self.assertEqual(simulator.outcome(metrics(locked=True)), "held, off limits")
+        self.assertEqual(simulator.outcome(metrics(locked=True, accepted=True)), "locked")
+        self.assertEqual(simulator.outcome(metrics(locked=True, state_final="FAULT",
+                                                   gates_enabled_final=False)), "failed safe")
+
     def test_anything_else_is_uncontrolled(self):
         for changed in ({}, {"state_final": "FAULT"}, {"gates_enabled_final": False},
-                        {"locked": True}, {"faults": ["OVERCURRENT@3"]}):
+                        {"locked": True, "gates_enabled_final": False},
+                        {"locked": True, "state_final": "FAULT"}, {"faults": ["OVERCURRENT@3"]}):
             self.assertEqual(simulator.outcome(metrics(**changed)), "uncontrolled", changed)
 
     def test_of_real_runs(self):
         for setting, expected in (("plant.flux_scale=1", "locked"),
                                   ("plant.bus_ripple_pct=40", "failed safe"),
+                                  ("plant.resistance_scale=1.05", "held, off limits"),
                                   ("plant.resistance_scale=1.5", "uncontrolled")):
             done = subprocess.run([MOTORSIM, "run", "s1", "--json", "-", "--set", setting],
                                   capture_output=True, text=True, check=False)

@@ -6,7 +6,8 @@ import unittest
 from rich.console import Console
 
 from campaign_support import MINE, CampaignTest
-from robustness import fail_map, summary, tables
+from robustness import fail_map, progress, summary, tables
+from robustness.simulator import OUTCOMES
 
 PNG_START = b"\x89PNG\r\n"
 KEY = "plant.resistance_scale"
@@ -22,7 +23,14 @@ class Numbers(CampaignTest):
     def test_counts(self):
         rows = [row(k, "locked") for k in range(3)] + [row(3, "uncontrolled")]
         self.assertEqual([(c.outcome, c.runs, c.percent) for c in summary.counts(rows)],
-                         [("locked", 3, 75.0), ("failed safe", 0, 0.0), ("uncontrolled", 1, 25.0)])
+                         [("locked", 3, 75.0), ("held, off limits", 0, 0.0), ("failed safe", 0, 0.0),
+                          ("uncontrolled", 1, 25.0)])
+
+    def test_every_outcome_has_its_own_look(self):
+        for looks in (progress.STYLES, fail_map.COLOURS, fail_map.MARKERS):
+            self.assertEqual(set(looks), set(OUTCOMES))
+            self.assertEqual(len(set(looks.values())), len(OUTCOMES))
+        self.assertEqual(set(fail_map.SCALE), set(OUTCOMES))
 
     def test_the_interval_is_wilsons(self):
         # Wilson 1927 for 0 of n: 0 to z²/(n + z²); symmetric for half of n.
@@ -58,7 +66,8 @@ class Numbers(CampaignTest):
         self.assertEqual(summary.reason(rows[1]), "locked = false")
 
     def test_demands(self):
-        rows = [row(0, "locked"), row(1, "failed safe"), row(2, "uncontrolled"), row(3, "locked")]
+        rows = [row(0, "locked"), row(1, "failed safe"), row(2, "uncontrolled"), row(3, "locked"),
+                row(4, "held, off limits"), row(5, "locked")]
         for accept, holds in (("locked_pct = 50", True), ("locked_pct = 50.1", False),
                               ("uncontrolled = 1", True), ("uncontrolled = 0", False)):
             demand, = summary.demands(self.load(f"{MINE}\n[accept]\n{accept}\n"), rows)
@@ -96,7 +105,7 @@ class Maps(CampaignTest):
                           "e.f = { log_uniform = [1, 100] }\nscenario.seed = { integer = [0, 9] }\n",
                           lambda k: {"a.b": str(k / 20), "c.d_deg": ("0", "90")[k % 2],
                                      "e.f": str(1 + k), "scenario.seed": "3"},
-                          ["locked", "uncontrolled", "failed safe", "locked"] * 5)
+                          list(OUTCOMES) * 5)
         self.assertTrue(path.read_bytes().startswith(PNG_START))
 
     def test_a_map_of_one_parameter_and_one_run(self):

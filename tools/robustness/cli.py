@@ -31,8 +31,9 @@ the motor, another load, another rotor angle, other noise.
                                                 one run again, every tick of it as CSV
 
 Each run is one `motorsim run`. It is `locked` when the scenario's limits hold, `failed safe` when
-it ended in a latched fault with the gates open, else `uncontrolled`. The values of run 1234 depend
-on the campaign's seed and on 1234 alone: it is the same on every machine and in any order.
+it ended in a latched fault with the gates open, `held, off limits` when the rotor was held to the
+end and a limit of accuracy is missed, else `uncontrolled`. The values of run 1234 depend on the
+campaign's seed and on 1234 alone: it is the same on every machine and in any order.
 
 In build/campaigns/NAME:  runs.jsonl  results, a line a run, written as they come
                           runs.csv    the same as a table

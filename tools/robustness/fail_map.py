@@ -19,7 +19,7 @@ from report.style import LIGHT, PRINT, settings
 from . import distributions, summary
 from .campaign import CampaignError
 from .distributions import Choice
-from .simulator import FAILED_SAFE, LOCKED, OUTCOMES, UNCONTROLLED
+from .simulator import FAILED_SAFE, LOCKED, OFF_LIMITS, OUTCOMES, UNCONTROLLED
 
 FILE = "map.png"
 DPI = 170
@@ -33,9 +33,10 @@ FOOT = ("How the runs of each slice of the range ended.",
         "a cell.  The parameter that matters most comes first.")
 PANEL, GAP, SIDE_MIN, SCALE_WIDTH = 1.3, 0.12, 7.6, 1.7  # inches, as the next line
 LEFT, BOTTOM, RIGHT, TOP = 0.75, 0.78, 0.75, 0.82
-COLOURS = {LOCKED: LIGHT["actual"], FAILED_SAFE: LIGHT["third"], UNCONTROLLED: LIGHT["estimated"]}
-MARKERS = {LOCKED: ".", FAILED_SAFE: "s", UNCONTROLLED: "x"}
-SCALE = {LOCKED: 1.6, FAILED_SAFE: 0.9, UNCONTROLLED: 1.1}  # markers of about the same area
+COLOURS = {LOCKED: LIGHT["actual"], OFF_LIMITS: LIGHT["difference"], FAILED_SAFE: LIGHT["third"],
+           UNCONTROLLED: LIGHT["estimated"]}
+MARKERS = {LOCKED: ".", OFF_LIMITS: "^", FAILED_SAFE: "s", UNCONTROLLED: "x"}
+SCALE = {LOCKED: 1.6, OFF_LIMITS: 1.0, FAILED_SAFE: 0.9, UNCONTROLLED: 1.1}  # markers of about the same area
 PALE = 0.35             # the locked part of a slice: it is the ground
 POINTS_AREA = 9000      # of all markers of a panel
 CHOICE_LETTERS = 10
@@ -44,7 +45,7 @@ ROUNDING = 1e-9         # of an end that is a round value itself
 LOG_STEPS = (1, 2, 3, 5)
 LOG_FROM = 2.5         # ends of a range this far apart hold two of these steps
 SLOT = 0.7              # of its width that the points of a choice spread over
-SHADES = LinearSegmentedColormap.from_list("not locked", (LIGHT["paper"], "#f6c9ae",
+SHADES = LinearSegmentedColormap.from_list("not within the limits", (LIGHT["paper"], "#f6c9ae",
                                                           LIGHT["estimated"], "#6a2403"))
 SHADES = SHADES.with_extremes(bad=LIGHT["grid"])    # a cell without runs
 UNITS = {"deg": "°", "lsb": "LSB", "pct": "%", "rpm": "rpm", "nm": "N·m", "s": "s", "v": "V",
@@ -227,7 +228,7 @@ class Map:
         ax = fig.add_axes((left / width, 1 - 0.5 / height, SCALE_WIDTH / width, 0.09 / height))
         most = 100 * self.darkest
         ax.pcolormesh(np.linspace(0, most, 65), (0, 1), np.linspace(0, 1, 64)[None, :], cmap=SHADES)
-        ax.set_title("not locked, %", fontsize=PRINT.font - 1)
+        ax.set_title("not within the limits, %", fontsize=PRINT.font - 1)
         ax.set(yticks=())
         ax.set_xticks((0, most), ("0", f"{most:.3g}{'' if self.darkest == 1.0 else ' or more'}"))
         keep_inside(ax.xaxis, ("left", "center", "right"), "set_ha")

@@ -13,7 +13,7 @@ from .simulator import OUTCOMES
 
 LINES = 10     # of a whole campaign without a terminal
 QUIET_S = 2.0  # between two of them at least; the last always comes
-STYLES = dict(zip(OUTCOMES, ("blue", "yellow", "red")))
+STYLES = dict(zip(OUTCOMES, ("blue", "magenta", "yellow", "red")))
 
 
 class RateColumn(ProgressColumn):

@@ -12,10 +12,11 @@ from .campaign import ROOT, CampaignError
 
 MOTORSIM = ROOT / "build" / "host" / "motorsim"
 BAD_INPUT = 2
-OUTCOMES = LOCKED, FAILED_SAFE, UNCONTROLLED = ("locked", "failed safe", "uncontrolled")
+OUTCOMES = LOCKED, OFF_LIMITS, FAILED_SAFE, UNCONTROLLED = (
+    "locked", "held, off limits", "failed safe", "uncontrolled")
 KINDS = ("motors", "boards", "tunings", "imperfections", "scenarios")
 # Of motorsim's results, those that are kept: all but what a campaign states itself.
-NOT_KEPT = ("scenario", "with", "seed", "saturations")
+NOT_KEPT = ("scenario", "with", "notes", "seed", "saturations")
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,14 @@ def result_of(campaign, status, output, message):
 
 
 def outcome(metrics):
-    """How a run ended: within the scenario's limits, else in a latched fault with open gates."""
+    """How a run ended: within the scenario's limits, else in a latched fault with open gates, else
+    with the rotor held all the time, only not as well as the limits ask."""
     if metrics.get("accepted"):
         return LOCKED
     if metrics["state_final"] == "FAULT" and not metrics["gates_enabled_final"]:
         return FAILED_SAFE
+    if metrics["locked"] and metrics["state_final"] != "FAULT" and metrics["gates_enabled_final"]:
+        return OFF_LIMITS
     return UNCONTROLLED
 
 

@@ -46,7 +46,7 @@ def worst_cells(worst):
 
 def share_table(campaign, rows):
     """Where the runs gather that do not hold; what matters most comes first."""
-    made = table("Not locked, % of the runs in each third of a parameter's range",
+    made = table("Not within the limits, % of the runs in each third of a parameter's range",
                  ("parameter", "range"), ("lowest", "middle", "highest"))
     for key, found in summary.ranking(campaign, rows).items():
         made.add_row(key, str(campaign.vary[key]),
