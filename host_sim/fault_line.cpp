@@ -35,9 +35,9 @@ std::string quantity(fault_unit_t unit, int32_t value, const Bases &bases)
 
 } // namespace
 
-std::string fault_mark(const fault_t &fault)
+std::string fault_mark(const fault_t &fault, double time_s)
 {
-    return fmt::format("{}@{}", fault_text(fault.id)->name, fault.tick);
+    return fmt::format("{}@{} ({:.6g} s)", fault_text(fault.id)->name, fault.tick, time_s);
 }
 
 std::string fault_measure(const fault_t &fault, const Bases &bases)

@@ -12,8 +12,8 @@ extern "C" {
 namespace nf
 {
 
-// "OVERCURRENT@1234": name and tick since the first.
-std::string fault_mark(const fault_t &fault);
+// "OVERCURRENT@1234 (0.1034 s)": name, tick since the first and the scenario's time.
+std::string fault_mark(const fault_t &fault, double time_s);
 
 // "OVERVOLTAGE: 401.2 V, limit 400 V", values in SI units.
 std::string fault_measure(const fault_t &fault, const Bases &bases);

@@ -74,7 +74,7 @@ std::string json_text(const Config &config, const RunResult &result)
     json["locked"] = result.metrics.locked;
     json["faults"] = nlohmann::ordered_json::array();
     for (const fault_t &fault : result.faults) {
-        json["faults"].push_back(fault_mark(fault));
+        json["faults"].push_back(fault_mark(fault, result.time_s(fault)));
     }
     json["state_final"] = state_name(result.state_final);
     json["gates_enabled_final"] = result.gates_enabled_final;
@@ -126,7 +126,7 @@ std::string table_text(const Config &config, const RunResult &result)
                         static_cast<double>(result.saturations.internal_count()), limits);
     text += saturation_lines(result.saturations);
     for (const fault_t &fault : result.faults) {
-        text += line("fault", fault_mark(fault), "", true);
+        text += line("fault", fault_mark(fault, result.time_s(fault)), "", true);
         text += fmt::format("    {}\n    {}\n",
                             fault_measure(fault, make_bases(config.motor, config.board)),
                             fault_text(fault.id)->advice);

@@ -156,6 +156,8 @@ RunResult Run::all()
     result_.parameters = parameters_of(config_, run_.sim().drive());
     result_.metrics = metrics_.finish();
     result_.ticks = run_.end();
+    result_.zero = run_.zero();
+    result_.period_s = run_.sim().bases().control_period_s;
     result_.state_final = run_.sim().drive().state;
     result_.gates_enabled_final = run_.sim().plant().gates_on;
     return result_;

@@ -38,8 +38,16 @@ struct RunResult {
     Saturations saturations; // over the evaluation, while running
     std::vector<fault_t> faults;
     int64_t ticks = 0;
+    int64_t zero = 0;                             // the tick of t = 0
+    double period_s = 0;                          // of a tick
     drive_state_t state_final = DRIVE_STATE_INIT; // after the last tick
     bool gates_enabled_final = false;             // whether the power stage still switches then
+
+    // When a fault was found, in the time of the scenario's files.
+    double time_s(const fault_t &fault) const
+    {
+        return static_cast<double>(int64_t{fault.tick} - zero) * period_s;
+    }
 };
 
 // Throws ConfigError, and what the sink throws.

@@ -10,8 +10,8 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
                          "check cable and insulation, then sensors"},
         [FAULT_OVERCURRENT] =
             {"OVERCURRENT", FAULT_UNIT_CURRENT,
-             "load, ramp or braking too hard, loop oscillates or motor file wrong; ease them, check "
-             "R, L, late ticks and bandwidth"},
+             "load or ramp too hard, wire open, current sensor or motor file wrong, loop oscillates; "
+             "check these and late ticks"},
         [FAULT_OVERVOLTAGE] = {"OVERVOLTAGE", FAULT_UNIT_VOLTAGE,
                                "energy of braking or supply too high; check the supply, then brake "
                                "slower or fit a brake resistor"},

@@ -15,6 +15,7 @@ extern "C" {
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -545,6 +546,21 @@ void test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_c
     }
 }
 
+// What is printed with a fault leads to what really is wrong, whichever fault an open wire or a current sensor ends in.
+void test_the_advice_of_a_fault_names_what_it_was_made_by()
+{
+    const std::map<Kind, const char *> causes = {{Kind::wire, "wire"}, {Kind::sensor, "sensor"}};
+    for (const Cell &one : cells()) {
+        const auto cause = causes.find(one.fault->kind);
+        if (one.found.fault.id != FAULT_NONE && cause != causes.end()) {
+            const std::string advice = fault_text(one.found.fault.id)->advice;
+            TEST_ASSERT_TRUE_MESSAGE(
+                advice.find(cause->second) != std::string::npos,
+                (label(*one.fault, one.place, one.found) + ": " + advice).c_str());
+        }
+    }
+}
+
 void test_the_table_of_the_design_is_the_measured_one()
 {
     std::ifstream file(NF_DESIGN_FILE);
@@ -583,6 +599,7 @@ int main(int argc, char **argv)
     RUN_TEST(test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control);
     RUN_TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open);
     RUN_TEST(test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_control);
+    RUN_TEST(test_the_advice_of_a_fault_names_what_it_was_made_by);
     RUN_TEST(test_the_table_of_the_design_is_the_measured_one);
     return UNITY_END();
 }

@@ -1,6 +1,7 @@
 // The coupling of plant, hardware binding and drive, and what a run does with its profiles.
 #include "fault_line.h"
 #include "profile.h"
+#include "report.h"
 #include "scenario.h"
 #include "tick.h"
 
@@ -139,12 +140,28 @@ void test_faults_are_listed()
     TEST_ASSERT_EQUAL_size_t(1, result.faults.size());
     const fault_t &fault = result.faults.front();
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, fault.id);
-    TEST_ASSERT_EQUAL_STRING(fmt::format("OVERVOLTAGE@{}", fault.tick).c_str(),
-                             nf::fault_mark(fault).c_str());
+    TEST_ASSERT_EQUAL_STRING(fmt::format("OVERVOLTAGE@{} (-0.0123 s)", fault.tick).c_str(),
+                             nf::fault_mark(fault, -0.0123).c_str());
     TEST_ASSERT_FALSE(result.metrics.locked);
     TEST_ASSERT_FALSE(nf::violations(config, result).empty());
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, result.state_final);
     TEST_ASSERT_FALSE(result.gates_enabled_final);
+}
+
+// Of a fault that strikes at a time of the scenario and is found in its tick, before t = 0 as well.
+void test_a_fault_has_the_time_that_the_scenario_gives_it()
+{
+    constexpr double TICK_S = 1e-4;
+    for (const double time_s : {-0.012, 0.3}) {
+        const Config config = load({fmt::format(
+            "scenario.fault=[{{time_s = {}, what = 'overcurrent', value = 19}}]", time_s)});
+        const nf::RunResult result = nf::run_scenario(config);
+        TEST_ASSERT_EQUAL_size_t(1, result.faults.size());
+        TEST_ASSERT_DOUBLE_WITHIN(TICK_S, time_s, result.time_s(result.faults.front()));
+        const std::string said = fmt::format(" ({:g} s)", time_s);
+        TEST_ASSERT_TRUE(nf::table_text(config, result).find(said) != std::string::npos);
+        TEST_ASSERT_TRUE(nf::json_text(config, result).find(said) != std::string::npos);
+    }
 }
 
 void test_limits_name_what_does_not_hold()
@@ -180,6 +197,7 @@ int main()
     RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);
     RUN_TEST(test_the_drive_runs_from_t_0_on);
     RUN_TEST(test_faults_are_listed);
+    RUN_TEST(test_a_fault_has_the_time_that_the_scenario_gives_it);
     RUN_TEST(test_limits_name_what_does_not_hold);
     return UNITY_END();
 }
