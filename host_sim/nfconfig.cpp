@@ -112,10 +112,6 @@ int run(int argc, char **argv)
     if (const std::optional<int> status = nf::parse(app, argc, argv)) {
         return *status;
     }
-    std::cout.flush();
-    if (!std::cout) {
-        throw std::runtime_error("standard output: cannot write");
-    }
     return 0;
 }
 

@@ -3,8 +3,6 @@
 #include "signals.h"
 
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <iterator>
 #include <vector>
 
@@ -99,12 +97,8 @@ void write_row(fmt::memory_buffer &buffer, const Tick &tick)
 
 } // namespace
 
-Trace::Trace(const std::string &path, bool with_prelude)
-    : path_(path), with_prelude_(with_prelude), file_(std::fopen(path.c_str(), "wb"))
+Trace::Trace(const std::string &path, bool with_prelude) : with_prelude_(with_prelude), file_(path)
 {
-    if (!file_) {
-        fail("cannot create the trace");
-    }
     const std::string names = header();
     buffer_.append(names.data(), names.data() + names.size());
 }
@@ -122,23 +116,14 @@ void Trace::add(const Tick &tick)
 
 void Trace::flush()
 {
-    if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size()) {
-        fail("cannot write the trace");
-    }
+    file_.write({buffer_.data(), buffer_.size()});
     buffer_.clear();
 }
 
 void Trace::close()
 {
     flush();
-    if (std::fclose(file_.release()) != 0) {
-        fail("cannot write the trace");
-    }
-}
-
-void Trace::fail(const char *doing) const
-{
-    throw TraceError(fmt::format("{}: {}: {}", path_, doing, std::strerror(errno)));
+    file_.close();
 }
 
 } // namespace nf

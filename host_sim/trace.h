@@ -8,11 +8,9 @@
 // words. The same run gives the same bytes.
 #pragma once
 
+#include "output_file.h"
 #include "tick.h"
 
-#include <cstdio>
-#include <memory>
-#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -20,34 +18,21 @@
 namespace nf
 {
 
-// what() is the complete line for the user.
-struct TraceError : std::runtime_error {
-    using std::runtime_error::runtime_error;
-};
-
 class Trace : public TickSink
 {
 public:
-    // Creates the file and writes the header. Throws TraceError. Rows before t = 0 on request.
+    // Rows before t = 0 on request. All of it throws OutputError.
     Trace(const std::string &path, bool with_prelude);
 
     void add(const Tick &tick) override;
-    // Call after the last row; a disk that is full shows here at the latest. Throws TraceError.
+    // Call after the last row. Without, there is no file.
     void close();
 
 private:
     void flush();
-    [[noreturn]] void fail(const char *doing) const;
 
-    struct Closer {
-        void operator()(std::FILE *file) const
-        {
-            std::fclose(file);
-        }
-    };
-    std::string path_;
     bool with_prelude_;
-    std::unique_ptr<std::FILE, Closer> file_;
+    OutputFile file_;
     fmt::memory_buffer buffer_;
 };
 

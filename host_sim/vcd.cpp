@@ -8,10 +8,7 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <iterator>
 
 namespace nf
@@ -86,11 +83,8 @@ std::string legend()
 } // namespace
 
 Vcd::Vcd(const std::string &path, const TimeWindow &window)
-    : path_(path), window_(window), file_(std::fopen(path.c_str(), "wb"))
+    : path_(path), window_(window), file_(path)
 {
-    if (!file_) {
-        fail("cannot create the value change dump");
-    }
     std::size_t number = 0;
     for (const char *const name : SIGNALS) {
         variables_.push_back({find_signal(name), identifier(number++), ""});
@@ -101,14 +95,6 @@ Vcd::Vcd(const std::string &path, const TimeWindow &window)
                 fmt::format("gate_{}_{}", static_cast<char>('a' + leg), high ? "high" : "low");
             switches_.push_back({name, identifier(number++), leg, high, std::nullopt});
         }
-    }
-}
-
-Vcd::~Vcd()
-{
-    std::error_code ignored;
-    if (!whole_ && std::filesystem::is_regular_file(path_, ignored)) { // a device stays
-        std::filesystem::remove(path_, ignored);
     }
 }
 
@@ -218,9 +204,7 @@ void Vcd::add(const Tick &tick)
 
 void Vcd::flush()
 {
-    if (std::fwrite(buffer_.data(), 1, buffer_.size(), file_.get()) != buffer_.size()) {
-        fail("cannot write the value change dump");
-    }
+    file_.write({buffer_.data(), buffer_.size()});
     buffer_.clear();
 }
 
@@ -232,15 +216,7 @@ void Vcd::close()
     }
     move_to(end_s_);
     flush();
-    if (std::fclose(file_.release()) != 0) {
-        fail("cannot write the value change dump");
-    }
-    whole_ = true;
-}
-
-void Vcd::fail(const char *doing) const
-{
-    throw VcdError(fmt::format("{}: {}: {}", path_, doing, std::strerror(errno)));
+    file_.close();
 }
 
 } // namespace nf

@@ -6,11 +6,10 @@
 // that opens the gates within a period shows at the end of it.
 #pragma once
 
+#include "output_file.h"
 #include "signals.h"
 #include "tick.h"
 
-#include <cstdio>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,24 +33,14 @@ struct TimeWindow {
 class Vcd : public TickSink
 {
 public:
-    // Creates the file. Throws VcdError.
+    // All of it throws OutputError.
     Vcd(const std::string &path, const TimeWindow &window);
-    // What was not closed is not left there.
-    ~Vcd() override;
-    Vcd(const Vcd &) = delete;
-    Vcd &operator=(const Vcd &) = delete;
 
     void add(const Tick &tick) override;
-    // Call after the last tick. Throws VcdError; also when no tick was in the window.
+    // Call after the last tick; without, there is no file. Throws VcdError when no tick was in the window.
     void close();
 
 private:
-    struct Closer {
-        void operator()(std::FILE *file) const
-        {
-            std::fclose(file);
-        }
-    };
     struct Variable {
         const SignalInfo *signal;
         std::string id;
@@ -72,17 +61,15 @@ private:
     void write_switches(double time_s, unsigned high, unsigned low);
     void move_to(double time_s);
     void flush();
-    [[noreturn]] void fail(const char *doing) const;
 
     std::string path_;
     TimeWindow window_;
-    std::unique_ptr<std::FILE, Closer> file_;
+    OutputFile file_;
     fmt::memory_buffer buffer_;
     std::vector<Variable> variables_;
     std::vector<Switch> switches_;
     double end_s_ = 0; // of the last period written
     bool declared_ = false;
-    bool whole_ = false;
     std::optional<int64_t> time_ns_;
 };
 

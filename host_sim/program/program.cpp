@@ -1,10 +1,12 @@
 #include "program.h"
 
+#include "output_file.h"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <fstream>
+#include <iostream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -15,18 +17,16 @@ namespace nf
 namespace
 {
 
-bool put(const std::string &text)
+// What was printed in any way has to be there: a pipe or a disk may have refused it.
+void flush_output()
 {
-    return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() &&
-           std::fflush(stdout) == 0;
-}
-
-bool put(const std::string &path, const std::string &text)
-{
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    return !file.fail();
+    errno = 0;
+    std::cout.flush();
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+        throw std::runtime_error(fmt::format("standard output: cannot write{}{}",
+                                             errno == 0 ? "" : ": ",
+                                             errno == 0 ? "" : std::strerror(errno)));
+    }
 }
 
 } // namespace
@@ -51,7 +51,9 @@ std::optional<int> parse(CLI::App &app, int argc, char **argv)
 int guarded(const char *program, int (*body)(int, char **), int argc, char **argv)
 {
     try {
-        return body(argc, argv);
+        const int status = body(argc, argv);
+        flush_output();
+        return status;
     } catch (const std::exception &error) {
         fmt::print(stderr, "{}: {}\n", program, error.what());
         return BAD_INPUT;
@@ -60,11 +62,13 @@ int guarded(const char *program, int (*body)(int, char **), int argc, char **arg
 
 void write_text(const std::string &path, const std::string &text)
 {
-    const bool to_output = path == "-";
-    errno = 0;
-    if (!(to_output ? put(text) : put(path, text))) {
-        throw std::runtime_error(fmt::format(
-            "{}: cannot write: {}", to_output ? "standard output" : path, std::strerror(errno)));
+    if (path == "-") {
+        (void)std::fwrite(text.data(), 1, text.size(), stdout);
+        flush_output();
+    } else {
+        OutputFile file(path);
+        file.write(text);
+        file.close();
     }
 }
 

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 
@@ -176,14 +175,41 @@ Recording read(std::string_view bytes)
     return assembly.finish();
 }
 
-Recording read_file(const std::filesystem::path &path)
+namespace
+{
+
+// A log of days; a recording has some 2 MB at most. What is longer may be without an end, as a device or a pipe.
+constexpr std::size_t BYTES_MAX = std::size_t{64} << 20U;
+
+std::string bytes_of(const std::filesystem::path &path)
 {
     std::ifstream file(path, std::ios::binary);
     if (!file || std::filesystem::is_directory(path)) {
         throw RecordingError(fmt::format("{}: cannot read: {}", path.string(),
                                          std::strerror(errno == 0 ? EISDIR : errno)));
     }
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    constexpr std::size_t AT_ONCE = 1U << 20U;
+    std::string bytes;
+    while (file && bytes.size() <= BYTES_MAX) {
+        const std::size_t had = bytes.size();
+        bytes.resize(had + AT_ONCE);
+        file.read(bytes.data() + had, AT_ONCE);
+        bytes.resize(had + static_cast<std::size_t>(file.gcount()));
+    }
+    if (bytes.size() > BYTES_MAX) {
+        throw RecordingError(
+            fmt::format("{}: it is longer than {} MiB; keep the lines with a '{}', they are the "
+                        "recordings",
+                        path.string(), BYTES_MAX >> 20U, RECORDER_LINE_MARK));
+    }
+    return bytes;
+}
+
+} // namespace
+
+Recording read_file(const std::filesystem::path &path)
+{
+    const std::string bytes = bytes_of(path);
     try {
         return read(bytes);
     } catch (const RecordingError &error) {

@@ -14,7 +14,7 @@ namespace nf::replay
 // with what is wrong with the last one when none is, and nothing else, for whatever the bytes are.
 Recording read(std::string_view bytes);
 
-// Of a file. The message begins with its path.
+// Of a file of at most 64 MiB, which may be a pipe. The message begins with its path.
 Recording read_file(const std::filesystem::path &path);
 
 } // namespace nf::replay

@@ -191,6 +191,21 @@ class Replay(unittest.TestCase):
                 self.assertEqual(len(run.stderr.splitlines()), 1, run.stderr)
                 self.assertIn(text, run.stderr)
 
+    def test_what_never_ends_is_refused_in_one_line(self):
+        for endless in ("cat /dev/zero", "yes '12:00:00 READY, at ~0 rpm'"):
+            with self.subTest(endless):
+                run = subprocess.run(["sh", "-c", f'{endless} | "$0" replay /dev/stdin', MOTORSIM],
+                                     capture_output=True, text=True, timeout=60)
+                self.assertEqual(run.returncode, REFUSED)
+                self.assertRegex(run.stderr, r"\Amotorsim: /dev/stdin: it is longer than 64 MiB; [^\n]+\n\Z")
+
+    def test_a_long_log_and_a_pipe_are_read(self):
+        self.record("s1", "--set", FAULT)
+        self.file.write_text("READY, at 0 rpm\n" * 1000000 + self.file.read_text())
+        run = subprocess.run(["sh", "-c", 'cat "$1" | "$0" replay /dev/stdin', MOTORSIM, self.file],
+                             capture_output=True, text=True)
+        self.assertEqual(run.returncode, SAME, run.stderr)
+
     def test_a_recording_is_not_written_over_another_output(self):
         run = motorsim("run", "s1", "--record", self.file, "--trace", self.file)
         self.assertEqual(run.returncode, REFUSED)

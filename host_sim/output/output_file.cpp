@@ -1,0 +1,88 @@
+#include "output_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace fs = std::filesystem;
+
+namespace nf
+{
+
+namespace
+{
+
+// /dev/stdout may lead to a file that others have open: it is not exchanged.
+bool is_device(const fs::path &path, const fs::file_status &there)
+{
+    return (fs::exists(there) && !fs::is_regular_file(there)) ||
+           path.string().rfind("/dev/", 0) == 0;
+}
+
+} // namespace
+
+OutputFile::OutputFile(const std::string &path) : path_(path), target_(path)
+{
+    std::error_code ignored;
+    const fs::file_status there = fs::status(target_, ignored);
+    if (fs::is_regular_file(there)) {
+        target_ = fs::canonical(target_, ignored);
+        if (access(target_.c_str(), W_OK) != 0) {
+            fail(errno);
+        }
+    }
+    if (!is_device(path, there)) {
+        beside_ = fmt::format("{}.{}.part", target_.string(), getpid());
+    }
+    file_.reset(beside_.empty() ? std::fopen(target_.c_str(), "wb")
+                                : std::fopen(beside_.c_str(), "wbx"));
+    if (!file_) {
+        const int error = errno;
+        beside_.clear(); // it is none of this
+        fail(error);
+    }
+    if (fs::is_regular_file(there) && !beside_.empty()) {
+        fs::permissions(beside_, there.permissions(), ignored);
+    }
+}
+
+OutputFile::~OutputFile()
+{
+    if (!beside_.empty()) {
+        std::error_code ignored;
+        fs::remove(beside_, ignored);
+    }
+}
+
+void OutputFile::write(std::string_view bytes)
+{
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
+        fail(errno);
+    }
+}
+
+void OutputFile::close()
+{
+    if (std::fclose(file_.release()) != 0) {
+        fail(errno);
+    }
+    if (!beside_.empty()) {
+        std::error_code error;
+        fs::rename(beside_, target_, error);
+        if (error) {
+            fail(error.value());
+        }
+        beside_.clear();
+    }
+}
+
+void OutputFile::fail(int error) const
+{
+    throw OutputError(fmt::format("{}: cannot write: {}", path_, std::strerror(error)));
+}
+
+} // namespace nf

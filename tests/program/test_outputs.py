@@ -1,0 +1,170 @@
+"""programs.outputs: a program whose results could not be written says so, and leaves no half of a file.
+
+test_outputs.py MOTORSIM NFCONFIG GAINDESIGN
+"""
+
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+MOTORSIM, NFCONFIG, GAINDESIGN = PROGRAMS = sys.argv[1:4]
+DONE, LIMIT_BROKEN, BAD_INPUT = 0, 1, 2
+ROOM = 1024  # bytes of a file, in place of a disk that is full; each result is longer
+
+SHORT = ("s1", "--set", "scenario.duration_s=0.01", "--set", "scenario.evaluate_from_s=0",
+         "--set", "scenario.command=[{time_s = 0, speed_rpm = 0}]")
+PARTS = ("--motor", "motor_a", "--board", "g431_bench")
+# Each option that names a file to write.
+WRITERS = {
+    **{(MOTORSIM, "run", option): SHORT for option in ("--trace", "--json", "--record", "--extremes", "--vcd")},
+    (NFCONFIG, "header", "--out"): PARTS,
+    (NFCONFIG, "hal-header", "--out"): PARTS,
+    (GAINDESIGN, "design", "--json"): (),
+}
+# Each command that prints, but for the replay, which needs a recording.
+PRINTERS = (
+    (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
+    (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json"), (MOTORSIM, "debug", "s1"),
+    (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
+    (NFCONFIG, "list"),
+    (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),
+)
+
+
+def little_room():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, ROOM))
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # the write fails, as it does where a disk is full
+
+
+def run(*command, **options):
+    options = {"stdout": subprocess.PIPE, "input": "print state\n", **options}
+    return subprocess.run(command, stderr=subprocess.PIPE, text=True, **options)
+
+
+def commands_of(program):
+    text = run(program, "--help").stdout
+    listed = text[text.upper().index("\nSUBCOMMANDS:"):].partition("\n\n")[0]
+    return re.findall(r"^  ([a-z-]+) ", listed, re.MULTILINE)
+
+
+class Outputs(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.file = self.folder / "result"
+
+    def assert_one_line(self, done, start):
+        self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+        self.assertRegex(done.stderr, rf"\A\w+: {re.escape(str(start))}: cannot write: [^\n]+\n\Z")
+
+    def write(self, writer, **options):
+        program, command, option = writer
+        return run(program, command, *WRITERS[writer], option, self.file, **options)
+
+    def each_writer(self, check):
+        for writer in WRITERS:
+            self.file.unlink(missing_ok=True)
+            with self.subTest(writer):
+                check(writer)
+
+    def test_each_option_that_writes_a_file_is_looked_at_here(self):
+        for program, command in {writer[:2] for writer in WRITERS}:
+            help_text = run(program, command, "--help").stdout
+            named = set(re.findall(r"(--[a-z-]+) (?:FILE|TEXT).* write\b", help_text))
+            self.assertEqual(named, {option for *where, option in WRITERS if tuple(where) == (program, command)})
+
+    def assert_whole_and_alone(self, writer):
+        done = self.write(writer)
+        self.assertIn(done.returncode, (DONE, LIMIT_BROKEN), done.stderr)
+        self.assertGreater(self.file.stat().st_size, ROOM)
+        self.assertEqual(list(self.folder.iterdir()), [self.file])
+
+    def test_a_result_is_there_under_its_name_alone(self):
+        self.each_writer(self.assert_whole_and_alone)
+
+    def assert_nothing_left(self, writer):
+        self.assert_one_line(self.write(writer, preexec_fn=little_room), self.file)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_result_that_does_not_fit_leaves_nothing(self):
+        self.each_writer(self.assert_nothing_left)
+
+    def assert_left_as_it_was(self, writer):
+        self.file.write_text("of yesterday")
+        self.assert_one_line(self.write(writer, preexec_fn=little_room), self.file)
+        self.assertEqual(list(self.folder.iterdir()), [self.file])
+        self.assertEqual(self.file.read_text(), "of yesterday")
+
+    def test_a_result_that_does_not_fit_leaves_the_one_before_as_it_was(self):
+        self.each_writer(self.assert_left_as_it_was)
+
+    def assert_named(self, writer):
+        self.assert_one_line(self.write(writer), self.file)
+
+    def test_a_folder_that_is_not_there_is_named(self):
+        self.file = self.folder / "no" / "such" / "file"
+        self.each_writer(self.assert_named)
+
+    def test_a_full_device_is_named(self):
+        link = self.file
+        for writer in WRITERS:
+            with self.subTest(writer):
+                link.symlink_to("/dev/full")
+                self.assert_named(writer)
+                self.assertTrue(link.is_symlink())
+                link.unlink()
+
+    def test_a_result_goes_where_a_link_leads_and_keeps_its_rights(self):
+        there = self.folder / "there"
+        there.write_text("of yesterday")
+        there.chmod(0o640)
+        self.file.symlink_to(there)
+        self.write((MOTORSIM, "run", "--json"))
+        self.assertTrue(self.file.is_symlink())
+        self.assertGreater(there.stat().st_size, ROOM)
+        self.assertEqual(there.stat().st_mode & 0o777, 0o640)
+
+    def test_a_pipe_gets_the_result(self):
+        done = run("sh", "-c", '"$0" run "$@" --trace /dev/stderr > /dev/null', MOTORSIM, *SHORT)
+        self.assertTrue(done.stderr.startswith("time_s,"), done.stderr[:80])
+
+
+class FullOutput(unittest.TestCase):
+    def assert_refused(self, *command):
+        with self.subTest(command), open("/dev/full", "w") as full:
+            done = run(*command, stdout=full)
+            self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+            self.assertIn(": standard output: cannot write", done.stderr.splitlines()[-1])
+
+    def test_help_is_refused(self):
+        for program in PROGRAMS:
+            self.assert_refused(program, "--help")
+            commands = commands_of(program)
+            self.assertGreater(len(commands), 2)
+            for command in commands:
+                self.assert_refused(program, command, "--help")
+
+    def test_each_command_is_looked_at_here(self):
+        for program in PROGRAMS:
+            looked_at = {command for one, command, *_ in PRINTERS if one == program}
+            self.assertEqual(set(commands_of(program)) - {"replay"}, looked_at)
+
+    def test_tables_are_refused(self):
+        for command in PRINTERS:
+            self.assert_refused(*command)
+
+    def test_what_was_replayed_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "log"
+            run(MOTORSIM, "run", *SHORT, "--record", log)
+            self.assert_refused(MOTORSIM, "replay", log)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
