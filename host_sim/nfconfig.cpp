@@ -2,6 +2,7 @@
 //
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
 #include "config.h"
+#include "data_sheet.h"
 #include "describe.h"
 #include "hal_header.h"
 #include "header.h"
@@ -70,6 +71,23 @@ void print_keys()
     }
 }
 
+void print_conversions()
+{
+    std::cout
+        << "\nfrom a data sheet: x is what it prints, P the pole pairs; in a motor file all is of a "
+           "phase in star, and peak\n";
+    for (const nf::Conversion &conversion : nf::conversions()) {
+        std::cout << fmt::format("{:48}{:24}{}\n", fmt::format("motor.{}", conversion.key),
+                                 conversion.formula(), conversion.sheet);
+    }
+}
+
+void print_keys_and_conversions()
+{
+    print_keys();
+    print_conversions();
+}
+
 void print_names(const char *kind, const std::vector<std::string> &names)
 {
     std::cout << fmt::format("{:14}{}\n", kind, fmt::join(names, " "));
@@ -107,7 +125,10 @@ int run(int argc, char **argv)
     CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
     add_choice(*table, choice);
     table->callback([&] { show(choice); });
-    app.add_subcommand("keys", "Every key with range, default and meaning")->callback(print_keys);
+    app.add_subcommand(
+           "keys",
+           "Every key with range, default and meaning; how to get the motor's from a data sheet")
+        ->callback(print_keys_and_conversions);
     app.add_subcommand("list", "The files that can be referred to by name")->callback(print_lists);
     if (const std::optional<int> status = nf::parse(app, argc, argv)) {
         return *status;

@@ -13,6 +13,8 @@ MOTORSIM = Path(sys.argv.pop(1)).resolve()
 HOLDS, BROKEN, BAD_INPUT = 0, 1, 2
 DATA = Path(__file__).resolve().parents[2] / "host_sim"
 RATED_RPM = 1800
+MARGIN = 0.2       # of a figure that a page shows
+FOUND_MARGIN = 0.03  # of a parameter, relative to the file
 SETTLED_PCT = 0.5  # of the command: the metrics take a load step for recovered within as much
 ROUNDING = 1e-3  # of a parameter in the firmware's numbers
 
@@ -190,6 +192,43 @@ class AnyMotor(MotorsimTest):
                 held = self.metrics("any", "--set", f"motor={motor}", "--set", f"board={board}", "--set",
                                     "scenario.evaluate_from_s=1.5", "--set", "scenario.duration_s=1.7")
                 self.assertLess(held["command_error_settled_pct"], SETTLED_PCT)
+
+
+class WrongFile(MotorsimTest):
+    """What the page for users says of a motor file that is not its motor."""
+
+    PAIRS = (("motor_a", "bench_310v"), ("odrive_d5065", "b_g431b_esc1"),
+             ("teknic_m2310p", "frdm_mc_lvpmsm"))
+
+    def rows(self):
+        page = (DATA / "config" / "FILES.md").read_text(encoding="utf-8")
+        lines = page.partition("### What a wrong file looks like")[2].partition("\n## ")[0].splitlines()
+        return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines
+                if line.startswith("| `") and "=" in line]
+
+    def ran(self, settings, pair):
+        sets = [word for setting in settings.strip("`").split() for word in ("--set", setting)]
+        motor, board = pair
+        return self.metrics("any", "--set", f"motor={motor}", "--set", f"board={board}", *sets)
+
+    @staticmethod
+    def verdict(metrics):
+        faults = [mark.partition("@")[0] for mark in metrics["faults"]]
+        return faults[0] if faults else "held" if metrics["locked"] else "lost"
+
+    def test_each_line_is_what_is_measured(self):
+        rows = self.rows()
+        self.assertEqual(len(rows), 5)
+        for settings, _, errors, found, *verdicts in rows:
+            with self.subTest(settings=settings):
+                runs = [self.ran(settings, pair) for pair in self.PAIRS]
+                self.assertEqual([self.verdict(run) for run in runs], verdicts)
+                measured = [runs[0]["speed_error_max_pct"], runs[0]["angle_error_max_deg"]]
+                for text, value in zip(errors.replace(" %", "").replace("°", "").split(", "), measured):
+                    self.assertAlmostEqual(float(text), value, delta=MARGIN * value + 0.05)
+                for text, value in zip(found.split(", "), runs[0]["parameters"].values(), strict=True):
+                    self.assertAlmostEqual(float(text), value["estimated"] / value["configured"],
+                                           delta=FOUND_MARGIN)
 
 
 class Determinism(MotorsimTest):
