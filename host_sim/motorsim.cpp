@@ -87,7 +87,7 @@ struct ReplayArguments {
 struct BenchArguments {
     std::string scenario = "s1";
     int runs = 30;
-    bool json = false;
+    std::string json;
 };
 
 struct FileError : std::runtime_error {
@@ -270,10 +270,11 @@ int converse(nf::debug::Session &session, nf::debug::LineReader &reader)
     return nf::debug::converse(session, reader, stdout) ? LIMITS_HOLD : nf::BAD_INPUT;
 }
 
-// Commands of a file, of a pipe, or of a person.
+// Commands of a file, of a pipe, or of a person. `-` is a pipe, also where a person types.
 int converse(nf::debug::Session &session, const std::string &script)
 {
-    if (!script.empty()) {
+    const bool piped = script == "-";
+    if (!script.empty() && !piped) {
         const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(
             std::fopen(script.c_str(), "rb"), std::fclose);
         if (!file) {
@@ -281,7 +282,7 @@ int converse(nf::debug::Session &session, const std::string &script)
         }
         return converse(session, *nf::debug::stream_reader(file.get(), stdout));
     }
-    const bool person = isatty(STDIN_FILENO) != 0;
+    const bool person = !piped && isatty(STDIN_FILENO) != 0;
     return converse(session, person ? *nf::debug::terminal_reader(nf::debug::completions)
                                     : *nf::debug::stream_reader(stdin, stdout));
 }
@@ -339,8 +340,10 @@ int list()
 
 int bench(const BenchArguments &arguments)
 {
-    const nf::BenchResult b = nf::bench(nf::load_scenario(arguments.scenario), arguments.runs);
-    if (arguments.json) {
+    const nf::Config config = nf::load_scenario(arguments.scenario);
+    nf::check_output(config, "--json", arguments.json);
+    const nf::BenchResult b = nf::bench(config, arguments.runs);
+    if (!arguments.json.empty()) {
         const nlohmann::ordered_json json = {
             {"scenario", b.scenario},
             {"runs", b.runs},
@@ -353,7 +356,7 @@ int bench(const BenchArguments &arguments)
             {"plant_ns", b.plant_ns},
             {"drive_ns", b.drive_ns},
         };
-        nf::write_text("-", json.dump(2) + '\n');
+        nf::write_text(arguments.json, json.dump(2) + '\n');
         return LIMITS_HOLD;
     }
     nf::write_text("-",
@@ -412,9 +415,8 @@ void describe_run(CLI::App &command, RunArguments &arguments)
 void describe_script(CLI::App &command, std::string &script)
 {
     command
-        .add_option(
-            "--script", script,
-            "commands from a file in place of the terminal or pipe; status 2 when one fails")
+        .add_option("--script", script,
+                    "commands from a file; - is standard input; status 2 when one fails")
         ->check(not_a_file, "")
         ->type_name("FILE");
 }
@@ -442,7 +444,9 @@ void describe_bench(CLI::App &command, BenchArguments &arguments)
     command.add_option("--runs", arguments.runs, "how often")
         ->capture_default_str()
         ->check(CLI::Range(1, 100000));
-    command.add_flag("--json", arguments.json, "print JSON");
+    command.add_option("--json", arguments.json, "write the figures as JSON; - is standard output")
+        ->check(not_a_file, "")
+        ->type_name("FILE");
 }
 
 int parse_and_do(int argc, char **argv)

@@ -22,14 +22,6 @@ fs::path folder_of(FileKind kind)
     return data_folder() / (std::string(kind_name(kind)) + "s");
 }
 
-bool is_path(const std::string &reference)
-{
-    const std::string end = ".toml";
-    return reference.find('/') != std::string::npos ||
-           (reference.size() > end.size() &&
-            reference.compare(reference.size() - end.size(), end.size(), end) == 0);
-}
-
 bool is_there(const fs::path &path)
 {
     std::error_code ignored;
@@ -51,30 +43,11 @@ fs::path made_absolute(const fs::path &path)
     return error ? path : result;
 }
 
-[[noreturn]] void not_found(FileKind kind, const std::string &reference, const std::string &key,
-                            const Origin &origin)
-{
-    const std::vector<std::string> names = list_names(kind);
-    const std::string near = nearest(reference, names);
-    fail(origin, key, '"' + reference + '"',
-         near.empty() ? "not found" : fmt::format("not found, did you mean {}?", near),
-         allowed_references(kind));
-}
-
-} // namespace
-
-fs::path data_folder()
-{
-    const char *chosen = std::getenv("NEUROFOC_DATA");
-    return chosen != nullptr && *chosen != '\0' ? fs::path(chosen) : fs::path(NF_DATA_FOLDER);
-}
-
-std::vector<std::string> list_names(FileKind kind)
+std::vector<std::string> names_in(const fs::path &folder)
 {
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator at(folder_of(kind), error), end; !error && at != end;
-         at.increment(error)) {
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
         if (at->path().extension() == ".toml") {
             names.push_back(at->path().stem().string());
         }
@@ -83,25 +56,85 @@ std::vector<std::string> list_names(FileKind kind)
     return names;
 }
 
-std::string allowed_references(FileKind kind)
+std::string references_to(const std::vector<std::string> &names)
 {
-    const std::vector<std::string> names = list_names(kind);
     return fmt::format("{}{}a path ending in .toml", fmt::join(names, ", "),
                        names.empty() ? "" : " or ");
+}
+
+[[noreturn]] void not_found(const fs::path &folder, const std::string &reference,
+                            const std::string &key, const Origin &origin)
+{
+    const std::vector<std::string> names = names_in(folder);
+    const std::string near = nearest(reference, names);
+    fail(origin, key, '"' + reference + '"',
+         near.empty() ? "not found" : fmt::format("not found, did you mean {}?", near),
+         references_to(names));
+}
+
+// The folder that the user has chosen has to hold something that can be referred to.
+void check_chosen(const fs::path &folder)
+{
+    constexpr FileKind KINDS[] = {FileKind::motor, FileKind::board, FileKind::tuning,
+                                  FileKind::scenario, FileKind::imperfection};
+    const bool holds_one = std::any_of(std::begin(KINDS), std::end(KINDS), [&](FileKind kind) {
+        return is_there(folder / (std::string(kind_name(kind)) + "s"));
+    });
+    if (!holds_one) {
+        fail({"environment", 0}, "NEUROFOC_DATA", '"' + folder.string() + '"',
+             is_there(folder) ? "holds no motors/, boards/, tunings/, scenarios/ or imperfections/"
+                              : "not found",
+             "a folder like host_sim/ of the project");
+    }
+}
+
+} // namespace
+
+fs::path data_folder()
+{
+    const char *chosen = std::getenv("NEUROFOC_DATA");
+    if (chosen == nullptr || *chosen == '\0') {
+        return NF_DATA_FOLDER;
+    }
+    check_chosen(chosen);
+    return chosen;
+}
+
+std::vector<std::string> list_names(FileKind kind)
+{
+    return names_in(folder_of(kind));
+}
+
+std::string allowed_references(FileKind kind)
+{
+    return references_to(list_names(kind));
+}
+
+bool is_path(const std::string &reference)
+{
+    const std::string end = ".toml";
+    return reference.find('/') != std::string::npos ||
+           (reference.size() > end.size() &&
+            reference.compare(reference.size() - end.size(), end.size(), end) == 0);
+}
+
+fs::path resolve_in(const fs::path &folder, const std::string &reference, const fs::path &base,
+                    const std::string &key, const Origin &origin)
+{
+    if (reference.empty() || reference.find('\0') != std::string::npos) {
+        not_found(folder, reference, key, origin);
+    }
+    const fs::path path = is_path(reference) ? base / reference : folder / (reference + ".toml");
+    if (!is_there(path)) {
+        not_found(folder, reference, key, origin);
+    }
+    return path;
 }
 
 fs::path resolve(FileKind kind, const std::string &reference, const fs::path &base,
                  const std::string &key, const Origin &origin)
 {
-    if (reference.empty() || reference.find('\0') != std::string::npos) {
-        not_found(kind, reference, key, origin);
-    }
-    const fs::path path =
-        is_path(reference) ? base / reference : folder_of(kind) / (reference + ".toml");
-    if (!is_there(path)) {
-        not_found(kind, reference, key, origin);
-    }
-    return path;
+    return resolve_in(folder_of(kind), reference, base, key, origin);
 }
 
 std::string read_bytes(const fs::path &path)

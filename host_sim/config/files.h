@@ -11,7 +11,7 @@ namespace nf
 {
 
 // The folder that holds motors/, boards/, tunings/, imperfections/ and scenarios/: NEUROFOC_DATA of
-// the environment, else host_sim/ of the source tree.
+// the environment, else host_sim/ of the source tree. Throws ConfigError if NEUROFOC_DATA is no such folder.
 std::filesystem::path data_folder();
 
 // The names of the files of a kind in the data folder, sorted.
@@ -26,6 +26,14 @@ std::string allowed_references(FileKind kind);
 std::filesystem::path resolve(FileKind kind, const std::string &reference,
                               const std::filesystem::path &base, const std::string &key,
                               const Origin &origin);
+
+// The same where the names are those of the TOML files in `folder`.
+std::filesystem::path resolve_in(const std::filesystem::path &folder, const std::string &reference,
+                                 const std::filesystem::path &base, const std::string &key,
+                                 const Origin &origin);
+
+// Whether a reference is a path: with a '/' or ending in ".toml".
+bool is_path(const std::string &reference);
 
 // The bytes of a regular file of sensible size.
 std::string read_bytes(const std::filesystem::path &path);

@@ -351,5 +351,10 @@ class Teaches(SessionTest):
         self.assertNotIn("never read", script.stdout)
         self.assertEqual(script.returncode, DONE)
 
+    def test_a_hyphen_as_script_is_standard_input(self):
+        commands = ["step 5", "hash"]
+        self.assertEqual(self.run_debug(["s1", "--script", "-"], commands).stdout,
+                         self.run_debug(["s1"], commands).stdout)
+
 
 unittest.main()

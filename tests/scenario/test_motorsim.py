@@ -3,6 +3,7 @@
 import csv
 import functools
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -329,6 +330,30 @@ class Outputs(MotorsimTest):
         self.assertFalse((self.folder / "-").exists())
 
 
+class Conventions(MotorsimTest):
+    """Wherever --json is an option, it takes a file's name, and - is standard output."""
+
+    COMMANDS = (("run", "s1"), ("bench", "--runs", "1"))
+
+    def test_json_goes_to_a_file_and_a_hyphen_is_standard_output(self):
+        for command in self.COMMANDS:
+            with self.subTest(command):
+                json.loads(self.assert_status(HOLDS, *command, "--json", "-").stdout)
+                self.assertEqual(self.assert_status(HOLDS, *command, "--json", "out.json").stdout, "")
+                json.loads((self.folder / "out.json").read_text(encoding="utf-8"))
+                for wrong in (["--json"], ["--json", ""], ["--json", "no/such/folder/x.json"]):
+                    self.assertEqual(len(self.assert_status(BAD_INPUT, *command, *wrong).stderr.splitlines()), 1)
+
+    def test_no_command_has_a_json_of_its_own(self):
+        commands = re.findall(r"^  (\w+) {2,}", self.motorsim("--help").stdout, re.MULTILINE)
+        self.assertIn("bench", commands)
+        for command in commands:
+            said = re.search(r"^ +--json( \w+)?", self.motorsim(command, "--help").stdout, re.MULTILINE)
+            if said:
+                self.assertEqual(said[1], " FILE", command)
+                self.assertIn(command, [known[0] for known in self.COMMANDS])
+
+
 class Help(MotorsimTest):
     def test_help_teaches(self):
         for args in (["--help"], ["run", "--help"], ["bench", "--help"], ["list", "--help"]):
@@ -344,7 +369,7 @@ class Help(MotorsimTest):
             self.assertIn(name, text)
 
     def test_bench_gives_numbers(self):
-        done = self.assert_status(HOLDS, "bench", "--runs", "2", "--json")
+        done = self.assert_status(HOLDS, "bench", "--runs", "2", "--json", "-")
         figures = json.loads(done.stdout)
         self.assertEqual(figures["scenario"], "s1")
         self.assertGreater(figures["real_time_factor_best"], 0)

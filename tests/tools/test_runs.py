@@ -46,6 +46,18 @@ class Traces(FolderTest):
         self.refused(HEADER + "0,RUN,1\n", "does not rise")
         self.refused(HEADER + "0,RUN,1\n0,RUN,1\n", "does not rise")
 
+    def test_a_header_alone_is_refused(self):
+        self.refused(HEADER, "does not rise")
+
+    def test_a_trace_cut_off_anywhere_is_read_or_refused_in_one_line(self):
+        whole = HEADER + "0,RUN,1.5\n1e-4,FAULT,-2\n2e-4,FAULT,nan\n"
+        for length in range(len(whole)):
+            with self.subTest(whole[:length]):
+                try:
+                    self.read(whole[:length])
+                except PlotError as error:
+                    self.assertNotIn("\n", str(error))
+
     def test_missing_column_names_those_there(self):
         trace = self.read(HEADER + "0,RUN,1\n1,RUN,1\n")
         with self.assertRaisesRegex(PlotError, r"t\.csv: no column 'i_q_a'.*time_s, state"):

@@ -177,18 +177,8 @@ std::string top_text(const Values &values, const std::string &key)
     return found->second.text;
 }
 
-bool is_path(const std::string &reference)
-{
-    return reference.find('/') != std::string::npos || fs::path(reference).extension() == ".toml";
-}
-
-// A reference as in the other files: a path relative to who names it, else a name in `folder`.
-fs::path path_of(const std::string &reference, const fs::path &base, const fs::path &folder)
-{
-    return is_path(reference) ? base / reference : folder / (reference + ".toml");
-}
-
 const fs::path DESIGNS = NF_DESIGNS_FOLDER;
+const fs::path PUBLISHED = DESIGNS.parent_path() / "published";
 
 void put_all(const Values &values, const std::string &file, DesignSettings &settings)
 {
@@ -227,7 +217,7 @@ std::string default_text(const Key &key)
 
 DesignSettings read_design(const std::string &design, const std::vector<std::string> &set)
 {
-    const fs::path path = path_of(design, "", DESIGNS);
+    const fs::path path = resolve_in(DESIGNS, design, "", "design", {"command line", 0});
     DesignSettings settings;
     settings.file = display_name(path);
     Values values = flatten(parse_document(settings.file, read_bytes(path)));
@@ -247,7 +237,9 @@ DesignSettings read_design(const std::string &design, const std::vector<std::str
     settings.inputs = load_motor(is_path(motor) ? (base / motor).string() : motor, motor_overrides);
     const std::string matrices = top_text(values, "matrices");
     if (!matrices.empty()) {
-        settings.matrices = path_of(matrices, path.parent_path(), DESIGNS).string();
+        const Origin &named = values.at("matrices").origin;
+        const fs::path from = named.file == settings.file ? path.parent_path() : "";
+        settings.matrices = resolve_in(PUBLISHED, matrices, from, "matrices", named).string();
         settings.inputs.sources.read.emplace_back(settings.matrices);
     }
     settings.inputs.sources.read.push_back(path);

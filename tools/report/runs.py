@@ -86,7 +86,7 @@ def split_rows(path, rows, width):
         if len(row) != width:
             raise PlotError(f"{path}: line {number} has {len(row)} fields; "
                             f"expected {width}, as in the header")
-    return np.array(table).reshape(-1, width)
+    return np.array(table, dtype=str).reshape(-1, width)
 
 
 def column(path, name, cells):
