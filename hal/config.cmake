@@ -4,12 +4,11 @@
 # same way and says what is wrong with it.
 set(NF_PATH "/|\\.toml$")
 
+set(default nfconfig) # the target
 if(CMAKE_CROSSCOMPILING)
-    set(NF_NFCONFIG ${CMAKE_SOURCE_DIR}/build/host/nfconfig CACHE FILEPATH
-        "The host's nfconfig, which writes the configuration of an image")
-else()
-    set(NF_NFCONFIG nfconfig) # the target
+    set(default ${CMAKE_SOURCE_DIR}/build/host/nfconfig)
 endif()
+set(NF_NFCONFIG ${default} CACHE STRING "The host's nfconfig, which writes the configuration of an image")
 
 # nf_choice(<name> <default> <help>)
 #
@@ -49,7 +48,7 @@ endmacro()
 # Lets <target> include <header>, made by the nfconfig <command>.
 function(nf_config_header target header command)
     cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
-    if(CMAKE_CROSSCOMPILING AND NOT EXISTS ${NF_NFCONFIG})
+    if(IS_ABSOLUTE ${NF_NFCONFIG} AND NOT EXISTS ${NF_NFCONFIG})
         message(FATAL_ERROR
             "There is no ${NF_NFCONFIG}.\n"
             "Run `tools/dev build` first, or give the path with -DNF_NFCONFIG=FILE.")
