@@ -46,8 +46,10 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
         cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
     }
-    cfg.temperature_zero_c = board.temperature_at_zero_c;
-    cfg.temperature_full_scale_c = board.temperature_full_scale_c;
+    cfg.temperature_points = static_cast<unsigned>(board.temperature_points_c.size());
+    for (std::size_t k = 0; k < board.temperature_points_c.size(); k++) {
+        cfg.temperature[k] = {board.temperature_points_c[k], board.temperature_points_pct[k] / 100};
+    }
     cfg.angle_counts = static_cast<unsigned>(real.angle_counts);
     cfg.seed = config.scenario.seed;
     return cfg;

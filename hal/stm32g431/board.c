@@ -28,8 +28,7 @@ const board_t BOARD = {
             .tick_ps = (uint32_t)((HAL_TIMER_COUNTS * 2000000ULL) / (BOARD_CLOCK_HZ / 1000000U)),
         },
     .speed_max_rpm = HAL_SPEED_MAX_RPM,
-    .temperature_zero_mc = HAL_TEMPERATURE_ZERO_MC,
-    .temperature_span_mc = HAL_TEMPERATURE_SPAN_MC,
+    .temperature = {.points = HAL_TEMPERATURE_POINTS, .at = HAL_TEMPERATURE},
     .temperature_max_c = HAL_TEMPERATURE_MAX_C,
 };
 

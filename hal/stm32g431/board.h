@@ -9,6 +9,8 @@
 
 #include "units.h"
 
+#include "temperature.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -28,9 +30,8 @@ typedef struct {
     uint32_t bus_full_scale_uv;
     units_rotation_t rotation;
     int32_t speed_max_rpm;
-    int32_t temperature_zero_mc; /* m°C at count 0 */
-    int32_t temperature_span_mc; /* from there to full scale, 4096 counts; within ±500 °C */
-    int32_t temperature_max_c;   /* above it the drive stops */
+    temperature_line_t temperature;
+    int32_t temperature_max_c; /* above it the drive stops */
 } board_t;
 
 extern const board_t BOARD;

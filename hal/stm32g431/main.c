@@ -39,14 +39,6 @@ void SysTick_Handler(void)
     hal_g431_tick_lost(&hardware);
 }
 
-static int32_t temperature_of(uint16_t count)
-{
-    const int32_t above_mc =
-        ((int32_t)count * BOARD.temperature_span_mc) / ((int32_t)SENSING_COUNT_MAX + 1);
-
-    return (BOARD.temperature_zero_mc + above_mc) / 1000;
-}
-
 /* Never returns. A lost tick ends the feeding, and the watchdog ends this. */
 static void background(void)
 {
@@ -58,7 +50,8 @@ static void background(void)
         if ((tick != fed) && !hardware.tick_lost) {
             guard_feed();
             fed = tick;
-            console_set_temperature(&console, temperature_of(hardware.temperature));
+            console_set_temperature(&console,
+                                    temperature_celsius(&BOARD.temperature, hardware.temperature));
             led_show(app.drive.state, tick);
         }
         recorder_service(&recorder, &app.drive);

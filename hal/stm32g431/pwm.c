@@ -1,27 +1,9 @@
 #include "pwm.h"
 
+#include "codes.h"
+
 /* Looks at the update flag in pwm_start(): more than enough for one of 2 to 100 kHz. */
 #define UPDATES_TO_TURN (4U)
-
-/*
- * Dead time in the generator's code, RM0440 28.6.20 (DTG): at least `ticks`, 1008 at most, in steps
- * that grow.
- */
-static uint32_t dead_time_code(uint32_t ticks)
-{
-    uint32_t code = 0xE0U | (((ticks + 15U) / 16U) - 32U);
-
-    if (ticks <= 127U) {
-        code = ticks;
-    } else if (ticks <= 254U) {
-        code = 0x80U | (((ticks + 1U) / 2U) - 64U);
-    } else if (ticks <= 504U) {
-        code = 0xC0U | (((ticks + 7U) / 8U) - 32U);
-    } else {
-        /* as initialised */
-    }
-    return code;
-}
 
 /*
  * The filter. At turn-on the gate's charge and the diode's reverse recovery go through the shunt and make a spike of some
@@ -35,7 +17,7 @@ static void set_break(void)
 
     reg_set(SYSCFG_CFGR2, SYSCFG_CFGR2_CLL);
     reg_write(TIM1_AF1, BOARD.trip_below ? (sources | inverted) : sources);
-    reg_write(TIM1_BDTR, dead_time_code(BOARD.dead_time_ticks) | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
+    reg_write(TIM1_BDTR, codes_dead_time(BOARD.dead_time_ticks) | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
                              TIM_BDTR_BKE | TIM_BDTR_BKP | TIM_BDTR_BKF_6_OF_4 | TIM_BDTR_LOCK_1);
 }
 

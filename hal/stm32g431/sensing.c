@@ -1,6 +1,7 @@
 #include "sensing.h"
 
 #include "clock.h"
+#include "codes.h"
 
 /* RM0440 table 163 and data sheet table 4: inputs of the converters. */
 #define CHANNEL_BUS (1UL)          /* ADC1, PA0 */
@@ -10,24 +11,6 @@
 
 /* Data sheet: converter regulator 20 µs, operational amplifier wake-up 6 µs. */
 #define WAKE_US (30U)
-
-#define ADC_CLOCK_MHZ (42U) /* a little below the true 42.5 */
-
-#define SLOW_SAMPLING (4UL) /* 47.5 cycles, 1.1 µs: dividers of some kΩ with a capacitor */
-
-/* The shortest sampling time of at least `ns`; SLOW_SAMPLING at most, so that ADC1 ends last. */
-static uint32_t sampling_code(uint32_t ns)
-{
-    /* Sampling times in half cycles of the converter's clock, in the order of their codes. */
-    static const uint32_t half_cycles[SLOW_SAMPLING] = {5U, 13U, 25U, 49U};
-    const uint32_t wanted = ((ns * ADC_CLOCK_MHZ * 2U) + 999U) / 1000U;
-    uint32_t code = 0U;
-
-    while ((code < SLOW_SAMPLING) && (half_cycles[code] < wanted)) {
-        code++;
-    }
-    return code;
-}
 
 static uint32_t log2_of(uint32_t power)
 {
@@ -82,9 +65,9 @@ static bool wake_converter(uint32_t adc)
 static void set_sequence(uint32_t adc, uint32_t second, uint32_t regular, uint32_t shunt_code)
 {
     reg_write(adc + ADC_CFGR, ADC_CFGR_JQDIS | ADC_CFGR_OVRMOD);
-    reg_write(adc + ADC_SMPR1, (SLOW_SAMPLING << (3U * CHANNEL_BUS)) |
+    reg_write(adc + ADC_SMPR1, (CODES_SAMPLING_MAX << (3U * CHANNEL_BUS)) |
                                    (shunt_code << (3U * CHANNEL_SHUNT)) |
-                                   (SLOW_SAMPLING << (3U * CHANNEL_TEMPERATURE)));
+                                   (CODES_SAMPLING_MAX << (3U * CHANNEL_TEMPERATURE)));
     reg_write(adc + ADC_SMPR2, shunt_code << (3U * (CHANNEL_AMPLIFIER_3 - 10U)));
     reg_write(adc + ADC_SQR1, regular << ADC_SQR1_SQ1_SHIFT);
     reg_write(adc + ADC_JSQR, ADC_JSQR_TWO | ADC_JSQR_EXTSEL_TIM1_TRGO2 | ADC_JSQR_EXTEN_RISING |
@@ -112,7 +95,7 @@ static bool forget_first(void)
 
 bool sensing_init(uint16_t *temperature)
 {
-    const uint32_t shunt_code = sampling_code(BOARD.adc_sampling_ns);
+    const uint32_t shunt_code = codes_sampling(BOARD.adc_sampling_ns);
 
     start_amplifiers();
     reg_write(ADC12_CCR, ADC12_CCR_HCLK_4);

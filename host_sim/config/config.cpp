@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <type_traits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace fs = std::filesystem;
 
@@ -160,12 +162,48 @@ void check_orders(Config &config)
     }
 }
 
+bool each_above(const std::vector<double> &values)
+{
+    return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
+}
+
+bool each_below(const std::vector<double> &values)
+{
+    return std::adjacent_find(values.begin(), values.end(), std::less_equal<>()) == values.end();
+}
+
+// A line that can be read both ways.
+void check_temperature_points(const Config &config)
+{
+    const auto refuse = [&](const char *key, const std::vector<double> &values, const char *problem,
+                            const std::string &allowed) {
+        const auto written = config.origins.find(key);
+        fail(written == config.origins.end() ? config.origins.at("board.name") : written->second,
+             key, fmt::format("[{}]", fmt::join(values, ", ")), problem, allowed);
+    };
+    const std::vector<double> &points = config.board.temperature_points_c;
+    const std::vector<double> &pct = config.board.temperature_points_pct;
+    if (!each_above(points)) {
+        refuse("board.temperature_points_c", points, "does not rise", "each above the one before");
+    }
+    if (pct.size() != points.size()) {
+        refuse("board.temperature_points_pct", pct, "has not as many points as the temperatures",
+               fmt::format("{}, one for each of board.temperature_points_c", points.size()));
+    }
+    if (!each_above(pct) && !each_below(pct)) {
+        refuse("board.temperature_points_pct", pct, "turns around",
+               "each above the one before, or each below");
+    }
+}
+
 // The sensor sees the temperature at which the drive stops, whichever way it counts.
 void check_temperature(const Config &config)
 {
     const BoardSettings &board = config.board;
-    const auto ends = std::minmax(board.temperature_at_zero_c, board.temperature_full_scale_c);
-    if (ends.first < board.temperature_max_c && board.temperature_max_c < ends.second) {
+    check_temperature_points(config);
+    const double lowest = board.temperature_points_c.front();
+    const double highest = board.temperature_points_c.back();
+    if (lowest < board.temperature_max_c && board.temperature_max_c < highest) {
         return;
     }
     const auto written = config.origins.find("board.temperature_max_c");
@@ -173,9 +211,7 @@ void check_temperature(const Config &config)
         written == config.origins.end() ? config.origins.at("board.name") : written->second;
     fail(origin, "board.temperature_max_c", fmt::format("{}", board.temperature_max_c),
          "is beyond what the sensor sees",
-         fmt::format("between board.temperature_at_zero_c = {} and board.temperature_full_scale_c "
-                     "= {}",
-                     board.temperature_at_zero_c, board.temperature_full_scale_c));
+         fmt::format("between {} and {}, the ends of board.temperature_points_c", lowest, highest));
 }
 
 // The drive runs from t = 0 on at the latest, or from where the metrics start.

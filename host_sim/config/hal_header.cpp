@@ -217,11 +217,14 @@ std::string trip_lines(const Config &config)
 
 std::string temperature_lines(const BoardSettings &board)
 {
-    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
-    return define("TEMPERATURE_ZERO_MC", board.temperature_at_zero_c / MILLI, "",
-                  "board.temperature_at_zero_c") +
-           define("TEMPERATURE_SPAN_MC", span_c / MILLI, "",
-                  "from there to board.temperature_full_scale_c") +
+    std::string points;
+    for (const double celsius : board.temperature_points_c) {
+        points += fmt::format("{}{{{:.0f}, {:.0f}}}", points.empty() ? "" : ", ",
+                              temperature_count(board, celsius), celsius / MILLI);
+    }
+    return fmt::format("#define HAL_TEMPERATURE_POINTS ({}U)\n"
+                       "#define HAL_TEMPERATURE {{{}}} /* counts and m°C, each */\n",
+                       board.temperature_points_c.size(), points) +
            define("TEMPERATURE_MAX_C", board.temperature_max_c, "", "board.temperature_max_c");
 }
 

@@ -604,8 +604,12 @@ double calibration_time(const BoardSettings &board)
 
 double temperature_count(const BoardSettings &board, double temperature_c)
 {
-    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
-    return std::ldexp((temperature_c - board.temperature_at_zero_c) / span_c, board.adc_bits);
+    const std::vector<double> &points = board.temperature_points_c;
+    const std::vector<double> &pct = board.temperature_points_pct;
+    const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, temperature_c);
+    const auto k = static_cast<std::size_t>(above - points.begin());
+    const double share = (temperature_c - points[k - 1]) / (points[k] - points[k - 1]);
+    return std::ldexp((pct[k - 1] + share * (pct[k] - pct[k - 1])) / 100, board.adc_bits);
 }
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board)

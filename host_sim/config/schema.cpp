@@ -9,6 +9,7 @@ extern "C" {
 #include <cstring>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nf
 {
@@ -35,7 +36,8 @@ using T = TuningSettings;
 using S = ScenarioSettings;
 using P = PlantSettings;
 
-constexpr double NAME_MAX = 80; // characters
+constexpr double NAME_MAX = 80;        // characters
+constexpr std::size_t POINTS_MAX = 16; // of a sensor's line
 constexpr double SEED_MAX = 4294967295.0;
 constexpr bool NEEDED = true;
 constexpr bool OPTIONAL = false;
@@ -77,8 +79,8 @@ const std::vector<Field> FIELDS = {
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
     {"board", "device_drop_v", "V", 0, 10, OPTIONAL, board<&B::device_drop_v>, "voltage across a conducting switch or diode, whatever the current"},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
-    {"board", "temperature_at_zero_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_at_zero_c>, "temperature of the power stage at count 0 of its sensor"},
-    {"board", "temperature_full_scale_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_full_scale_c>, "temperature at full scale, linear in between; may be the lower one"},
+    {"board", "temperature_points_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_points_c>, "temperatures of the power stage, rising, at which its sensor's reading is known; linear in between"},
+    {"board", "temperature_points_pct", "%", 0, 100, OPTIONAL, board<&B::temperature_points_pct>, "the sensor's reading at each of them, of the converter's full scale, rising or falling"},
     {"board", "temperature_warn_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_warn_c>, "torque is derated above, down to nothing at the maximum; 0: 20 °C below it"},
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
     {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
@@ -236,12 +238,12 @@ void check_whole(const Field &field, const Node &value)
     check_real(field, value);
 }
 
-void check_pair(const Field &field, const Node &value)
+void check_list(const Field &field, const Node &value, std::size_t least, std::size_t most)
 {
     if (value.kind != Node::Kind::list) {
         wrong(field, value, std::string("is ") + kind_name(value));
     }
-    if (value.items.size() != 2) {
+    if (value.items.size() < least || value.items.size() > most) {
         wrong(field, value, fmt::format("has {} items", value.items.size()));
     }
     for (Node item : value.items) {
@@ -347,6 +349,10 @@ std::string Field::allowed() const
                               return fmt::format("a string of {} to {} characters", min, max);
                           },
                           [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+                          [&](const std::vector<double> *) {
+                              return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX,
+                                                 range);
+                          },
                           [&](const DriveMode *any) { return choice_text(words_of(any)); },
                           [&](const ControlMethod *any) { return choice_text(words_of(any)); },
                           [&](const AngleSource *any) { return choice_text(words_of(any)); },
@@ -364,6 +370,9 @@ std::string Field::default_text() const
                           [](const std::string *text) { return '"' + *text + '"'; },
                           [](const std::array<double, 2> *pair) {
                               return fmt::format("[{}, {}]", (*pair)[0], (*pair)[1]);
+                          },
+                          [](const std::vector<double> *points) {
+                              return fmt::format("[{}]", fmt::join(*points, ", "));
                           },
                           [](const DriveMode *mode) { return default_choice(mode); },
                           [](const ControlMethod *method) { return default_choice(method); },
@@ -434,7 +443,8 @@ void check_value(const Field &field, const Node &value)
                    [&](const unsigned *) { check_whole(field, value); },
                    [&](const bool *) { check_boolean(field, value); },
                    [&](const std::string *) { check_string(field, value); },
-                   [&](const std::array<double, 2> *) { check_pair(field, value); },
+                   [&](const std::array<double, 2> *) { check_list(field, value, 2, 2); },
+                   [&](const std::vector<double> *) { check_list(field, value, 2, POINTS_MAX); },
                    [&](const DriveMode *any) { check_choice(field, value, words_of(any)); },
                    [&](const ControlMethod *any) { check_choice(field, value, words_of(any)); },
                    [&](const AngleSource *any) { check_choice(field, value, words_of(any)); },
@@ -452,6 +462,12 @@ void apply_value(const Field &field, const Node &value, Config &config)
                    [&](std::string *place) { *place = value.text; },
                    [&](std::array<double, 2> *place) {
                        *place = {value.items[0].number(), value.items[1].number()};
+                   },
+                   [&](std::vector<double> *place) {
+                       place->clear();
+                       for (const Node &item : value.items) {
+                           place->push_back(item.number());
+                       }
                    },
                    [&](DriveMode *place) { choose(place, value); },
                    [&](ControlMethod *place) { choose(place, value); },

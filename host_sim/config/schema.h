@@ -23,8 +23,9 @@ enum class FileKind {
 
 const char *kind_name(FileKind kind);
 
-using Target = std::variant<double *, int *, unsigned *, bool *, std::string *,
-                            std::array<double, 2> *, DriveMode *, ControlMethod *, AngleSource *>;
+using Target =
+    std::variant<double *, int *, unsigned *, bool *, std::string *, std::array<double, 2> *,
+                 std::vector<double> *, DriveMode *, ControlMethod *, AngleSource *>;
 
 struct Field {
     const char *section;

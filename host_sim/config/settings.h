@@ -45,16 +45,18 @@ struct BoardSettings {
     double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the maximum
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
-    double offset_max_a = 0;            // largest sensor offset that calibration accepts
-    double duty_margin_pct = 0;         // share of the period kept free for sampling and dead time
-    double dead_time_s = 0;             // both switches of a leg off at each edge
-    double device_drop_v = 0;           // across a conducting switch or diode, whatever the current
-    int offset_samples_log2 = 0;        // calibration averages 2^n samples
-    double temperature_at_zero_c = -50; // of the power stage where its sensor reads 0
-    double temperature_full_scale_c = 150; // and at full scale, linear in between; may be the lower
-    double temperature_warn_c = 0;         // derating begins; 0: 20 °C below the maximum
-    double temperature_max_c = 100;        // the drive stops above it
-    int recorder_entries = 1408;           // ring of the flight recorder, 16 bytes each
+    double offset_max_a = 0;     // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;  // share of the period kept free for sampling and dead time
+    double dead_time_s = 0;      // both switches of a leg off at each edge
+    double device_drop_v = 0;    // across a conducting switch or diode, whatever the current
+    int offset_samples_log2 = 0; // calibration averages 2^n samples
+    // The power stage's sensor: temperatures that rise, and what the converter reads there, in % of its full scale, which
+    // rises or falls. Linear in between.
+    std::vector<double> temperature_points_c = {-50, 150};
+    std::vector<double> temperature_points_pct = {0, 100};
+    double temperature_warn_c = 0;  // derating begins; 0: 20 °C below the maximum
+    double temperature_max_c = 100; // the drive stops above it
+    int recorder_entries = 1408;    // ring of the flight recorder, 16 bytes each
 };
 
 // What controls the motor in RUN.

@@ -9,6 +9,17 @@
 #define ADC_BITS_MAX 16U
 #define ANGLE_COUNTS_MAX 65536U
 
+static bool is_a_line(const plant_sensor_cfg_t *cfg)
+{
+    const plant_sensor_point_t *const at = cfg->temperature;
+    bool good = cfg->temperature_points != 1U && cfg->temperature_points <= PLANT_SENSOR_POINTS_MAX;
+    for (unsigned k = 0; good && k < cfg->temperature_points; k++) {
+        good = isfinite(at[k].celsius) && isfinite(at[k].share) &&
+               (k == 0U || at[k].celsius > at[k - 1U].celsius);
+    }
+    return good;
+}
+
 static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
 {
     const plant_check_t checks[] = {
@@ -20,8 +31,7 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.offset_lsb[1]", isfinite(cfg->offset_lsb[1])},
         {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
-        {"sensor.temperature_zero_c", isfinite(cfg->temperature_zero_c)},
-        {"sensor.temperature_full_scale_c", isfinite(cfg->temperature_full_scale_c)},
+        {"sensor.temperature", is_a_line(cfg)},
         {"sensor.angle_counts", cfg->angle_counts <= ANGLE_COUNTS_MAX},
     };
     return plant_first_bad(checks, sizeof checks / sizeof checks[0]);
@@ -42,9 +52,10 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
         sensors->current_zero[phase] = half_scale + cfg->offset_lsb[phase];
     }
     sensors->bus_gain = 2.0 * half_scale / cfg->bus_full_scale_v;
-    const double span_c = cfg->temperature_full_scale_c - cfg->temperature_zero_c;
-    sensors->temperature_gain = (fabs(span_c) > 0.0) ? 2.0 * half_scale / span_c : 0.0;
-    sensors->temperature_zero_c = cfg->temperature_zero_c;
+    sensors->temperature_points = cfg->temperature_points;
+    for (unsigned k = 0; k < cfg->temperature_points; k++) {
+        sensors->temperature_at[k] = cfg->temperature[k];
+    }
     sensors->angle_counts = (double)(cfg->angle_counts > 0U ? cfg->angle_counts : ANGLE_COUNTS_MAX);
     sensors->noise_lsb_rms = cfg->noise_lsb_rms;
     plant_random_init(&sensors->random, cfg->seed);
@@ -64,8 +75,19 @@ static uint16_t quantise(double counts, double count_max)
 
 void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_c)
 {
-    const double counts = (temperature_c - sensors->temperature_zero_c) * sensors->temperature_gain;
-    sensors->temperature = quantise(counts, sensors->count_max);
+    const plant_sensor_point_t *to = &sensors->temperature_at[1];
+    double share = 0.0;
+    if (sensors->temperature_points > 0U) {
+        const plant_sensor_point_t *const last =
+            &sensors->temperature_at[sensors->temperature_points - 1U];
+        while (to < last && to->celsius < temperature_c) {
+            to++;
+        }
+        const plant_sensor_point_t *const from = to - 1;
+        const double way = (temperature_c - from->celsius) / (to->celsius - from->celsius);
+        share = from->share + way * (to->share - from->share);
+    }
+    sensors->temperature = quantise(share * (sensors->count_max + 1.0), sensors->count_max);
 }
 
 uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_rad)

@@ -5,8 +5,8 @@
  *
  * Current channels: lsb = current_full_scale_a / 2^(bits-1), zero = 2^(bits-1).
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
- * Temperature:      linear from temperature_zero_c at count 0 to temperature_full_scale_c at 2^bits, no
- *                   noise: it is slow and filtered.
+ * Temperature:      linear from each of its points to the next, and on beyond the ends, no noise: it is slow
+ *                   and filtered.
  * Angle:            the shaft's, 2^16 to a turn, in steps of 1 / angle_counts of a turn; no offset.
  * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
  * bases take it for, which turn counts into per unit by a shift.
@@ -25,6 +25,14 @@
 extern "C" {
 #endif
 
+/* Most points of a sensor's line. */
+#define PLANT_SENSOR_POINTS_MAX 16
+
+typedef struct {
+    double celsius; /* above that of the point before */
+    double share;   /* of full scale that the converter reads there */
+} plant_sensor_point_t;
+
 typedef struct {
     unsigned adc_bits;           /* 6 ... 16 */
     double current_full_scale_a; /* A, > 0: range is -full scale ... +full scale - 1 LSB */
@@ -32,9 +40,8 @@ typedef struct {
     double noise_lsb_rms;        /* LSB, >= 0, currents and bus; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
     double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
-    double temperature_zero_c;   /* degrees C at count 0 */
-    double
-        temperature_full_scale_c; /* at 2^bits, above or below; equal to it: no sensor, reads 0 */
+    plant_sensor_point_t temperature[PLANT_SENSOR_POINTS_MAX];
+    unsigned temperature_points; /* of them in use, 2 ... 16; 0: no sensor, reads 0 */
     unsigned
         angle_counts; /* of the angle sensor in a turn, 0 ... 65536; 0: as fine as it is told */
     uint64_t seed;    /* of the noise */
@@ -50,11 +57,11 @@ typedef struct {
 } plant_adc_t;
 
 typedef struct {
-    double current_gain[2];  /* counts per ampere, gain error included */
-    double current_zero[2];  /* counts, offset included */
-    double bus_gain;         /* counts per volt */
-    double temperature_gain; /* counts per degree */
-    double temperature_zero_c;
+    double current_gain[2]; /* counts per ampere, gain error included */
+    double current_zero[2]; /* counts, offset included */
+    double bus_gain;        /* counts per volt */
+    plant_sensor_point_t temperature_at[PLANT_SENSOR_POINTS_MAX]; /* as configured */
+    unsigned temperature_points;
     double count_max;
     double angle_counts; /* in a turn */
     double noise_lsb_rms;

@@ -25,7 +25,7 @@ FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG
 WATCHDOG_FLAG = 1 << 29
 PIN_FLAG = 1 << 26
 WFI = b"\x30\xbf"
-COLD_ROOM_COUNT = 1738  # 25 °C of the temperature sensor
+COLD_ROOM_COUNT = 4096 * 4.7 / (4.7 + 10)  # 25 °C: an NTC of 10 kΩ above 4.7 kΩ
 
 
 class Chip:

@@ -232,7 +232,7 @@ class Console(unittest.TestCase):
     def test_a_hot_board_stops(self):
         made = running()
         made.set_inputs(MIDDLE, MIDDLE, BUS)
-        made.chip.set_pins(PB14=(1.4 + 0.019 * 60) / 3.3 * 4096)  # 85 °C
+        made.chip.set_pins(PB14=4096 * 4.7 / (4.7 + 1.497))  # 85 °C: 10 kΩ·exp(3380·(1/358.15 − 1/298.15))
         made.tick(1100)
         self.assertIn("stopped: the board is too hot", made.said())
         self.assertFalse(made.chip.timer.gates_on())

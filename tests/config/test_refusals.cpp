@@ -187,10 +187,20 @@ void settings_that_contradict_each_other_name_both()
          "board.overcurrent_a (boards/b.toml:11)"},
         {"boards/b.toml", "", "temperature_max_c = 150\n",
          "boards/b.toml:15: board.temperature_max_c = 150: is beyond what the sensor sees; allowed: "
-         "between board.temperature_at_zero_c = -50 and board.temperature_full_scale_c = 150"},
-        {"boards/b.toml", "", "temperature_at_zero_c = 80\ntemperature_full_scale_c = 80\n",
+         "between -50 and 150, the ends of board.temperature_points_c"},
+        {"boards/b.toml", "", "temperature_points_c = [0, 80]\n",
          "boards/b.toml:2: board.temperature_max_c = 100: is beyond what the sensor sees; allowed: "
-         "between board.temperature_at_zero_c = 80 and board.temperature_full_scale_c = 80"},
+         "between 0 and 80, the ends of board.temperature_points_c"},
+        {"boards/b.toml", "", "temperature_points_c = [80, 80]\n",
+         "boards/b.toml:15: board.temperature_points_c = [80, 80]: does not rise; allowed: each above the "
+         "one before"},
+        {"boards/b.toml", "", "temperature_points_c = [0, 80, 120]\n",
+         "boards/b.toml:2: board.temperature_points_pct = [0, 100]: has not as many points as the "
+         "temperatures; allowed: 3, one for each of board.temperature_points_c"},
+        {"boards/b.toml", "",
+         "temperature_points_c = [0, 80, 120]\ntemperature_points_pct = [0, 50, 40]\n",
+         "boards/b.toml:16: board.temperature_points_pct = [0, 50, 40]: turns around; allowed: each above "
+         "the one before, or each below"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nevaluate_from_s = 2",
          "scenarios/s.toml:8: scenario.evaluate_from_s = 2: is too large; allowed: at most 1 s, "
          "which is scenario.duration_s (scenarios/s.toml:7)"},

@@ -8,6 +8,7 @@
 
 #include "unity.h"
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -117,6 +118,62 @@ void an_image_gives_back_the_dead_time_that_its_timer_makes()
         TEST_ASSERT_TRUE(given_back_s > tolerance_s);
         TEST_ASSERT_DOUBLE_WITHIN(tolerance_s, dead_time_of_the_timer(config), given_back_s);
     }
+}
+
+// MB1419: from 3.3 V by an NTC of 10 kΩ at 25 °C, 3380 K, to the pin, and by 4.7 kΩ to ground.
+double ntc_share(double celsius)
+{
+    const double ohm = 10e3 * std::exp(3380 * (1 / (celsius + 273.15) - 1 / 298.15));
+    return 4.7e3 / (4.7e3 + ohm);
+}
+
+// What the line of the file makes of the sensor's own reading.
+double temperature_by_file(const nf::BoardSettings &board, double celsius)
+{
+    const double count = std::ldexp(ntc_share(celsius), board.adc_bits);
+    double low = board.temperature_points_c.front();
+    double high = board.temperature_points_c.back();
+    for (int k = 0; k < 50; k++) {
+        const double middle = (low + high) / 2;
+        (nf::temperature_count(board, middle) < count ? low : high) = middle;
+    }
+    return low;
+}
+
+void the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100()
+{
+    for (const char *name : {"b_g431b_esc1", "g431_bench"}) {
+        const nf::BoardSettings board =
+            nf::load_parts(std::strcmp(name, "g431_bench") == 0 ? "motor_a" : "outrunner_24v", name,
+                           "robust")
+                .board;
+        for (int tenths = 0; tenths <= 1000; tenths++) {
+            TEST_ASSERT_DOUBLE_WITHIN(1.0, tenths / 10.0,
+                                      temperature_by_file(board, tenths / 10.0));
+        }
+    }
+}
+
+// A line of two points is the straight one that it was before there could be more.
+void a_line_of_two_points_is_straight()
+{
+    const nf::BoardSettings board = nf::load_parts("motor_a", "bench_310v", "robust").board;
+    for (int celsius = -50; celsius <= 150; celsius++) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, (celsius + 50) / 200.0 * 4096,
+                                  nf::temperature_count(board, celsius));
+    }
+}
+
+// DS12589, operational amplifiers: 3 mV of offset, 2 % of gain; the bias is made by resistors of 1 %.
+void an_offset_within_the_tolerances_of_the_board_as_sold_is_accepted()
+{
+    const nf::Config config = nf::load_parts("outrunner_24v", "b_g431b_esc1", "robust");
+    const nf::HalSettings &hal = config.hal;
+    const double volts =
+        3e-3 * hal.pga_gain + 0.02 * hal.amplifier_zero_v + 0.02 * hal.amplifier_zero_v;
+    const double worst_a = volts / (hal.shunt_ohm * std::fabs(hal.amplifier_gain));
+    TEST_ASSERT_TRUE(worst_a > 4.6);
+    TEST_ASSERT_TRUE(config.board.offset_max_a > worst_a);
 }
 
 void the_rows_cover_every_byte_of_the_configuration()
@@ -231,6 +288,9 @@ int main()
     RUN_TEST(the_set_all_is_the_sum_of_its_parts);
     RUN_TEST(imperfections_of_the_plant_leave_the_firmware_alone);
     RUN_TEST(an_image_gives_back_the_dead_time_that_its_timer_makes);
+    RUN_TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100);
+    RUN_TEST(a_line_of_two_points_is_straight);
+    RUN_TEST(an_offset_within_the_tolerances_of_the_board_as_sold_is_accepted);
     RUN_TEST(the_rows_cover_every_byte_of_the_configuration);
     RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
     RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);

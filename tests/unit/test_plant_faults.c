@@ -28,8 +28,8 @@ static const plant_cfg_t DRIVE = {
     .sensor = {.adc_bits = 12,
                .current_full_scale_a = 20.0,
                .bus_full_scale_v = 400.0,
-               .temperature_zero_c = -50.0,
-               .temperature_full_scale_c = 154.8,
+               .temperature = {{-50.0, 0.0}, {154.8, 1.0}},
+               .temperature_points = 2,
                .seed = 1},
 };
 

@@ -13,9 +13,9 @@
 static const plant_sensor_cfg_t CLEAN = {
     .adc_bits = 12,
     .current_full_scale_a = 20.0,
-    .bus_full_scale_v = 409.6, /* 0.1 V per count */
-    .temperature_zero_c = -50.0,
-    .temperature_full_scale_c = 154.8, /* 0.05 degrees per count */
+    .bus_full_scale_v = 409.6,                   /* 0.1 V per count */
+    .temperature = {{-50.0, 0.0}, {154.8, 1.0}}, /* 0.05 degrees per count */
+    .temperature_points = 2,
     .seed = 1,
 };
 
@@ -225,18 +225,35 @@ static void test_temperature_is_linear_between_its_ends_and_clipped_beyond(void)
 static void test_temperature_may_count_down(void)
 {
     plant_sensor_cfg_t cfg = CLEAN;
-    cfg.temperature_zero_c = 154.8;
-    cfg.temperature_full_scale_c = -50.0;
+    cfg.temperature[0].share = 1.0;
+    cfg.temperature[1].share = 0.0;
     start(&cfg);
     check_temperature(154.8, 0);
     check_temperature(79.8, 1500);
     check_temperature(-50.0, 4095);
 }
 
+static void test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends(void)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+    cfg.temperature[0] = (plant_sensor_point_t){0.0, 0.125};
+    cfg.temperature[1] = (plant_sensor_point_t){50.0, 0.5};
+    cfg.temperature[2] = (plant_sensor_point_t){100.0, 0.75};
+    cfg.temperature_points = 3;
+    start(&cfg);
+    check_temperature(0.0, 512);
+    check_temperature(25.0, 1280);
+    check_temperature(50.0, 2048);
+    check_temperature(75.0, 2560);
+    check_temperature(100.0, 3072);
+    check_temperature(-10.0, 205);  /* 512 less 307.2 */
+    check_temperature(110.0, 3277); /* 3072 and 204.8 */
+}
+
 static void test_without_a_temperature_sensor_its_channel_reads_0(void)
 {
     plant_sensor_cfg_t cfg = CLEAN;
-    cfg.temperature_full_scale_c = cfg.temperature_zero_c;
+    cfg.temperature_points = 0;
     start(&cfg);
     check_temperature(25.0, 0);
 }
@@ -283,11 +300,20 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg.gain_error[1] = -1.0;
     check_rejected(&cfg, "sensor.gain_error[1]");
     cfg = CLEAN;
-    cfg.temperature_zero_c = HUGE_VAL;
-    check_rejected(&cfg, "sensor.temperature_zero_c");
+    cfg.temperature[0].celsius = -HUGE_VAL;
+    check_rejected(&cfg, "sensor.temperature");
     cfg = CLEAN;
-    cfg.temperature_full_scale_c = -HUGE_VAL;
-    check_rejected(&cfg, "sensor.temperature_full_scale_c");
+    cfg.temperature[1].share = HUGE_VAL;
+    check_rejected(&cfg, "sensor.temperature");
+    cfg = CLEAN;
+    cfg.temperature[1].celsius = cfg.temperature[0].celsius;
+    check_rejected(&cfg, "sensor.temperature");
+    cfg = CLEAN;
+    cfg.temperature_points = 1;
+    check_rejected(&cfg, "sensor.temperature");
+    cfg = CLEAN;
+    cfg.temperature_points = PLANT_SENSOR_POINTS_MAX + 1;
+    check_rejected(&cfg, "sensor.temperature");
     cfg = CLEAN;
     cfg.angle_counts = 65537;
     check_rejected(&cfg, "sensor.angle_counts");
@@ -308,6 +334,7 @@ int main(void)
     RUN_TEST(test_same_seed_repeats_and_another_does_not);
     RUN_TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond);
     RUN_TEST(test_temperature_may_count_down);
+    RUN_TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends);
     RUN_TEST(test_without_a_temperature_sensor_its_channel_reads_0);
     RUN_TEST(test_the_angle_is_told_in_65536_of_a_turn_and_wraps);
     RUN_TEST(test_the_angle_has_the_steps_of_its_sensor);

@@ -1,0 +1,117 @@
+/* Numbers of the console, in and out. */
+#include "text.h"
+
+#include "unity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void check_number(int32_t value, uint32_t decimals, const char *expected)
+{
+    text_t text = {0};
+
+    text_number(&text, value, decimals);
+    TEST_ASSERT_EQUAL_UINT32(strlen(expected), text.length);
+    TEST_ASSERT_EQUAL_STRING_LEN(expected, text.characters, text.length);
+}
+
+static void test_numbers_are_written_with_their_sign_and_decimals(void)
+{
+    check_number(0, 0U, "0");
+    check_number(7, 0U, "7");
+    check_number(-7, 0U, "-7");
+    check_number(10, 0U, "10");
+    check_number(12345, 2U, "123.45");
+    check_number(-12345, 3U, "-12.345");
+    check_number(5, 3U, "0.005");
+    check_number(-5, 3U, "-0.005");
+    check_number(1000, 3U, "1.000");
+    check_number(0, 6U, "0.000000");
+    check_number(INT32_MAX, 0U, "2147483647");
+    check_number(INT32_MIN, 0U, "-2147483648");
+    check_number(INT32_MIN, 6U, "-2147.483648");
+}
+
+static void check_read(const char *string, bool good, int32_t expected)
+{
+    int32_t value = 77;
+
+    TEST_ASSERT_EQUAL(good, text_to_number(string, &value));
+    TEST_ASSERT_EQUAL_INT32(good ? expected : 77, value);
+}
+
+static void test_numbers_are_read_whole_or_not_at_all(void)
+{
+    check_read("0", true, 0);
+    check_read("9", true, 9);
+    check_read("-9", true, -9);
+    check_read("+42", true, 42);
+    check_read("007", true, 7);
+    check_read("123456789", true, 123456789);
+    check_read("999999999", true, 999999999);
+    check_read("-999999999", true, -999999999);
+    check_read("1000000000", false, 0);
+    check_read("-1000000000", false, 0);
+    check_read("", false, 0);
+    check_read("-", false, 0);
+    check_read("+", false, 0);
+    check_read("--1", false, 0);
+    check_read("1 ", false, 0);
+    check_read(" 1", false, 0);
+    check_read("1.5", false, 0);
+    check_read("1x", false, 0);
+    check_read("/", false, 0); /* before '0', and behind '9' */
+    check_read(":", false, 0);
+}
+
+static void test_what_is_written_is_read_again(void)
+{
+    for (int32_t value = -999999999; value <= 999999999 - 1234567; value += 1234567) {
+        text_t text = {0};
+        int32_t back = 0;
+
+        text_number(&text, value, 0U);
+        text.characters[text.length] = '\0';
+        TEST_ASSERT_TRUE(text_to_number(text.characters, &back));
+        TEST_ASSERT_EQUAL_INT32(value, back);
+        TEST_ASSERT_EQUAL_INT32(value, (int32_t)strtol(text.characters, NULL, 10));
+    }
+}
+
+static void test_what_does_not_fit_is_cut_off(void)
+{
+    text_t text = {0};
+
+    for (uint32_t k = 0U; k < TEXT_MAX; k++) {
+        text_add(&text, "ab");
+    }
+    TEST_ASSERT_EQUAL_UINT32(TEXT_MAX, text.length);
+    TEST_ASSERT_EQUAL_CHAR('b', text.characters[TEXT_MAX - 1U]);
+}
+
+static void test_what_follows_a_start(void)
+{
+    TEST_ASSERT_EQUAL_STRING("100", text_after("speed 100", "speed "));
+    TEST_ASSERT_EQUAL_STRING("", text_after("run", "run"));
+    TEST_ASSERT_NULL(text_after("ru", "run"));
+    TEST_ASSERT_NULL(text_after("Run", "run"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_numbers_are_written_with_their_sign_and_decimals);
+    RUN_TEST(test_numbers_are_read_whole_or_not_at_all);
+    RUN_TEST(test_what_is_written_is_read_again);
+    RUN_TEST(test_what_does_not_fit_is_cut_off);
+    RUN_TEST(test_what_follows_a_start);
+    return UNITY_END();
+}
