@@ -195,8 +195,16 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
 // The temperature at a count of its sensor.
 double temperature_at(const BoardSettings &board, double count)
 {
-    const double span_c = board.temperature_full_scale_c - board.temperature_at_zero_c;
-    return board.temperature_at_zero_c + std::ldexp(count, -board.adc_bits) * span_c;
+    const std::vector<double> &pct = board.temperature_points_pct;
+    const double wanted = 100 * std::ldexp(count, -board.adc_bits);
+    const bool rises = pct.back() > pct.front();
+    std::size_t k = 1;
+    while (k + 1 < pct.size() && (rises ? pct[k] < wanted : pct[k] > wanted)) {
+        k++;
+    }
+    const std::vector<double> &points = board.temperature_points_c;
+    const double share = (wanted - pct[k - 1]) / (pct[k] - pct[k - 1]);
+    return points[k - 1] + share * (points[k] - points[k - 1]);
 }
 
 // The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
