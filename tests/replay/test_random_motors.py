@@ -1,0 +1,134 @@
+"""replay.random_motors: whatever motor and board one buys, it is refused in the user's terms or it works as the shipped ones do.
+
+test_random_motors.py TRY_MOTORS COMPILER [COUNT [SEED]]: draws COUNT motors with their boards, and TRY_MOTORS reads, records
+and replays each. COMPILER compiles board.c of the STM32G431 with each header of the hardware.
+"""
+
+import json
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+from pathlib import Path
+
+import random_motors
+
+TRY_MOTORS, COMPILER = sys.argv[1:3]
+COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else 1000
+SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
+ROOT = Path(__file__).resolve().parents[2]
+INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/math", "firmware/math/port",
+            "firmware/math/port/generic")
+
+REFUSAL = re.compile(r"(?P<file>.+?\.toml):(?P<line>\d+): (?P<key>[a-z_0-9.]+) = (?P<value>\S+): .+; allowed: .+")
+LEAST_FRAMES = 64  # the recorder's ticks behind a fault
+# Half of a unit that a scale is recorded in: the tick of 25 us in ps, 0.5 A and 10 V in millionths.
+TICK_ERROR = 0.5 / 25e6
+SCALE_ERROR = 0.5 / 0.5e6
+
+
+def draw(folder):
+    rng = random.Random(SEED)
+    folders = [folder / f"{k:04}" for k in range(COUNT)]
+    for one in folders:
+        random_motors.write_case(rng, one)
+    return folders
+
+
+def improper(line):
+    """What a user could not work with in a refusal; None: nothing."""
+    found = REFUSAL.fullmatch(line)
+    if found is None:
+        return "is not one line of FILE:LINE: KEY = VALUE: what is wrong; allowed: RANGE"
+    written = Path(found["file"]).read_text(encoding="utf-8").splitlines()[int(found["line"]) - 1]
+    key, _, value = written.partition("#")[0].partition(" = ")
+    same = key == found["key"].split(".")[-1] and float(value) == float(found["value"])
+    return None if same else f"does not stand there, but: {written}"
+
+
+SHOWN = ("rotation.pole_pairs", "rotation.tick_ps", "current_full_scale_ua", "bus_full_scale_uv", "dead_time_ticks", "trip_count")
+
+
+def all_boards(folders):
+    """A program in C that is board.c with one header after the other, and prints what they came to."""
+    names = sorted({name for folder in folders
+                    for name in re.findall(r"#define (\w+)", (folder / "hal_config.h").read_text())})
+    forget = "".join(f"#undef {name}\n" for name in [*names, "BOARD", "BOARD_NAME"])
+    boards = "".join(
+        f'{forget}#define BOARD BOARD_{folder.name}\n#define BOARD_NAME BOARD_NAME_{folder.name}\n'
+        f'#include "{folder}/hal_config.h"\n#include "board.c"\n' for folder in folders)
+    form = " ".join(["%u"] * len(SHOWN))
+    shown = "".join(f'    printf("{form}\\n", {", ".join(f"BOARD_{folder.name}.{field}" for field in SHOWN)});\n'
+                    for folder in folders)
+    return f'#include "board.h"\n#include <stdio.h>\n{boards}\nint main(void)\n{{\n{shown}    return 0;\n}}\n'
+
+
+def written(folder, part):
+    return tomllib.loads((folder / f"{part}.toml").read_text())[part]
+
+
+class RandomMotors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        folders = draw(Path(cls.folder.name))
+        run = subprocess.run([TRY_MOTORS, *folders], capture_output=True, text=True, check=True)
+        outcomes = dict(zip(folders, map(json.loads, run.stdout.splitlines()), strict=True))
+        cls.refused = {one: out["refused"] for one, out in outcomes.items() if "refused" in out}
+        cls.accepted = {one: out for one, out in outcomes.items() if "refused" not in out}
+        print(f"{COUNT} motors: {len(cls.accepted)} accepted, {len(cls.refused)} refused")
+
+    def test_most_are_accepted(self):
+        self.assertGreater(len(self.accepted), 0.5 * COUNT)
+
+    def test_each_refusal_names_the_users_line_and_what_is_allowed(self):
+        bad = [f"{line}\n  {why}" for line in self.refused.values() if (why := improper(line))]
+        self.assertEqual(bad, [])
+
+    def test_each_recording_replays_to_the_same_hash(self):
+        for folder, out in self.accepted.items():
+            with self.subTest(folder.name):
+                self.assertFalse(out["departs"], out)
+                self.assertEqual(out["recorded_hash"], out["replayed_hash"])
+                self.assertGreater(out["frames"], LEAST_FRAMES)
+
+    def test_each_recording_has_the_scales_of_its_run(self):
+        for folder, out in self.accepted.items():
+            for name, error in (("rpm_of_a_step", TICK_ERROR), ("current_a", SCALE_ERROR),
+                                ("voltage_v", SCALE_ERROR)):
+                with self.subTest(folder.name, scale=name):
+                    self.assertAlmostEqual(out["replayed_" + name] / out[name], 1, delta=error)
+
+    def boards(self):
+        folder = Path(self.folder.name)
+        (folder / "hal_config.h").write_text("/* each is included before board.c */\n")
+        (folder / "boards.c").write_text(all_boards(self.accepted))
+        run = subprocess.run(
+            [COMPILER, "-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Werror", f"-I{folder}",
+             *(f"-I{ROOT / include}" for include in INCLUDES), "-o", folder / "boards", folder / "boards.c"],
+            capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stderr[:2000])
+        lines = subprocess.run([folder / "boards"], capture_output=True, text=True, check=True).stdout.splitlines()
+        return zip(self.accepted, (dict(zip(SHOWN, map(int, line.split()), strict=True)) for line in lines), strict=True)
+
+    def test_each_board_compiles_to_what_its_files_say(self):
+        for folder, made in self.boards():
+            with self.subTest(folder.name):
+                motor, board = written(folder, "motor"), written(folder, "board")
+                half_period = random_motors.G431_CLOCK_HZ / 2 / board["pwm_frequency_hz"]
+                self.assertEqual(made["rotation.pole_pairs"], motor["pole_pairs"])
+                self.assertAlmostEqual(made["rotation.tick_ps"] * board["pwm_frequency_hz"] / 1e12, 1,
+                                       delta=0.5 / half_period + TICK_ERROR)
+                self.assertAlmostEqual(made["current_full_scale_ua"] / 1e6, board["current_full_scale_a"], delta=1e-6)
+                self.assertAlmostEqual(made["bus_full_scale_uv"] / 1e6, board["bus_full_scale_v"], delta=1e-6)
+                self.assertGreaterEqual(made["dead_time_ticks"] / random_motors.G431_CLOCK_HZ,
+                                        board["dead_time_s"] * (1 - 1e-9))
+                self.assertTrue(0 < made["trip_count"] < 4096)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
