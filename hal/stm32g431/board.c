@@ -29,7 +29,6 @@ const board_t BOARD = {
         },
     .speed_max_rpm = HAL_SPEED_MAX_RPM,
     .temperature = {.points = HAL_TEMPERATURE_POINTS, .at = HAL_TEMPERATURE},
-    .temperature_max_c = HAL_TEMPERATURE_MAX_C,
 };
 
 const char *const BOARD_NAME = HAL_NAME;

@@ -31,7 +31,6 @@ typedef struct {
     units_rotation_t rotation;
     int32_t speed_max_rpm;
     temperature_line_t temperature;
-    int32_t temperature_max_c; /* above it the drive stops */
 } board_t;
 
 extern const board_t BOARD;

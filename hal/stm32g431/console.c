@@ -143,8 +143,6 @@ static void start_motor(console_t *console)
 {
     if (console->app->drive.state == DRIVE_STATE_FAULT) {
         console_say(console, "error: a fault is latched; clear it first");
-    } else if (console->temperature_c > BOARD.temperature_max_c) {
-        console_say(console, "error: the board is too hot");
     } else {
         request(console, DRIVE_REQUEST_RUN);
         console_say(console, "ok");
@@ -384,12 +382,5 @@ void console_step(console_t *console)
 
 void console_set_temperature(console_t *console, int32_t temperature_c)
 {
-    const bool running =
-        (command_mailbox_take(&console->app->mailbox).request & DRIVE_REQUEST_RUN) != 0U;
-
     console->temperature_c = temperature_c;
-    if (running && (temperature_c > BOARD.temperature_max_c)) {
-        request(console, 0U);
-        console_say(console, "stopped: the board is too hot");
-    }
 }

@@ -46,7 +46,7 @@ void console_say(console_t *console, const char *line);
 /* One pass of the background: bytes in and out, a command, an announcement. */
 void console_step(console_t *console);
 
-/* The board's temperature. Above the board's limit the drive is stopped. */
+/* The board's temperature, °C: what `status` shows. Whether it is too hot the drive decides by itself. */
 void console_set_temperature(console_t *console, int32_t temperature_c);
 
 #endif

@@ -224,8 +224,7 @@ std::string temperature_lines(const BoardSettings &board)
     }
     return fmt::format("#define HAL_TEMPERATURE_POINTS ({}U)\n"
                        "#define HAL_TEMPERATURE {{{}}} /* counts and m°C, each */\n",
-                       board.temperature_points_c.size(), points) +
-           define("TEMPERATURE_MAX_C", board.temperature_max_c, "", "board.temperature_max_c");
+                       board.temperature_points_c.size(), points);
 }
 
 std::string speed_lines(const Config &config)

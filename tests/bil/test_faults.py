@@ -229,18 +229,40 @@ class Console(unittest.TestCase):
         made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
         self.assertIn("FAULT by OVERTEMPERATURE", made.said())
 
-    def test_a_hot_board_stops(self):
-        made = running()
-        made.set_inputs(MIDDLE, MIDDLE, BUS)
-        made.chip.set_pins(PB14=4096 * 4.7 / (4.7 + 1.497))  # 85 °C: 10 kΩ·exp(3380·(1/358.15 − 1/298.15))
-        made.tick(1100)
-        self.assertIn("stopped: the board is too hot", made.said())
-        self.assertFalse(made.chip.timer.gates_on())
-        made.type("clear")  # without a motor the phases may have been lost before
-        made.tick(300)
+    def test_a_hot_board_cannot_be_run_and_a_cooled_one_can(self):
+        """The drive's fault is the only thing that stands in the way, for as long as it is hot."""
+        made = ready()
+        made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
+        made.tick(TEMPERATURE_TICKS + OVERTEMPERATURE_TICKS)
         made.said()
         made.type("run")
-        self.assertEqual(made.said(), "error: the board is too hot\r\n")
+        self.assertEqual(made.said(), "error: a fault is latched; clear it first\r\n")
+        made.type("clear")
+        made.tick(2 * CALIBRATION_TICKS)
+        self.assertIn("FAULT by OVERTEMPERATURE", made.said())
+        made.set_inputs(MIDDLE, MIDDLE, BUS)
+        made.tick(TEMPERATURE_TICKS)
+        made.type("clear")
+        made.tick(CALIBRATION_TICKS)
+        made.type("run")
+        made.tick(3)
+        self.assertTrue(made.chip.timer.gates_on())
+
+    def shown_celsius(self, made):
+        made.said()
+        made.type("status")
+        return int(re.search(r"(\d+) C,", made.said())[1])
+
+    def test_a_board_that_is_hot_for_less_than_the_drives_time_can_be_run(self):
+        made = ready()
+        made.set_inputs(MIDDLE, MIDDLE, BUS, temperature=HOT)
+        while self.shown_celsius(made) < BOARD_FILE["board"]["temperature_max_c"]:
+            made.tick(20)
+        made.said()
+        made.type("run")
+        self.assertEqual(made.said(), "ok\r\n")
+        made.tick(3)
+        self.assertTrue(made.chip.timer.gates_on())
 
 
 class ModelsNotice(unittest.TestCase):
