@@ -61,9 +61,13 @@ static int64_t distance(int64_t from_q32, int64_t to_q32)
     return fx_signed64(way);
 }
 
+/* The product in two 32-bit products, exact for up to 2^15 ticks: a 64-bit one is a library call on Cortex-M0+. */
 static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
-    const int64_t way = (int64_t)speed * (int32_t)ticks;
+    const int32_t count = (int32_t)ticks;
+    const int32_t upper = fx_asr(speed, 16U) * count;
+    const int32_t lower = (int32_t)(fx_unsigned(speed) & 0xFFFFU) * count;
+    const int64_t way = ((int64_t)upper * Q32_TO_Q16) + lower;
     const uint64_t there = fx_unsigned64(position_q32) + fx_unsigned64(way);
 
     return fx_signed64(there);

@@ -328,11 +328,11 @@ static void test_profile_moves_by_its_speed_times_the_ticks_of_the_period(void)
         for (int32_t k = 0; k < 1000; k++) {
             const int64_t before = loop.profile_q32;
 
-            step_profile(FAR_AWAY_Q32);
-            TEST_ASSERT_TRUE(loop.profile_speed > 0);
+            step_profile((k < 300) ? FAR_AWAY_Q32 : -FAR_AWAY_Q32); /* there, and back */
             TEST_ASSERT_EQUAL_INT64(before + ((int64_t)loop.profile_speed * periods[i]),
                                     loop.profile_q32);
         }
+        TEST_ASSERT_TRUE(loop.profile_speed < 0);
     }
 }
 

@@ -92,12 +92,29 @@ def deepest(name, frames, calls, library, above=()):
     return size + below, (name, *chain)
 
 
-def computed(image, entry):
-    """(bytes, chain) of the deepest way down from `entry`, its own frame included."""
+def graph(image):
+    """Frames and calls of all functions of the image but those of the compiler's library."""
     files = sorted(image.path.parent.glob(f"{image.path.name}.ltrans*.ci"))
     if not files:
         raise BenchError(f"{image.path}: no call graph beside it, {image.path.name}.ltrans*.ci; "
                          "build the image anew")
     frames, calls = parse("".join(file.read_text(encoding="utf-8") for file in files))
-    return deepest(entry, frames, resolve_pointers(calls, INDIRECT),
-                   lambda name: library_frame(image, name))
+    return frames, resolve_pointers(calls, INDIRECT)
+
+
+def computed(image, entry):
+    """(bytes, chain) of the deepest way down from `entry`, its own frame included."""
+    frames, calls = graph(image)
+    return deepest(entry, frames, calls, lambda name: library_frame(image, name))
+
+
+def of_library(image, entry):
+    """Names of the functions of the compiler's library that can be called, by whatever way, from `entry`."""
+    frames, calls = graph(image)
+    found, left = set(), [entry]
+    while left:
+        name = left.pop()
+        if name not in found:
+            found.add(name)
+            left += calls.get(name, ()) if name in frames else library_frame(image, name)[1]
+    return found - set(frames)
