@@ -24,7 +24,6 @@ constexpr double Q13 = 8192.0;
 constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
 constexpr double Q16 = 65536.0;
-constexpr double Q18 = 262144.0;
 constexpr double Q24 = 16777216.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q27 = 134217728.0;
@@ -375,6 +374,7 @@ std::vector<SignalInfo> control_configuration()
         CFG(observer.iq_gain_q14, ratio_q14),
         CFG(observer.saliency_q13, ratio_q13),
         CFG(observer.current_shift, number),
+        CFG(observer.descent_shift, number),
         CFG(observer.rate, number),
         CFG(observer.rate_shift, number),
         CFG(observer.proportional, number),
@@ -443,6 +443,7 @@ std::vector<SignalInfo> motion_configuration()
         CFG(speed_loop.pi.kp_shift, number),
         CFG(speed_loop.pi.ki_shift, number),
         CFG(speed_loop.inertia_shift, number),
+        CFG(speed_loop.inertia_lift, number),
         CFG(speed_loop.error_shift, number),
         CFG(position_loop.braking_inverse, number),
         CFG(position_loop.softness_q15, ratio_q15),
@@ -459,39 +460,23 @@ std::vector<SignalInfo> motion_configuration()
 std::vector<SignalInfo> start_configuration()
 {
     return {
-        CFG(startup.catch_spin.current, current_q15),
-        CFG(startup.catch_spin.wait_ticks, number),
-        CFG(startup.catch_spin.pulse_ticks, number),
-        CFG(startup.catch_spin.gap_factor, number),
-        CFG(startup.catch_spin.pause_max, number),
-        CFG(startup.catch_spin.emf_current, number),
-        CFG(startup.catch_spin.emf_shift, number),
-        CFG(startup.align.current_high, current_q15),
-        CFG(startup.align.current_low, current_q15),
-        CFG(startup.align.slope, current_q15),
-        CFG(startup.align.sweep_speed, speed_step),
-        CFG(startup.align.sweep_ticks, number),
-        CFG(startup.align.pull_ticks, number),
-        CFG(startup.align.settle_ticks, number),
-        CFG(startup.align.measure_log2, number),
-        CFG(startup.align.step_ticks, number),
-        CFG(startup.align.step_voltage, voltage_q15),
-        CFG(startup.align.step_fall, current_q15),
-        CFG(startup.align.step_drop_q14, ratio_q14),
-        CFG(startup.current_move, current_q15),
-        CFG(startup.current_floor, current_q15),
-        CFG(startup.current_slope, current_q15),
-        CFG(startup.ramp, speed_step),
-        CFG(startup.track_speed, speed_step),
-        CFG(startup.residual_max, current_q15),
-        CFG(startup.residual_lost, current_q15),
-        CFG(startup.lost_periods, number),
-        CFG(startup.handover_periods, number),
-        CFG(startup.attempts, number),
-        CFG(model.resistance_limit_q14, ratio_q14),
-        CFG(model.inductance_limit_q14, ratio_q14),
-        CFG(model.flux_limit_q14, ratio_q14),
-        CFG(model.flux_rate, number),
+        CFG(startup.catch_spin.current, current_q15), CFG(startup.catch_spin.wait_ticks, number),
+        CFG(startup.catch_spin.pulse_ticks, number),  CFG(startup.catch_spin.gap_factor, number),
+        CFG(startup.catch_spin.pause_max, number),    CFG(startup.catch_spin.emf_current, number),
+        CFG(startup.catch_spin.emf_shift, number),    CFG(startup.align.current_high, current_q15),
+        CFG(startup.align.current_low, current_q15),  CFG(startup.align.slope, current_q15),
+        CFG(startup.align.sweep_speed, speed_step),   CFG(startup.align.sweep_ticks, number),
+        CFG(startup.align.pull_ticks, number),        CFG(startup.align.settle_ticks, number),
+        CFG(startup.align.measure_log2, number),      CFG(startup.align.step_ticks, number),
+        CFG(startup.align.step_voltage, voltage_q15), CFG(startup.align.step_fall, current_q15),
+        CFG(startup.align.step_drop_q14, ratio_q14),  CFG(startup.current_move, current_q15),
+        CFG(startup.current_slope, current_q15),      CFG(startup.ramp, speed_step),
+        CFG(startup.track_speed, speed_step),         CFG(startup.residual_max, current_q15),
+        CFG(startup.residual_lost, current_q15),      CFG(startup.lost_periods, number),
+        CFG(startup.handover_periods, number),        CFG(startup.attempts, number),
+        CFG(run.current_floor, current_q15),          CFG(run.current_slope, current_q15),
+        CFG(model.resistance_limit_q14, ratio_q14),   CFG(model.inductance_limit_q14, ratio_q14),
+        CFG(model.flux_limit_q14, ratio_q14),         CFG(model.flux_rate, number),
         CFG(model.flux_speed_min, speed_step),
     };
 }
@@ -631,8 +616,12 @@ Format current_format(Quantity quantity, const Simulation &sim)
         return {"A", "Q15 of I_x = {:.6g} A", network, network / Q15};
     case Quantity::network_q27:
         return {"A", "Q27 of I_x = {:.6g} A", network, network / Q27};
-    case Quantity::descent:
-        return {"A2", "Q18 of I_b I_x = {:.6g} A2", base * network, base * network / Q18};
+    case Quantity::descent: {
+        const int bits = 30 - static_cast<int>(sim.cfg().observer.descent_shift);
+        const char *const text = bits == 18 ? "Q18 of I_b I_x = {:.6g} A2"
+                                            : "Q(30 - descent_shift) of I_b I_x = {:.6g} A2";
+        return {"A2", text, base * network, std::ldexp(base * network, -bits)};
+    }
     case Quantity::adc_current: {
         const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.current_shift));
         return {"A", "ADC count, one = {:.6g} A", base / counts, base / counts, counts / 2};

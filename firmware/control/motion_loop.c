@@ -3,6 +3,7 @@
 #include "trig.h"
 
 #define Q32_TO_Q16 (65536)
+#define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
 #define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
 void speed_loop_reset(speed_loop_t *loop, step_t speed)
@@ -29,7 +30,11 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
-    const int32_t torque = fx_asr(fx_mul_32x16(change, cfg->inertia), cfg->inertia_shift);
+    /* A lifted change ends at 2^30 in all: far beyond the range of the torque. */
+    const int32_t largest = fx_asr(CHANGE_MAX, cfg->inertia_lift);
+    const uint32_t lift = (uint32_t)1U << cfg->inertia_lift;
+    const int32_t lifted = fx_clamp(change, -largest, largest) * (int32_t)lift;
+    const int32_t torque = fx_asr(fx_mul_32x16(lifted, cfg->inertia), cfg->inertia_shift);
 
     loop->reference = limited;
     return fx_clamp(torque, range.lower, range.upper);

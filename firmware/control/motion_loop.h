@@ -17,11 +17,13 @@
 #include <stdint.h>
 
 typedef struct {
-    pi_cfg_t pi;            /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
-    step_t ramp;            /* largest change of the reference in a slow period, > 0 */
-    step_t speed_max;       /* |reference| is kept within, ≤ 2^29 */
-    int32_t inertia;        /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift) */
+    pi_cfg_t pi;      /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
+    step_t ramp;      /* largest change of the reference in a slow period, > 0 */
+    step_t speed_max; /* |reference| is kept within, ≤ 2^29 */
+    /* i_q for an acceleration: change · inertia / 2^(16 + inertia_shift − inertia_lift) */
+    int32_t inertia;
     uint32_t inertia_shift; /* 0…30 */
+    uint32_t inertia_lift;  /* 0…14: where a step of speed takes more than half an LSB of current */
     uint32_t error_shift;   /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
 } speed_loop_cfg_t;
 

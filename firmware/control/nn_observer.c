@@ -1,7 +1,6 @@
 #include "nn_observer.h"
 
 #define STATE_BITS (11U) /* of a state in Q26 below one LSB of Q15 */
-#define DESCENT_SHIFT (12U)
 #define SPEED_TO_HALF (14U)
 #define PI_Q12 (12868)     /* half a step's angle in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
@@ -89,8 +88,8 @@ void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t 
     const dq_t state_q26 = predict(obs, cfg, voltage, angle);
 
     compare(obs, cfg, state_q26, measured);
-    obs->descent =
-        fx_sat16(fx_asr((obs->turned.q * before.d) - (obs->turned.d * before.q), DESCENT_SHIFT));
+    obs->descent = fx_sat16(
+        fx_asr((obs->turned.q * before.d) - (obs->turned.d * before.q), cfg->descent_shift));
     obs->state.d = fx_asr(state_q26.d, STATE_BITS);
     obs->state.q = fx_asr(state_q26.q, STATE_BITS);
 }

@@ -60,9 +60,11 @@ typedef struct {
     int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     int32_t saliency_q13;   /* L_q/L_d: an error of i_q as one of y, 1…32767 */
     uint32_t current_shift; /* s, 0…9 */
-    int32_t rate;           /* η: steps = (b >> 12, saturated to 16 bits)·rate / 2^rate_shift */
-    uint32_t rate_shift;    /* 0…30 */
-    int32_t proportional;   /* κ_p: steps = (b >> 12)·proportional / 2^proportional_shift */
+    uint32_t descent_shift; /* of b, 4…12: below 12 where φ/L_d is small against I_b */
+    int32_t rate; /* η: steps = (b >> descent_shift, saturated to 16 bits)·rate / 2^rate_shift */
+    uint32_t rate_shift; /* 0…30 */
+    int32_t
+        proportional; /* κ_p: steps = (b >> descent_shift)·proportional / 2^proportional_shift */
     uint32_t proportional_shift; /* 0…30 */
     int32_t momentum_q15;        /* α */
     step_t speed_limit;          /* |ω̂| is kept within, 1…2^29 */
@@ -82,7 +84,7 @@ typedef struct {
     dq_t current;       /* î_d, î_q, ±16384: the converters' full scale, saturated */
     dq_t error;         /* e_d, e_q, −8192…8191 (¼) */
     dq_t turned; /* e', same range: d is the error of the flux' magnitude, q that of the angle */
-    int32_t descent; /* b >> 12 in Q30 of I_b·I_x, 16 bits, saturated */
+    int32_t descent; /* b >> descent_shift in Q30 of I_b·I_x, 16 bits, saturated */
     int32_t rho_q13; /* ρ in force */
 } nn_observer_t;
 

@@ -17,6 +17,9 @@
 #define SOFTNESS_MAX (12288)
 #define TICKS_MAX (0x100000)
 #define POLE_PAIRS_MAX (50)
+#define DESCENT_SHIFT_MIN (4)
+#define DESCENT_SHIFT_MAX (12)
+#define LIFT_MAX (14)
 
 /* A shift or other count as the signed value that range() compares; anything above 2^31 is out of range too. */
 static int32_t shift_value(uint32_t shift)
@@ -129,6 +132,8 @@ static const char *check_observer(const char *before, const nn_observer_cfg_t *c
     bad = range(bad, "observer.proportional", cfg->proportional, 0, FX_Q15_MAX);
     bad = range(bad, "observer.proportional_shift", shift_value(cfg->proportional_shift), 0,
                 SHIFT_MAX);
+    bad = range(bad, "observer.descent_shift", shift_value(cfg->descent_shift), DESCENT_SHIFT_MIN,
+                DESCENT_SHIFT_MAX);
     bad = range(bad, "observer.momentum_q15", cfg->momentum_q15, 0, FX_Q15_MAX);
     bad = range(bad, "observer.speed_limit", cfg->speed_limit, 1, STEP_MAX);
     bad = range(bad, "observer.corner", cfg->corner, 0, Q27_ONE);
@@ -256,6 +261,7 @@ static const char *check_speed_loop(const char *before, const speed_loop_cfg_t *
     bad = range(bad, "speed_loop.speed_max", cfg->speed_max, 1, STEP_MAX);
     bad = range(bad, "speed_loop.inertia", cfg->inertia, 0, FX_Q15_MAX);
     bad = range(bad, "speed_loop.inertia_shift", shift_value(cfg->inertia_shift), 0, SHIFT_MAX);
+    bad = range(bad, "speed_loop.inertia_lift", shift_value(cfg->inertia_lift), 0, LIFT_MAX);
     return range(bad, "speed_loop.error_shift", shift_value(cfg->error_shift), 1, 17);
 }
 
@@ -324,8 +330,6 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 
     /* RUN reads these without a start-up too. */
     bad = range(bad, "startup.current_move", cfg->current_move, 0, CURRENT_MAX);
-    bad = range(bad, "startup.current_floor", cfg->current_floor, 0, CURRENT_MAX);
-    bad = range(bad, "startup.current_slope", cfg->current_slope, 0, CURRENT_MAX);
     bad = range(bad, "startup.handover_speed", cfg->handover_speed, 0, STEP_MAX);
     if (cfg->current_hold != 0) {
         bad = check_catch_spin(bad, &cfg->catch_spin);
@@ -345,6 +349,14 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
         bad = range(bad, "startup.attempts", shift_value(cfg->attempts), 1, 100);
     }
     return bad;
+}
+
+static const char *check_run(const char *before, const run_cfg_t *cfg)
+{
+    const char *bad = before;
+
+    bad = range(bad, "run.current_floor", cfg->current_floor, 0, CURRENT_MAX);
+    return range(bad, "run.current_slope", cfg->current_slope, 1, CURRENT_MAX);
 }
 
 static const char *check_model(const char *before, const model_cfg_t *cfg)
@@ -412,6 +424,7 @@ const char *params_check(const drive_cfg_t *cfg)
     bad = check_rails(bad, cfg);
     bad = check_modulator(bad, &cfg->modulator);
     bad = check_startup(bad, &cfg->startup, cfg->observer.speed_limit);
+    bad = check_run(bad, &cfg->run);
     bad = check_model(bad, &cfg->model);
     bad = check_voltage_drive(bad, &cfg->voltage_drive);
     bad = check_sensor(bad, cfg);

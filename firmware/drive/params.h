@@ -30,6 +30,12 @@ typedef struct {
         sensor_pole_pairs; /* electrical turns in one of the angle sensor, 0…50; 0: no sensor */
 } sampling_cfg_t;
 
+/* i_d* in RUN, with or without a start-up. */
+typedef struct {
+    int32_t current_floor; /* |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
+    int32_t current_slope; /* change of i_d* in a tick, Q15 of I_b, 1…16384 */
+} run_cfg_t;
+
 /* RUN without current regulators. */
 typedef struct {
     uint32_t
@@ -55,6 +61,7 @@ typedef struct {
     current_loop_cfg_t
         hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
     startup_cfg_t startup;
+    run_cfg_t run;
     model_cfg_t model;
     supervision_cfg_t supervision;
     voltage_drive_cfg_t voltage_drive;

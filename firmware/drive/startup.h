@@ -13,7 +13,6 @@ typedef struct {
     int32_t current_hold; /* imposed at standstill, Q15 of I_b, 1…16384; 0: no start-up at all, RUN
                                   begins with the rotor taken to be at rest at angle 0 */
     int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
-    int32_t current_floor; /* in RUN |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
     int32_t current_slope; /* change of the imposed current in a tick, Q15 of I_b, 1…16384 */
     step_t ramp; /* in speed mode the vector's speed changes no faster in a slow period, 1…2^29 */
     step_t track_speed; /* the observer runs free from this speed of the vector on, else it follows

@@ -128,12 +128,12 @@ static bool is_slow(const drive_t *drive)
  */
 static int32_t next_current_d(const drive_t *drive)
 {
-    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const run_cfg_t *const cfg = &drive->cfg->run;
     const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
     const dq_t present = drive->signals.current_ref;
     const bool slow = is_slow(drive);
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
-    const int32_t wanted = slow ? cfg->current_hold : lacking;
+    const int32_t wanted = slow ? drive->cfg->startup.current_hold : lacking;
 
     return fx_towards(present.d, wanted, slope);
 }

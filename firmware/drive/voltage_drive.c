@@ -131,7 +131,7 @@ static bool is_at_end(const drive_t *drive)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const int32_t brake_max = cfg->compensator.brake_max;
-    const int32_t floor = drive->cfg->startup.current_floor;
+    const int32_t floor = drive->cfg->run.current_floor;
 
     return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
            (fx_abs(drive->signals.current_ref.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));

@@ -180,6 +180,7 @@ void add_network(Rows &to)
 void add_adaptation(Rows &to)
 {
     const nn_observer_cfg_t &c = to.built.observer;
+    to.add("observer.descent_shift", c.descent_shift, "of the descent b");
     to.add("observer.rate", c.rate, "κ = {:g}", to.config.tuning.observer_kappa);
     to.add("observer.rate_shift", c.rate_shift, "of the rate");
     to.add("observer.proportional", c.proportional, "κ_p = {:g}",
@@ -230,6 +231,7 @@ void add_speed_loop(Rows &to)
            to.config.tuning.inertia_feed_forward,
            to.config.motor.inertia_kg_m2 * to.config.model.inertia);
     to.add("speed_loop.inertia_shift", c.inertia_shift, "of the inertia");
+    to.add("speed_loop.inertia_lift", c.inertia_lift, "of the change before it");
     to.add("speed_loop.error_shift", c.error_shift, "steps to the Q15 speed error");
 }
 
@@ -322,8 +324,6 @@ void add_startup(Rows &to)
            to.ampere(c.current_hold));
     to.add("startup.current_move", c.current_move, "{:.5g} A imposed in motion",
            to.ampere(c.current_move));
-    to.add("startup.current_floor", c.current_floor, "at least {:.5g} A in RUN",
-           to.ampere(c.current_floor));
     to.add("startup.current_slope", c.current_slope, "{:.5g} A/s",
            to.ampere(c.current_slope) / to.bases.control_period_s);
     to.add("startup.ramp", c.ramp, "the vector's ramp {:.6g} rpm/s",
@@ -342,6 +342,15 @@ void add_startup(Rows &to)
     to.add("startup.handover_periods", c.handover_periods, "within {:.4g} s",
            c.handover_periods * to.slow_period());
     to.add("startup.attempts", c.attempts, "starts before it is a fault");
+}
+
+void add_run(Rows &to)
+{
+    const run_cfg_t &c = to.built.run;
+    to.add("run.current_floor", c.current_floor, "at least {:.5g} A in RUN",
+           to.ampere(c.current_floor));
+    to.add("run.current_slope", c.current_slope, "{:.5g} A/s",
+           to.ampere(c.current_slope) / to.bases.control_period_s);
 }
 
 void add_model(Rows &to)
@@ -409,6 +418,7 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
     add_supervision(to);
     add_current_loop(to, "hold_loop", built.hold_loop);
     add_startup(to);
+    add_run(to);
     add_model(to);
     add_voltage_drive(to);
     to.add("speed_shift", built.speed_shift, "steps to Q15 of Ω_b = {:.6g} rad/s electrical",

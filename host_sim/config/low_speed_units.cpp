@@ -82,15 +82,24 @@ double swing_rad_s(const MotorSettings &motor, const BoardSettings &board,
     return std::sqrt(m.torque_acceleration * hold_current(motor, board, tuning));
 }
 
-int32_t current_q15(double current_a, const Bases &b)
-{
-    return static_cast<int32_t>(std::lround(current_a / b.current_a * Q15));
-}
-
 uint32_t ticks(double seconds, const Bases &b)
 {
     return static_cast<uint32_t>(
         std::clamp(std::ceil(seconds / b.control_period_s), 1.0, 1048576.0));
+}
+
+// The imposed current's change in a tick: it rises in the rotor's own time.
+int32_t hold_slope(const MotorSettings &motor, const BoardSettings &board,
+                   const TuningSettings &tuning, const Model &m, const Bases &b)
+{
+    const double current = hold_current(motor, board, tuning) / b.current_a * Q15;
+    const double rise_s = RISE / swing_rad_s(motor, board, tuning, m);
+    return static_cast<int32_t>(std::max(1.0, std::ceil(current / ticks(rise_s, b))));
+}
+
+int32_t current_q15(double current_a, const Bases &b)
+{
+    return static_cast<int32_t>(std::lround(current_a / b.current_a * Q15));
 }
 
 uint32_t slow_periods(double seconds, const TuningSettings &tuning, const Bases &b)
@@ -132,11 +141,10 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
 {
     const double current = hold_current(motor, board, tuning);
     const double swing = swing_rad_s(motor, board, tuning, m);
-    const double high = current / b.current_a * Q15;
     align_cfg_t c{};
     c.current_high = current_q15(current, b);
     c.current_low = current_q15(current * LOW_SHARE, b);
-    c.slope = static_cast<int32_t>(std::ceil(high / ticks(RISE / swing, b)));
+    c.slope = hold_slope(motor, board, tuning, m, b);
     c.sweep_ticks = ticks(sweep_time_s(swing, b), b);
     keep(c.sweep_speed, STEPS_PER_TURN / 2 / c.sweep_ticks, 1, b.speed_limit);
     c.pull_ticks = std::max(c.sweep_ticks, ticks(sweep_time_s(swing, b) * (PULL / SWEEP), b));
@@ -180,8 +188,7 @@ ModelHeadroom model_headroom(const TuningSettings &tuning)
 }
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
-                           const TuningSettings &tuning, const ModelScales &scales, const Model &m,
-                           const Bases &b)
+                           const TuningSettings &tuning, const Model &m, const Bases &b)
 {
     startup_cfg_t c{};
     if (!(tuning.startup_current_pct > 0)) {
@@ -198,9 +205,6 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
           {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
     store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
-    const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
-    const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
-    c.current_floor = current_q15(floor * continuous_current(motor), b);
     c.current_slope = c.align.slope;
     keep(c.handover_speed, handover, 2, Q30 / 2);
     const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
@@ -216,6 +220,22 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     c.lost_periods = slow_periods(LOST_TIME_S, tuning, b);
     c.handover_periods = slow_periods(HANDOVER_TIME_S, tuning, b);
     c.attempts = ATTEMPTS;
+    return c;
+}
+
+run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
+                   const TuningSettings &tuning, const ModelScales &scales, const Model &m,
+                   const Bases &b)
+{
+    const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
+    const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
+    TuningSettings own = tuning;
+    if (!(own.startup_current_pct > 0)) {
+        own.startup_current_pct = 100;
+    }
+    run_cfg_t c{};
+    keep(c.current_floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
+    c.current_slope = hold_slope(motor, board, own, m, b);
     return c;
 }
 

@@ -339,6 +339,10 @@ Mantissa with_headroom(double number, double headroom, const Source &source, con
             static_cast<uint32_t>(shift)};
 }
 
+// Bits that b loses: as many as leave room for the largest error, fewer where the states are small and the gains large.
+constexpr int DESCENT_SHIFT_MAX = 12;
+constexpr int DESCENT_SHIFT_MIN = 4;
+
 // κ, κ_p, α: (19)–(22), and the limit of ρ.
 void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double headroom,
                     const Model &m, const Bases &b)
@@ -348,16 +352,21 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
         "board with a smaller board.current_full_scale_a allows more";
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
     // b(k) is a product in Q15 of I_b times Q15 of I_x; 4/2π turns radians in Q30 into steps.
-    const double steps =
-        std::ldexp(b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI, 12);
+    const double steps = b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI;
     const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
-    const Mantissa eta =
-        with_headroom(rate, headroom, {"observer.kappa", tuning.observer_kappa}, reason);
+    const double path = tuning.observer_kappa_p * steps;
+    int shift = DESCENT_SHIFT_MAX;
+    while (shift > DESCENT_SHIFT_MIN &&
+           std::ldexp(headroom * std::max(rate, path), shift) > MANTISSA_MAX) {
+        shift--;
+    }
+    c.descent_shift = static_cast<uint32_t>(shift);
+    const Mantissa eta = with_headroom(std::ldexp(rate, shift), headroom,
+                                       {"observer.kappa", tuning.observer_kappa}, reason);
     c.rate = eta.value;
     c.rate_shift = eta.shift;
-    const Mantissa proportional =
-        with_headroom(tuning.observer_kappa_p * steps, headroom,
-                      {"observer.kappa_p", tuning.observer_kappa_p}, reason);
+    const Mantissa proportional = with_headroom(
+        std::ldexp(path, shift), headroom, {"observer.kappa_p", tuning.observer_kappa_p}, reason);
     c.proportional = proportional.value;
     c.proportional_shift = proportional.shift;
     c.momentum_q15 = static_cast<int32_t>(std::lround(tuning.observer_momentum * Q15));
@@ -424,6 +433,8 @@ double ramp_steps(double acceleration_el, const TuningSettings &tuning, const Ba
     return acceleration_el * slow_period * b.control_period_s / TWO_PI * STEPS_PER_TURN;
 }
 
+constexpr int LIFT_MAX = 14; // of inertia_lift
+
 speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSettings &tuning,
                                  const Model &m, const Bases &b)
 {
@@ -445,11 +456,13 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
     const double current_per_step =
         tuning.inertia_feed_forward / one_step_ramp / m.torque_acceleration / b.current_a * Q15;
     const Mantissa inertia =
-        normalise(std::ldexp(current_per_step, 16), 0, 30,
+        normalise(std::ldexp(current_per_step, 16 - LIFT_MAX), 0, 30 + LIFT_MAX,
                   {"speed_loop.inertia_feed_forward", tuning.inertia_feed_forward},
                   "more is beyond the firmware's numbers for this inertia");
+    const int shift = static_cast<int>(inertia.shift) - LIFT_MAX;
     c.inertia = inertia.value;
-    c.inertia_shift = inertia.shift;
+    c.inertia_shift = static_cast<uint32_t>(std::max(shift, 0));
+    c.inertia_lift = static_cast<uint32_t>(std::max(-shift, 0));
     c.error_shift = static_cast<uint32_t>(b.speed_shift) + 1U;
     return c;
 }
@@ -659,7 +672,8 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.position_loop = make_position_loop(motor, tuning, b);
     c.modulator = make_modulator(board, scales, m, b);
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
-    c.startup = make_startup(motor, board, tuning, scales, m, b);
+    c.startup = make_startup(motor, board, tuning, m, b);
+    c.run = make_run(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);

@@ -67,7 +67,6 @@ constexpr const char *NEVER_COMPARED =
     "never compared: changes of state, protection and supervision, derating, how a turning rotor is caught, the\n"
     "alignment and the size of an imposed current, the corrections of the model\n";
 
-constexpr double Q18 = 262144.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q12 = 4096.0;
 constexpr int32_t LARGEST_MANTISSA = 32767;
@@ -438,7 +437,8 @@ void TickDiff::training()
     const NnObserver::Params p = twin::observer_params(si_);
     const Vector state = current(before_.observer.state) * (si_.state_base() / si_.current(Q15));
     const Vector turned = current(obs.turned);
-    const double one = si_.bases.current_a * si_.state_base() / Q18;
+    const int bits = 30 - static_cast<int>(si_.cfg.observer.descent_shift);
+    const double one = std::ldexp(si_.bases.current_a * si_.state_base(), -bits);
     const double descent = std::clamp(turned.y() * state.x() - turned.x() * state.y(),
                                       -(LARGEST_MANTISSA + 1) * one, LARGEST_MANTISSA * one);
     add("descent", "A2", obs.descent * one, descent, one);

@@ -52,7 +52,7 @@ inline Eigen::RowVector2d effect_on_descent(const NnObserver::Params &p, double 
 }
 
 // Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. Of b: the error of i_q scaled 1 LSB, turned and
-// added 1 in each axis; b >> 12; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
+// added 1 in each axis; b >> descent_shift; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
 // step, its momentum to two; ω_out to a step.
 inline Eigen::Matrix<double, 5, 1> training_roundings(const PerUnit &s, const NnObserver::Params &p,
                                                       double rho, const Vector &state,
@@ -65,7 +65,8 @@ inline Eigen::Matrix<double, 5, 1> training_roundings(const PerUnit &s, const Nn
     const double step = s.speed_of_step(1);
     Eigen::Matrix<double, 5, 1> r;
     r << output_roundings(s, state),
-        lsb * (scaled + size.x() + size.y()) + 4096.0 * lsb * base_x / Q15 +
+        lsb * (scaled + size.x() + size.y()) +
+            std::ldexp(lsb, static_cast<int>(s.cfg.observer.descent_shift)) * base_x / Q15 +
             2.0 * largest_error * (base_x / Q15 + turn_error(state)),
         (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
     return r;

@@ -87,8 +87,9 @@ inline NnObserver::Params observer_params(const PerUnit &s)
     const double base_x = s.state_base();
     const double ld = period / (c.volt_gain * weight) * s.bases.voltage_v / base_x;
     const double flux_current = c.flux_q27 / Q27 * base_x;
-    // From b in A² to steps: b/(I_b·I_x)·2^30/2^12·mantissa/2^shift; steps to radians a sample.
-    const double descent = 262144.0 / (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
+    // From b in A² to steps: b/(I_b·I_x)·2^30/2^descent_shift·mantissa/2^shift; steps to radians a sample.
+    const double descent = std::ldexp(1.0, 30 - static_cast<int>(c.descent_shift)) /
+                           (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
 
     NnObserver::Params p{};
     p.period_s = period;
@@ -144,8 +145,9 @@ inline PhaseCompensator::Params phase_compensator_params(const PerUnit &s)
 inline SpeedLoop::Params speed_loop_params(const PerUnit &s)
 {
     const speed_loop_cfg_t &c = s.cfg.speed_loop;
-    const double per_step =
-        std::ldexp(c.inertia, -16 - static_cast<int>(c.inertia_shift)) / Q15 * s.bases.current_a;
+    const double per_step = std::ldexp(c.inertia, static_cast<int>(c.inertia_lift) - 16 -
+                                                      static_cast<int>(c.inertia_shift)) /
+                            Q15 * s.bases.current_a;
     return {pi_params(c.pi, s.bases.current_a, speed_error_base(s)),
             s.speed_of_step(c.ramp),
             s.speed_of_step(c.speed_max),

@@ -95,13 +95,13 @@ void expect_a_written_line(const std::string &refusal, const Lines &set)
 
 constexpr int MOTORS = 1000;
 
-void a_real_motor_is_accepted_or_refused_as_written()
+void a_real_motor_is_accepted()
 {
     test::Draw draw(1);
     for (int k = 0; k < MOTORS; k++) {
         Lines set = real_motor(draw);
         set.push_back(fmt::format("drive.angle_source={}", SOURCES[k / 3 % 2]));
-        expect_a_written_line(refusal_of(TUNINGS[k % 3], set), set);
+        TEST_ASSERT_EQUAL_STRING("", refusal_of(TUNINGS[k % 3], set).c_str());
     }
 }
 
@@ -182,7 +182,7 @@ void tearDown()
 int main()
 {
     UNITY_BEGIN();
-    RUN_TEST(a_real_motor_is_accepted_or_refused_as_written);
+    RUN_TEST(a_real_motor_is_accepted);
     RUN_TEST(every_key_at_both_ends_is_accepted_or_refused_as_written);
     RUN_TEST(any_combination_of_ends_is_accepted_or_refused_as_written);
     RUN_TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted);

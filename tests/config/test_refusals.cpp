@@ -271,16 +271,16 @@ void what_the_firmware_cannot_hold_is_named_with_its_line()
                              without_reason(refusal()).c_str());
 }
 
-// A motor whose φ/L_d of 7 A is small against a board for ±20 A: 32767 steps of 2^-12 a radian are
-// κ_p·(2/π)·I_b·I_x/(φ/L_d)²; with I_b = I_x = 40 A that is κ_p = 0.385.
+// A motor whose φ/L_d of 0.35 A is small against the current range: 32767 steps of 2^-4 a radian are
+// κ_p·(2/π)·I_b·I_x/(φ/L_d)²·2^(4 − 12); with I_b = I_x = 40 A, φ/L_d = 0.35 A that is κ_p = 0.2462.
 void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
 {
     const Folder folder;
-    folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.0812");
+    folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.00406");
     folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.4");
     TEST_ASSERT_EQUAL_STRING(
-        "tunings/t.toml:2: observer.kappa_p = 0.4: does not fit the firmware; allowed: at most 0.3848",
-        without_reason(refusal({}, {"observer.kappa=0.01"})).c_str());
+        "tunings/t.toml:2: observer.kappa_p = 0.4: does not fit the firmware; allowed: at most 0.2462",
+        without_reason(refusal({}, {"observer.kappa=0.01", "motor.rated_torque_nm=0.05"})).c_str());
 }
 
 // A servo of 100 W on a board for ±15 A, with the gains of the robust tuning.

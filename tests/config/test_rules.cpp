@@ -218,11 +218,15 @@ void a_belief_of_minus_one_is_what_the_plant_has()
 void the_least_current_is_there_only_where_dead_time_or_drop_is_compensated()
 {
     const Folder folder;
-    const std::vector<std::string> set =
-        also(START_UP, {"current_loop.floor_pct=14", "motor.continuous_current_a=4"});
-    TEST_ASSERT_EQUAL_INT32(0, built(set).startup.current_floor);
-    const int32_t floor = built(also(set, {"plant.dead_time_s=1e-6"})).startup.current_floor;
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.14 * 4 / 40 * 32768, floor);
+    const std::vector<std::string> floor = {"current_loop.floor_pct=14",
+                                            "motor.continuous_current_a=4"};
+    for (const auto &mode : {START_UP, {}, std::vector<std::string>{"drive.angle_source=sensor"}}) {
+        const std::vector<std::string> set = also(floor, mode);
+        TEST_ASSERT_EQUAL_INT32(0, built(set).run.current_floor);
+        const run_cfg_t run = built(also(set, {"plant.dead_time_s=1e-6"})).run;
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.14 * 4 / 40 * 32768, run.current_floor);
+        TEST_ASSERT_TRUE(run.current_slope > 0);
+    }
 }
 
 void the_model_may_be_corrected_as_far_as_the_tuning_says()

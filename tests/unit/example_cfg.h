@@ -44,6 +44,7 @@ static inline nn_observer_cfg_t example_observer_cfg(void)
         .saliency_q13 = 8192, /* L_q/L_d = 1 */
         .current_shift = 1U,
         /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^12 */
+        .descent_shift = 12U,
         .rate = 19192,
         .rate_shift = 9U,
         .proportional = 23990, /* 0.183031, times 2^12, times 2^5 */
@@ -82,6 +83,7 @@ static inline speed_loop_cfg_t example_speed_loop_cfg(void)
         .speed_max = 28633115, /* 2000 rpm */
         .inertia = 32471,      /* 0.0154835 of I_b per step of speed a slow period, times 2^21 */
         .inertia_shift = 5U,
+        .inertia_lift = 0U,
         .error_shift = 12U, /* Q15 of 2·Ω_b */
     };
 }
@@ -210,7 +212,6 @@ static inline startup_cfg_t example_startup_cfg(void)
         .align = example_align_cfg(),
         .current_hold = 6554,
         .current_move = 8192, /* 10 A */
-        .current_floor = 0,
         .current_slope = 65,
         .ramp = 37036,             /* 2587 rpm/s */
         .track_speed = 1288490,    /* 90 rpm */
@@ -289,6 +290,7 @@ static inline drive_cfg_t example_drive_cfg(void)
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
         .hold_loop = example_current_loop_cfg(),
+        .run = {.current_floor = 0, .current_slope = 65},
         .model = example_model_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,

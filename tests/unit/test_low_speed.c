@@ -622,7 +622,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.startup.hold_speed = 1;
         cfg.startup.current_hold = 16384;
         cfg.startup.current_move = 16384;
-        cfg.startup.current_floor = 16384;
+        cfg.run.current_floor = 16384;
+        cfg.run.current_slope = 16384;
         cfg.startup.current_slope = 16384;
         cfg.modulator.inverse_max_q12 = 32767;
         cfg.modulator.dead_time_q15 = 8192;

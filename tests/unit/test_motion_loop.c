@@ -144,6 +144,23 @@ static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
     }
 }
 
+/* 3 steps lifted by 2^14: 3·2^14·24576 / 2^16 = 18432 cut to the range; a step is 6144. From 2^16 steps on the lift ends. */
+static void test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb(void)
+{
+    static const step_t changes[] = {1, -1, 0, 3, -3, 65537, -65537, 0x20000000, -0x20000000};
+    static const int32_t torques[] = {6144, -6144, 0, 8192, -8192, 8192, -8192, 8192, -8192};
+
+    speed_cfg.inertia = 24576;
+    speed_cfg.inertia_shift = 0U;
+    speed_cfg.inertia_lift = 14U;
+    speed_cfg.speed_max = 0x20000000;
+    for (uint32_t i = 0U; i < (sizeof changes / sizeof changes[0]); i++) {
+        speed_loop_reset(&speed_loop, 0);
+        TEST_ASSERT_EQUAL_INT32(torques[i],
+                                speed_loop_accelerate(&speed_loop, &speed_cfg, changes[i], torque));
+    }
+}
+
 /* Errors beyond ±1 count as that: 2^15·2^14 / 2^20 = 512, and 1 LSB less is rounded down. */
 static void test_speed_error_saturates_to_16_bits_on_both_sides(void)
 {
@@ -180,6 +197,7 @@ static void test_current_demand_stays_within_its_limit_for_any_speeds_and_gains(
             speed_cfg.speed_max = ((k % 200) == 0) ? 0x20000000 : 28633115;
             speed_cfg.inertia = 32767;
             speed_cfg.inertia_shift = (uint32_t)seeded_in(&seed, 0, 30);
+            speed_cfg.inertia_lift = (uint32_t)seeded_in(&seed, 0, 14);
             speed_cfg.error_shift = (uint32_t)seeded_in(&seed, 1, 17);
             torque = (torque_range_t){seeded_in(&seed, -16384, 0), seeded_in(&seed, 0, 16384)};
             speed_loop_reset(&speed_loop, 0);
@@ -666,6 +684,7 @@ int main(void)
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
     RUN_TEST(test_each_direction_has_its_own_current_limit);
     RUN_TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits);
+    RUN_TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb);
     RUN_TEST(test_speed_error_saturates_to_16_bits_on_both_sides);
     RUN_TEST(test_current_demand_has_15_bits_with_the_widest_range);
     RUN_TEST(test_current_demand_stays_within_its_limit_for_any_speeds_and_gains);

@@ -415,6 +415,24 @@ static void test_training_goes_down_along_both_errors(void)
     }
 }
 
+/* As above with b >> 4: 2^8 times as much, where small states leave room. */
+static void test_the_descent_keeps_more_bits_where_it_is_told_to(void)
+{
+    cfg.flux_q27 = 32 * 4096;
+    cfg.descent_shift = 4U;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin();
+        set_state(32 * 4096, 16 * 4096);
+        step_with_error((dq_t){sign * 400, sign * 200});
+        /* 200·32 − 400·16 = 0; along q alone 400·32/16. */
+        TEST_ASSERT_EQUAL_INT32(0, obs.descent);
+        begin();
+        set_state(32 * 4096, 16 * 4096);
+        step_with_error((dq_t){0, sign * 400});
+        TEST_ASSERT_EQUAL_INT32(sign * 800, obs.descent);
+    }
+}
+
 static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(void)
 {
     static const double alphas[] = {0.5, 0.9, 0.96875};
@@ -639,6 +657,7 @@ static nn_observer_cfg_t largest_cfg(seeded_t *seed)
         .rho_max_q13 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 0,
         .rho_speed_min = 1,
         .current_shift = (uint32_t)seeded_in(seed, 0, 9),
+        .descent_shift = (uint32_t)seeded_in(seed, 4, 12),
         .rate = 32767,
         .rate_shift = (uint32_t)seeded_in(seed, 0, 30),
         .proportional = 32767,
@@ -1037,6 +1056,7 @@ int main(void)
     RUN_TEST(test_current_output_saturates_to_15_bits_on_both_sides);
     RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
     RUN_TEST(test_training_goes_down_along_both_errors);
+    RUN_TEST(test_the_descent_keeps_more_bits_where_it_is_told_to);
     RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
     RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
     RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);

@@ -288,11 +288,11 @@ static void test_a_load_that_drives_is_held_by_current_control(void)
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
-/* With a start-up's current floor of 1.22 A, under a load that takes 1.72 A. */
+/* With a least current of 1.22 A, under a load that takes 1.72 A. */
 static void run_above_the_current_floor(void)
 {
-    cfg.startup.current_floor = 1000;
-    cfg.startup.current_slope = 65;
+    cfg.run.current_floor = 1000;
+    cfg.run.current_slope = 65;
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);
