@@ -235,6 +235,25 @@ void with_dead_time_the_load_is_carried_without_regulators_and_without_i_d()
     }
 }
 
+// Worst of four seeds: 2.2 % and 1.2° with `all`; another seed moves them by a third. Without the sensor what a voltage
+// drive loses in the legs it takes for a turn of the rotor.
+void with_dead_time_and_without_a_sensor_current_control_holds_what_the_voltage_drive_does_not()
+{
+    constexpr double SPEED_PCT = 3.0;
+    constexpr double ANGLE_DEG = 1.6;
+    for (const char *set : {"deadtime", "imp", "all"}) {
+        const Outcome current = run("s5", {set}, {"drive.method=current"});
+        const Outcome voltage = run("s5", {set});
+        TEST_ASSERT_TRUE(current.result.faults.empty());
+        TEST_ASSERT_TRUE(current.result.metrics.locked);
+        TEST_ASSERT_LESS_THAN_DOUBLE(SPEED_PCT, current.result.metrics.speed_error_max_pct);
+        TEST_ASSERT_LESS_THAN_DOUBLE(ANGLE_DEG, current.result.metrics.angle_error_max_deg);
+        TEST_ASSERT_TRUE(voltage.result.faults.empty());
+        TEST_ASSERT_FALSE(voltage.result.metrics.locked);
+        TEST_ASSERT_GREATER_THAN_DOUBLE(SPEED_PCT, voltage.result.metrics.speed_error_max_pct);
+    }
+}
+
 // brake_max is reached at about half of this; what would follow is a rotor that its load accelerates.
 void a_load_that_drives_is_braked_by_current_control()
 {
@@ -347,6 +366,8 @@ int main()
     RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
     RUN_TEST(without_compensation_current_control_takes_the_load_before_it_runs_away);
     RUN_TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d);
+    RUN_TEST(
+        with_dead_time_and_without_a_sensor_current_control_holds_what_the_voltage_drive_does_not);
     RUN_TEST(a_load_that_drives_is_braked_by_current_control);
     RUN_TEST(a_reversal_under_load_passes_through_braking);
     RUN_TEST(a_caught_rotor_settles_before_the_change);
