@@ -20,6 +20,10 @@
  *     ω̂_out = ω̂ − κ_p/T·b(k)/(φ/L_d)²                         proportional path; κ_p = 0 is the paper
  * With κ = η·(φ/L_d)²/(1 − α).
  *
+ * Index in (23). The paper prints θ̂(k+1) = θ̂(k) + T·ω̂(k); here θ̂, and with it W2, advances with ω̂(k+1). With the
+ * printed index the law is stable for κ < T/τ only, τ = L/R: for the paper's motor κ = 0.025 then grows with 30/s; with
+ * the newer one it is damped with 90/s.
+ *
  * For L_d = L_q this is the paper's equation letter by letter. With saliency the states are the
  * stator flux linkages over L_d, for which the rotation by W2 is the same.
  *

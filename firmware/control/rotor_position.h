@@ -1,5 +1,7 @@
 /*
- * Rotor position by integration of the speed, paper A (23): θ̂(k+1) = θ̂(k) + T·ω̂(k).
+ * Rotor position by integration of the speed, paper A (23). Printed is θ̂(k+1) = θ̂(k) + T·ω̂(k). The drive departs from
+ * it: it advances θ̂ with ω̂(k+1), which the training of the same tick has just made. The newer speed is what keeps the
+ * observer stable (nn_observer.h).
  *
  * The speed is a step_t (advance per tick), so T·ω̂ is the step itself and the integration is exact:
  * no rounding, no drift. Whole electrical turns are counted as well, ±2^31 of them.

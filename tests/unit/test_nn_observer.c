@@ -1040,6 +1040,80 @@ static void test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any
     }
 }
 
+/* ---- the index of the speed in (23) ---- */
+
+/*
+ * The error of ω̂ swings with √κ/T, 250 Hz at κ = 0.025, so a window of 20 ms has a peak every 2 ms. A peak may lie so
+ * far from a window's edge: growths of 30 and 90/s are seen to within 30·2/20 = 3 and 90·2/20 = 9/s. As much again for
+ * the ripple, a hundredth of the error in the last window.
+ */
+#define WINDOW_TICKS (200)
+#define WINDOWS (3)
+#define PAPER_KAPPA (0.025)
+#define PRINTED_GROWTH (30.0)
+#define PRINTED_TOLERANCE (6.0)
+#define NEWER_GROWTH (-90.0)
+#define NEWER_TOLERANCE (18.0)
+#define PERIOD_SHARE \
+    (PERIOD_S * RESISTANCE / INDUCTANCE) /* T/τ: the printed index is stable below such a κ */
+
+/* ω̂ starts off by so much, rad/s: far above the ripple at its smallest, and small at its largest. */
+#define GROWS_FROM (1.0)
+#define DECAYS_FROM (30.0)
+
+/*
+ * How fast the error of ω̂ grows, 1/s, at 1800 rpm without current, when θ̂ advances with ω̂(k), as (23) is printed, or
+ * with ω̂(k + 1): the largest error of the last window over that of the one before. The start lies in the first.
+ */
+static double growth_of_speed_error(bool printed, double kappa, double off)
+{
+    const double speed = 1800.0 / 60.0 * TWO_PI * 2.0;
+    motor_t motor = {.current = 0.0, .angle = 0.0, .speed = speed};
+    double complex voltage = 0.0;
+    double largest[WINDOWS] = {0.0};
+    step_t advance = 0;
+
+    cfg.rate = (int32_t)lround(19192.0 / 8.0 * kappa / 0.005); /* the example's κ is 0.005 */
+    cfg.rate_shift = example_observer_cfg().rate_shift - 3U;
+    cfg.proportional = 0;
+    frame = 0U;
+    nn_observer_start(&obs, &cfg, (step_t)lround((speed + off) * PERIOD_S / TWO_PI * TURN),
+                      (dq_t){0, 0}, trig_sincos(frame));
+    for (int32_t k = 0; k < (WINDOW_TICKS * WINDOWS); k++) {
+        const step_t before = obs.speed_out;
+        double *const window = &largest[k / WINDOW_TICKS];
+        double angle;
+
+        frame += (angle_t)advance;
+        angle = (double)frame / TURN * TWO_PI;
+        nn_observer_predict(&obs, &cfg, quantised(motor.current * turn_by(-angle), CURRENT_BASE_A),
+                            quantised_ab(voltage, VOLTAGE_BASE_V), trig_sincos(frame));
+        nn_observer_train(&obs, &cfg);
+        advance = printed ? before : obs.speed_out;
+        *window = fmax(*window, fabs(speed_rad_s(obs.speed) - speed));
+        voltage = cartesian(0.0, speed * FLUX) * turn_by(motor.angle + (speed * PERIOD_S / 2.0));
+        motor_step(&motor, voltage);
+    }
+    return log(largest[WINDOWS - 1] / largest[WINDOWS - 2]) / (WINDOW_TICKS * PERIOD_S);
+}
+
+static void test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not(void)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(PRINTED_TOLERANCE, PRINTED_GROWTH,
+                              growth_of_speed_error(true, PAPER_KAPPA, GROWS_FROM));
+    TEST_ASSERT_DOUBLE_WITHIN(NEWER_TOLERANCE, NEWER_GROWTH,
+                              growth_of_speed_error(false, PAPER_KAPPA, DECAYS_FROM));
+}
+
+static void test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above(void)
+{
+    const double below = growth_of_speed_error(true, 0.8 * PERIOD_SHARE, DECAYS_FROM);
+    const double above = growth_of_speed_error(true, 1.2 * PERIOD_SHARE, GROWS_FROM);
+
+    TEST_ASSERT_TRUE(below < -PRINTED_TOLERANCE);
+    TEST_ASSERT_TRUE(above > PRINTED_TOLERANCE);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1085,5 +1159,7 @@ int main(void)
     RUN_TEST(test_error_is_turned_by_rho_and_stretched_by_the_saliency);
     RUN_TEST(test_without_rho_and_saliency_the_turned_error_is_the_error_itself);
     RUN_TEST(test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed);
+    RUN_TEST(test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not);
+    RUN_TEST(test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above);
     return UNITY_END();
 }
