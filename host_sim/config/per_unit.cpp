@@ -210,18 +210,18 @@ double temperature_at(const BoardSettings &board, double count)
 // The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
 void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, double period_s)
 {
-    const double count_c = std::abs(temperature_at(board, 1) - temperature_at(board, 0));
     const auto ends = std::minmax(
         {temperature_at(board, 1), temperature_at(board, std::ldexp(1.0, board.adc_bits) - 2)});
     require({"board.temperature_max_c", board.temperature_max_c}, ends.first, ends.second,
             "what the sensor can measure");
     const double warn = board.temperature_warn_c > 0 ? board.temperature_warn_c
                                                      : board.temperature_max_c - TEMPERATURE_SPAN_C;
+    const double limit = temperature_count(board, board.temperature_max_c);
+    const double steps = limit > temperature_count(board, warn) ? -FADE_STEPS : FADE_STEPS;
     require({"board.temperature_warn_c", warn}, -TEMPERATURE_SPAN_C,
-            board.temperature_max_c - FADE_STEPS * count_c,
+            std::min(board.temperature_max_c, temperature_at(board, limit + steps)),
             "two counts of the sensor below board.temperature_max_c");
-    c.temperature = make_fade(temperature_count(board, warn),
-                              temperature_count(board, board.temperature_max_c));
+    c.temperature = make_fade(temperature_count(board, warn), limit);
     c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
 }
 

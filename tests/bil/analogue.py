@@ -74,6 +74,7 @@ class Converter(Block):
             return
         need(sequence & 0x1FF == 0xA1, f"{self.name}: not two conversions on the edge of TRGO2")
         need(self.due == NEVER, f"{self.name} is triggered while it converts")
+        need(not self.fresh, f"{self.name}: the first conversion behind its enabling is one that counts")
         need(self.chip.now >= self.converted, f"{self.name} is triggered in a regular conversion")
         channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)
         self.results = [self._convert(channel) for channel in channels]
