@@ -43,11 +43,20 @@ nf::Config load(const Choice &choice)
     return nf::load_parts(choice.motor, choice.board, choice.tuning, choice.with, choice.set);
 }
 
+// What was accepted and will not do as written.
+void print_notes(const nf::Config &config)
+{
+    for (const std::string &note : config.scenario.notes) {
+        std::cerr << "nfconfig: note: " << note << '\n';
+    }
+}
+
 void write_out(const Choice &choice, const nf::Config &config,
                std::string (*make)(const nf::Config &))
 {
     nf::check_output(config, "--out", choice.out);
     nf::write_text(choice.out, make(config));
+    print_notes(config);
 }
 
 void show(const Choice &choice)
@@ -56,6 +65,7 @@ void show(const Choice &choice)
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
         std::cout << fmt::format("{:32}{:>12}  {}\n", row.path, row.value, row.meaning);
     }
+    print_notes(config);
 }
 
 void print_keys()

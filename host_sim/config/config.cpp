@@ -4,6 +4,7 @@
 #include "layer.h"
 #include "low_speed_units.h"
 #include "numbers.h"
+#include "ratings.h"
 #include "scenario_file.h"
 
 #include <algorithm>
@@ -306,6 +307,7 @@ Config assemble(const Sources &sources)
     check_orders(config);
     check_temperature(config);
     pass_on_dead_time(config);
+    note_ratings(config);
     return config;
 }
 

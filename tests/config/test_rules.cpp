@@ -265,6 +265,40 @@ void rho_is_the_tunings_limit_and_off_by_default()
     TEST_ASSERT_EQUAL_INT32(2 * 8192, built({"observer.rho_max=2"}).observer.rho_max_q13);
 }
 
+// 1.5·2·0.387 N·m/A·5 A; |6.72 A·2.125 Ω + 377·0.387, 377·0.0116·6.72| at 1800 rpm; 3·(2·π·2·2000/60/10000)² = 0.005264.
+void a_rating_that_is_not_reached_is_noted_with_its_line()
+{
+    const Folder folder;
+    TEST_ASSERT_TRUE(nf::load_scenario("s").scenario.notes.empty());
+    const struct {
+        const char *set;
+        const char *note;
+    } cases[] = {
+        {"motor.max_current_a=5", "motors/m.toml:8: motor.rated_torque_nm = 7.8: "
+                                  "motor.max_current_a = 5 makes at most 5.805 N·m"},
+        {"board.bus_nominal_v=280", "motors/m.toml:9: motor.rated_speed_rpm = 1800: with rated "
+                                    "torque it takes 162.8 V of phase voltage; board.bus_nominal_v "
+                                    "= 280 and board.duty_margin_pct = 5 leave 153.6 V"},
+        {"observer.kappa=0.005",
+         "--set: observer.kappa = 0.005: without observer.kappa_p the estimate is little damped at "
+         "motor.max_speed_rpm = 2000 and board.pwm_frequency_hz = 10000; at least 0.005264 is "
+         "asked for"},
+        {"observer.kappa=0.0026",
+         "--set: observer.kappa = 0.0026: without observer.kappa_p the estimate is not stable at "
+         "motor.max_speed_rpm = 2000 and board.pwm_frequency_hz = 10000; at least 0.005264 is "
+         "asked for"},
+    };
+    for (const auto &[set, note] : cases) {
+        const nf::Config config = nf::load_scenario("s", {}, {set});
+        TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
+        TEST_ASSERT_EQUAL_STRING(note, config.scenario.notes[0].c_str());
+    }
+    for (const char *fine : {"observer.kappa_p=0.1", "drive.angle_source=sensor"}) {
+        TEST_ASSERT_TRUE(
+            nf::load_scenario("s", {}, {"observer.kappa=0.001", fine}).scenario.notes.empty());
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -295,5 +329,6 @@ int main()
     RUN_TEST(the_model_may_be_corrected_as_far_as_the_tuning_says);
     RUN_TEST(the_weights_have_room_for_the_largest_correction);
     RUN_TEST(rho_is_the_tunings_limit_and_off_by_default);
+    RUN_TEST(a_rating_that_is_not_reached_is_noted_with_its_line);
     return UNITY_END();
 }

@@ -1,0 +1,85 @@
+#include "ratings.h"
+
+#include "numbers.h"
+
+#include <fmt/format.h>
+
+namespace nf
+{
+namespace
+{
+
+// The integral law alone, κ_p = 0, is damped for κ ≳ 1.5·(ωT)²; twice as much is asked for.
+constexpr double KAPPA_STABLE = 1.5;
+constexpr double KAPPA_ASKED = 3;
+
+std::string place(const Config &config, const char *key)
+{
+    const auto found = config.origins.find(key);
+    return found == config.origins.end() ? "" : found->second.text() + ": ";
+}
+
+void note(Config &config, const char *key, double value, const std::string &what)
+{
+    config.scenario.notes.push_back(
+        fmt::format("{}{} = {}: {}", place(config, key), key, value, what));
+}
+
+void note_torque(Config &config)
+{
+    const MotorSettings &m = config.motor;
+    const double largest = 1.5 * m.pole_pairs * m.flux_linkage_wb * m.max_current_a;
+    if (m.rated_torque_nm > largest) {
+        note(config, "motor.rated_torque_nm", m.rated_torque_nm,
+             fmt::format("motor.max_current_a = {} makes at most {:.4g} N·m", m.max_current_a,
+                         largest));
+    }
+}
+
+// The voltage of rated torque at rated speed, i_d = 0, against the circle that the nominal bus leaves.
+void note_rated_point(Config &config)
+{
+    const MotorSettings &m = config.motor;
+    const double omega = rad_s_from_rpm(m.rated_speed_rpm) * m.pole_pairs;
+    const double current = m.rated_torque_nm / (1.5 * m.pole_pairs * m.flux_linkage_wb);
+    const double along_q = m.resistance_ohm * current + omega * m.flux_linkage_wb;
+    const double along_d = omega * m.inductance_q_h * current;
+    const double needed = std::hypot(along_q, along_d);
+    const double there = largest_ratio(config.board) * config.board.bus_nominal_v;
+    if (needed > there) {
+        note(config, "motor.rated_speed_rpm", m.rated_speed_rpm,
+             fmt::format("with rated torque it takes {:.4g} V of phase voltage; "
+                         "board.bus_nominal_v = {} and board.duty_margin_pct = {} leave {:.4g} V",
+                         needed, config.board.bus_nominal_v, config.board.duty_margin_pct, there));
+    }
+}
+
+void note_kappa(Config &config)
+{
+    const TuningSettings &t = config.tuning;
+    if (t.angle_source == AngleSource::sensor || t.observer_kappa_p > 0) {
+        return;
+    }
+    const double turn = rad_s_from_rpm(config.motor.max_speed_rpm) * config.motor.pole_pairs /
+                        config.board.pwm_frequency_hz;
+    const double stable = KAPPA_STABLE * turn * turn;
+    if (t.observer_kappa < KAPPA_ASKED * turn * turn) {
+        note(config, "observer.kappa", t.observer_kappa,
+             fmt::format("without observer.kappa_p the estimate {} at motor.max_speed_rpm = {} and "
+                         "board.pwm_frequency_hz = {}; at least {:.4g} is asked for",
+                         t.observer_kappa < stable ? "is not stable" : "is little damped",
+                         config.motor.max_speed_rpm, config.board.pwm_frequency_hz,
+                         KAPPA_ASKED * turn * turn));
+    }
+}
+
+} // namespace
+
+void note_ratings(Config &config)
+{
+    note_torque(config);
+    note_rated_point(config);
+    note_kappa(config);
+}
+
+} // namespace nf
