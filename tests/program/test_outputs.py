@@ -14,7 +14,7 @@ from pathlib import Path
 
 MOTORSIM, NFCONFIG, GAINDESIGN = PROGRAMS = sys.argv[1:4]
 DONE, LIMIT_BROKEN, BAD_INPUT = 0, 1, 2
-ROOM = 1024  # bytes of a file, in place of a disk that is full; each result is longer
+ROOM = 100  # bytes of a file, in place of a disk that is full; each result is longer
 
 SHORT = ("s1", "--set", "scenario.duration_s=0.01", "--set", "scenario.evaluate_from_s=0",
          "--set", "scenario.command=[{time_s = 0, speed_rpm = 0}]")
@@ -22,6 +22,7 @@ PARTS = ("--motor", "motor_a", "--board", "g431_bench")
 # Each option that names a file to write.
 WRITERS = {
     **{(MOTORSIM, "run", option): SHORT for option in ("--trace", "--json", "--record", "--extremes", "--vcd")},
+    (MOTORSIM, "bench", "--json"): ("--runs", "1"),
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
     (GAINDESIGN, "design", "--json"): (),
@@ -29,7 +30,7 @@ WRITERS = {
 # Each command that prints, but for the replay, which needs a recording.
 PRINTERS = (
     (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
-    (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json"), (MOTORSIM, "debug", "s1"),
+    (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "list"),
     (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),
