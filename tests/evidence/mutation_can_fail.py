@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import mutants
@@ -45,9 +46,11 @@ class MutationCanFail(unittest.TestCase):
     def examined(self, path, folder, wanted, weaken=False):
         subject = mutation.subject(self.build, path)
         if weaken:
-            subject.tests = subject.tests[:1]
-            without_group(self.build, subject.tests[0], folder)
-        return mutation.examined(self.build, [subject], folder, 1, wanted)
+            weaker = replace(subject.tests[0], link=list(subject.tests[0].link))
+            subject.tests = [weaker]
+            without_group(self.build, weaker, folder)
+        made = list(filter(wanted, mutants.mutants(self.build.root, path, mutation.CORE)))
+        return mutation.examined(self.build, [subject], made, folder, 1)
 
     def test_mutants_survive_when_a_group_of_tests_is_left_out(self):
         def of_a_limit(mutant):
@@ -111,21 +114,29 @@ class RegisterCanFail(unittest.TestCase):
         self.assertIn("'another' stands there twice", self.wrong(ENTRY + ENTRY)[0])
 
 
+def candidates(killed, survivors):
+    def candidate(number, killed_by):
+        mutant = mutants.Mutant("a.c", number, "f", 0, 1, "", "a line", f"mutant {number}")
+        return mutation.Candidate(mutant, None, None, killed_by=killed_by)
+
+    return [candidate(number, "a test" if number < killed else None) for number in range(killed + survivors)]
+
+
 class RateCanFail(unittest.TestCase):
     def kept(self, killed, survivors, equivalent=0):
-        """Whether the rate is, of so many mutants."""
-        def candidate(number, killed_by):
-            mutant = mutants.Mutant("a.c", number, "f", 0, 1, "", "a line", f"mutant {number}")
-            return mutation.Candidate(mutant, None, None, killed_by=killed_by)
-
-        real = [candidate(number, "a test" if number < killed else None) for number in range(killed + survivors)]
+        """Whether the rate is, of so many mutants, between 95 and 98 %."""
+        real = candidates(killed, survivors)
         register = {mutation.key(one.mutant): (mutation.EQUIVALENT, "a reason")
                     for one in real[killed:killed + equivalent]}
-        return mutation.figures(real, register, [])[0]["ok"]
+        return mutation.rate(mutation.Area("an area", (), (), (95, 98)), real, register)["ok"]
 
     def test_95_of_100_are_enough_and_94_are_not(self):
         self.assertTrue(self.kept(95, 5))
         self.assertFalse(self.kept(94, 6))
+
+    def test_more_than_the_largest_share_asks_for_another_one(self):
+        self.assertTrue(self.kept(98, 2))
+        self.assertFalse(self.kept(99, 1))
 
     def test_equivalent_mutants_are_not_counted(self):
         self.assertTrue(self.kept(95, 6, 1))
@@ -133,6 +144,54 @@ class RateCanFail(unittest.TestCase):
 
     def test_no_mutant_at_all_is_not_enough(self):
         self.assertFalse(self.kept(0, 0))
+
+
+class SampleCanFail(unittest.TestCase):
+    AREA = next(area for area in mutation.AREAS if area.name == "drive")
+
+    def test_a_sample_is_the_same_each_time_and_spread_over_the_files(self):
+        made, sample = self.AREA.mutants(part.ROOT)
+        self.assertEqual(self.AREA.mutants(part.ROOT)[1], sample)
+        self.assertEqual(len(sample), self.AREA.sample)
+        self.assertGreater(len({mutant.path for mutant in sample}), len({mutant.path for mutant in made}) // 2)
+
+    def test_a_mutant_is_drawn_whatever_else_is_in_the_file(self):
+        one = mutants.Mutant("a.c", 7, "f", 0, 1, "", "a line", "another")
+        self.assertEqual(mutation.drawn(one), mutation.drawn(replace(one, line=8, start=9, end=10)))
+        self.assertNotEqual(mutation.drawn(one), mutation.drawn(replace(one, after="a third")))
+
+    def test_a_survivor_of_a_sample_needs_no_entry(self):
+        real = candidates(0, 1)
+        self.assertEqual(len(list(mutation.findings(real, {}, []))), 1)
+        self.assertEqual(list(mutation.findings(real, {}, [], all_registered=False)), [])
+
+
+class MutantsCanFail(unittest.TestCase):
+    SOURCE = """
+namespace nf
+{
+namespace
+{
+constexpr double SHARE = 1.15;
+}
+
+double shares(double speed)
+{
+    check(speed < 2 * SHARE);
+    return std::max(speed, 0.5) * SHARE;
+}
+} // namespace nf
+"""
+    PRELUDE = "namespace std { inline const double &max(const double &a, const double &b) { return a < b ? b : a; } }\nvoid check(bool);\n"
+
+    def test_constants_calls_and_limits_of_cpp_have_their_mutants(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "a.cpp").write_text(self.PRELUDE + self.SOURCE, encoding="utf-8")
+            made = {(mutant.function, mutant.after) for mutant in mutants.mutants(Path(folder), "a.cpp", ())}
+        for expected in (("SHARE", "constexpr double SHARE = (2 * 1.15);"), ("SHARE", "constexpr double SHARE = (0.9 * 1.15);"),
+                         ("shares", ";"), ("shares", "return (0.5) * SHARE;"),
+                         ("shares", "return std::min(speed, 0.5) * SHARE;"), ("shares", "check(speed <= 2 * SHARE);")):
+            self.assertIn(expected, made)
 
 
 if __name__ == "__main__":

@@ -78,6 +78,15 @@ static void test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware(v
     TEST_ASSERT_FALSE(app.out.gate_enable);
 }
 
+static void test_init_leaves_empty_frames_behind(void)
+{
+    const drive_in_t no_input = {0};
+    const drive_out_t no_output = {0};
+
+    TEST_ASSERT_EQUAL_MEMORY(&no_input, &app.in, sizeof app.in);
+    TEST_ASSERT_EQUAL_MEMORY(&no_output, &app.out, sizeof app.out);
+}
+
 static void test_init_opens_the_gates_even_when_the_configuration_is_refused(void)
 {
     memset(hal.diary, 0, sizeof hal.diary);
@@ -171,6 +180,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_init_opens_the_gates_and_touches_nothing_else_of_the_hardware);
+    RUN_TEST(test_init_leaves_empty_frames_behind);
     RUN_TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused);
     RUN_TEST(test_interrupt_samples_then_steps_then_applies_once_each);
     RUN_TEST(test_step_gets_the_sampled_frame_with_the_command_of_the_background);

@@ -1,10 +1,10 @@
-"""Mutants of a C file: small faults, each put into its syntax tree's text at one place.
+"""Mutants of a C or C++ file: small faults, each put into its syntax tree's text at one place.
 
     operators     + with −, * with +, shifts, & with |, and each comparison with its neighbour and its opposite
     terms         one side of a sum, difference, product or condition, an assignment, a call left out
     signs         of a term, of what is assigned, handed over in a struct or returned
-    constants     one more, one less; also shifts
-    saturations   fx_sat…, fx_clamp, fx_min, fx_max left out on one side or on both
+    constants     one more, one less; also shifts; a real one times 2 and times 0.9
+    saturations   fx_sat…, fx_clamp, fx_min, fx_max and std's left out on one side or on both
     mix-ups       d with q, α with β, sine with cosine, upper with lower; both branches of a condition
 
 Parsed by libclang, so that an operand is whole, whatever brackets and line breaks it has. universalmutator was looked
@@ -28,7 +28,9 @@ WITH_TERMS = ("+", "-", "*", "&&", "||")
 COMPOUND = {"+=": ("-=", "="), "-=": ("+=", "="), "<<=": (">>=",), ">>=": ("<<=",)}
 MIX_UPS = {"d": "q", "alpha": "beta", "sin": "cos", "upper": "lower"}
 MIX_UPS.update({other: name for name, other in MIX_UPS.items()})
-NAMES = {"fx_min": "fx_max", "fx_max": "fx_min"}
+NAMES = {"fx_min": "fx_max", "fx_max": "fx_min", "min": "std::max", "max": "std::min"}
+WHOLE = ("int", "long")
+DEFINITIONS = (Kind.FUNCTION_DECL, Kind.CXX_METHOD)
 
 
 @dataclass(frozen=True)
@@ -54,16 +56,25 @@ def headers_of_the_compiler():
                           text=True).stdout.strip()
 
 
+def definitions(cursor, path):
+    """The functions that are defined in the file itself, and the constants of its namespaces."""
+    for child in cursor.get_children():
+        here = str(child.location.file) == str(path)
+        if here and child.kind == Kind.NAMESPACE:
+            yield from definitions(child, path)
+        elif here and ((child.kind in DEFINITIONS and child.is_definition())
+                       or (child.kind == Kind.VAR_DECL and cursor.kind == Kind.NAMESPACE)):
+            yield child
+
+
 def parsed(path, folders):
-    """The functions that are defined in the file itself."""
+    language = ("-xc++", "-std=c++17") if path.suffix == ".cpp" else ("-xc", "-std=c11")
     unit = Index.create().parse(str(path), args=[
-        "-xc", "-std=c11", *(f"-I{folder}" for folder in folders), f"-isystem{headers_of_the_compiler()}"])
+        *language, *(f"-I{folder}" for folder in folders), f"-isystem{headers_of_the_compiler()}"])
     errors = [str(found) for found in unit.diagnostics if found.severity >= 3]
     if errors:
         raise ValueError(f"{path}: {errors[0]}")
-    return [cursor for cursor in unit.cursor.get_children()
-            if cursor.kind == Kind.FUNCTION_DECL and cursor.is_definition()
-            and str(cursor.location.file) == str(path)]
+    return list(definitions(unit.cursor, path))
 
 
 class Function:
@@ -90,21 +101,23 @@ class Function:
     def negate(self, cursor):
         """The sign of a whole value; of a sum and a constant there are other mutants of the kind."""
         spelling = cursor.type.get_canonical().spelling
-        if spelling.removeprefix("const ") in ("int", "long") and not self.literal(cursor):
+        if spelling.removeprefix("const ") in (*WHOLE, "double") and not self.literal(cursor):
             self.replace(cursor, f"-({self.text(cursor)})")
 
     def literal(self, cursor):
         inner = [cursor]
         while inner and inner[0].kind in (Kind.UNEXPOSED_EXPR, Kind.PAREN_EXPR, Kind.UNARY_OPERATOR):
             inner = list(inner[0].get_children())
-        return bool(inner) and inner[0].kind == Kind.INTEGER_LITERAL
+        return bool(inner) and inner[0].kind in (Kind.INTEGER_LITERAL, Kind.FLOATING_LITERAL)
 
     def visit(self, cursor, parent):
         handler = getattr(self, cursor.kind.name.lower(), None)
         if handler:
             handler(cursor, list(cursor.get_children()), parent)
+        # What C++ wraps around a call to end its temporaries is no expression of its own.
+        wrapped = cursor.kind == Kind.UNEXPOSED_EXPR and parent is not None and parent.kind == Kind.COMPOUND_STMT
         for child in cursor.get_children():
-            self.visit(child, cursor)
+            self.visit(child, parent if wrapped else cursor)
 
     def swap_operator(self, left, right, others):
         found, place = self.between(left, right)
@@ -144,14 +157,20 @@ class Function:
             one = "1U" if "unsigned" in cursor.type.spelling else "1"
             self.replace(cursor, f"({text} + {one})", f"({text} - {one})")
 
+    def floating_literal(self, cursor, _, __):
+        text = self.text(cursor)
+        if text and float(text) != 0:
+            self.replace(cursor, f"(2 * {text})", f"(0.9 * {text})")
+
     def call_expr(self, cursor, children, parent):
         name, arguments = cursor.spelling, [self.text(argument) for argument in cursor.get_arguments()]
         if name.startswith(("fx_sat", "fx_usat")):
             self.replace(cursor, f"({arguments[0]})")
-        elif name == "fx_clamp":
-            self.replace(cursor, f"({arguments[0]})", f"fx_max({arguments[0]}, {arguments[1]})",
-                         f"fx_min({arguments[0]}, {arguments[2]})")
-        elif name in NAMES:
+        elif name in ("fx_clamp", "clamp"):
+            prefix = "fx_" if name == "fx_clamp" else "std::"
+            self.replace(cursor, f"({arguments[0]})", f"{prefix}max({arguments[0]}, {arguments[1]})",
+                         f"{prefix}min({arguments[0]}, {arguments[2]})")
+        elif name in NAMES and arguments:
             self.replace(cursor, *(f"({argument})" for argument in arguments),
                          f"{NAMES[name]}({', '.join(arguments)})")
         elif name == "fx_towards":

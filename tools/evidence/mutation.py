@@ -1,14 +1,18 @@
-"""evidence.mutation: the unit and reference tests find nearly every small fault in control and math.
+"""evidence.mutation: the tests find nearly every small fault in what the drive computes.
 
-Each mutant (mutants.py) of firmware/control and firmware/math is compiled as the build compiles the file and put into
-the tests of its module; it is killed when one of them fails, crashes or does not end. A mutant that the compiler
-refuses, that gives the object code of the original or of an earlier mutant is none. What survives is tested once more with
-each shift checked: one by too many bits is undefined, and what the PC makes of it another core does not. What survives that
-too has to stand in the register (survivors.toml) with its reason; a registered mutant that is killed or is no longer there
-is a finding.
+Each mutant (mutants.py) of a file is compiled as the build compiles the file and put into the tests of its area; it is
+killed when one of them fails, crashes or does not end. A mutant that the compiler refuses, that gives the object code of
+the original or of an earlier mutant is none. What survives is tested once more with each shift checked: one by too many
+bits is undefined, and what the PC makes of it another core does not.
+
+Of control and math all mutants are made, and what survives has to stand in the register (survivors.toml) with its reason.
+Of the other areas a sample is drawn by a fixed seed, the same mutants as long as their lines are, and a share is asked
+for; the register holds those that change nothing. A registered mutant that is killed or is no longer there is a finding.
 """
 
 import argparse
+import functools
+import hashlib
 import json
 import math
 import os
@@ -29,17 +33,12 @@ from rich.progress import track
 import mutants
 import part
 
-SOURCES = ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",
-           "firmware/math/port/generic/*.h")
-LEFT_OUT = {"firmware/math/port/fx_armv7.h",  # of other cores
-            "firmware/math/barrier.h"}        # computes nothing
-FOLDERS = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firmware/math/port")
 REGISTER = part.ROOT / "tests/evidence/survivors.toml"
 KEYS = {"file", "function", "kind", "reason", "line", "mutants"}
 TESTED_WITH = {"fx_plain": "fx", "fx_port": "fx", "fx_shift": "fx", "trig_table": "trig"}  # headers without own test
 WRAPPING = "-fwrapv"  # an overflow that a mutant brings is that, and not whatever the optimiser makes of it
 SHIFTS_CHECKED = ("-fsanitize=shift-exponent", "-fsanitize-undefined-trap-on-error")
-KILLED_LEAST = 95.0  # per cent
+SEED = "neurofoc"  # of the samples
 FAILED = re.compile(r".*?:\d+:(\w+):FAIL")
 KINDS = EQUIVALENT, HARMLESS = "equivalent", "harmless"
 
@@ -47,6 +46,50 @@ KINDS = EQUIVALENT, HARMLESS = "equivalent", "harmless"
 def module_of(path):
     stem = Path(path).stem
     return TESTED_WITH.get(stem, stem)
+
+
+@dataclass(frozen=True)
+class Area:
+    """Files with tests in common. `killed`: the least and the largest share of mutants killed, in per cent."""
+
+    name: str
+    sources: tuple  # patterns
+    folders: tuple  # of what they include
+    killed: tuple
+    tests: tuple = ()  # beside those of the module itself
+    sample: int = 0  # mutants; 0: all
+    left_out: tuple = ()
+
+    def paths(self, root):
+        found = {str(path.relative_to(root)) for pattern in self.sources for path in root.glob(pattern)}
+        return sorted(found - set(self.left_out))
+
+    def mutants(self, root, only=None):
+        """Those of its files, and those of these that are drawn."""
+        paths = [path for path in self.paths(root) if not only or any(text in path for text in only)]
+        made = [mutant for path in paths for mutant in mutants.mutants(root, path, self.folders)]
+        return made, set(sorted(made, key=drawn)[:self.sample] if self.sample else made)
+
+
+def drawn(mutant):
+    """The place of a mutant in the draw: its own, whatever else is in the file."""
+    return hashlib.sha256(f"{SEED} {key(mutant)}".encode()).digest()
+
+
+CORE = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firmware/math/port")
+DRIVE = ("firmware/drive", *CORE)
+APP = ("firmware/app", "hal", *DRIVE)
+AREAS = (
+    Area("control and math", ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",
+                              "firmware/math/port/generic/*.h"), CORE, (95, 100),
+         left_out=("firmware/math/port/fx_armv7.h",  # of other cores
+                   "firmware/math/barrier.h")),  # computes nothing
+    Area("drive", ("firmware/drive/*.c",), DRIVE, (72, 86), sample=60,
+         tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed")),
+    Area("app", ("firmware/app/*.c",), APP, (93, 100), sample=60, tests=("test_control_isr",)),
+    Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")),
+         ("hal/stm32g431", "hal/cortex_m", *APP), (83, 97), sample=60, tests=("test_console",)),
+)
 
 
 @dataclass
@@ -58,8 +101,8 @@ class Test:
     seconds: int = 0
 
     def linked(self, build, extra, replaced, program):
-        """Links it with the object `extra` before all libraries; `replaced`: the object that this one stands for."""
-        command = [word for word in self.link if not (replaced and word.endswith(replaced))]
+        """Links it with the object `extra` before all libraries; `replaced`: the end of that one's name for which it stands."""
+        command = [word for word in self.link if not word.endswith(replaced)]
         first = next(at for at, word in enumerate(command) if word.endswith(".o") or word.endswith(".a"))
         command[first:first] = ["-fno-use-linker-plugin", str(extra)]  # nothing here has link-time optimisation
         command[command.index("-o") + 1] = str(program)
@@ -85,26 +128,36 @@ class Build:
     def __init__(self, root, folder):
         self.root, self.folder = root, folder
         listed = json.loads((folder / "compile_commands.json").read_text(encoding="utf-8"))
-        self.commands = {str(Path(entry["file"]).relative_to(root)): shlex.split(entry["command"])
-                         for entry in listed if Path(entry["file"]).is_relative_to(root)}
+        self.commands = {}
+        for entry in listed:
+            if Path(entry["file"]).is_relative_to(root):
+                path = str(Path(entry["file"]).relative_to(root))
+                self.commands.setdefault(path, []).append(shlex.split(entry["command"]))
 
-    def compile_command(self, path):
-        """Without debug information, which would tell mutants from the original, and without in- and output."""
-        command = self.commands[path]
-        return [*(word for word in command[:command.index("-o")] if word != "-g"), WRAPPING]
+    def compile_command(self, path, tests=()):
+        """Without debug information, which would tell mutants from the original, and without in- and output.
 
+        Of a file that is compiled into several programs the command for one of the tests.
+        """
+        commands = self.commands[path]
+        of_a_test = [command for command in commands for test in tests
+                     if f"/{test.name}.dir/" in command[command.index("-o") + 1]]
+        command = (of_a_test or commands)[0]
+        return [*(word for word in command[:command.index("-o")] if not word.startswith("-g")), WRAPPING]
+
+    @functools.cache
     def test(self, name):
         """The test program of that name, None if there is none."""
-        folder = self.folder / "tests" / name.split("_", 1)[0].replace("test", "unit")
-        if not (folder / name).is_file():
+        program = next((path for path in self.folder.glob(f"tests/*/{name}") if path.is_file()), None)
+        if not program:
             return None
-        steps = subprocess.run(["ninja", "-t", "commands", str((folder / name).relative_to(self.folder))],
+        steps = subprocess.run(["ninja", "-t", "commands", str(program.relative_to(self.folder))],
                                cwd=self.folder, check=True, capture_output=True, text=True).stdout
         link = shlex.split(steps.strip().splitlines()[-1])
         link = link[link.index("&&") + 1:]
         found = Test(name, link[:link.index("&&")])
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        failed = found.run(folder / name)
+        failed = found.run(program)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if failed:
             raise SystemExit(f"{failed}; expected a test that passes without a mutant")
@@ -120,21 +173,19 @@ class Subject:
     compile: list
     tests: list
     is_header: bool
-    replaced: str = None
+    replaced: str
 
 
-def subject(build, path):
-    """A header's functions are in the object of its module's unit test, a source's in its own."""
+def subject(build, path, others=()):
+    """A header's functions are in the object of its module's unit test, a source's in its own. `others`: more tests."""
     module = module_of(path)
     is_header = path.endswith(".h")
-    tests = [build.test(f"test_{module}")]
+    names = [f"test_{module}", *(() if is_header else (f"reference_{module}",)), *others]
+    tests = [test for test in map(build.test, dict.fromkeys(names)) if test]
+    if not tests:
+        raise SystemExit(f"{path}: none of the tests {', '.join(names)} is built")
     compiled = f"tests/unit/test_{module}.c" if is_header else path
-    if not is_header:
-        tests.append(build.test(f"reference_{module}"))
-    if not tests[0]:
-        raise SystemExit(f"{path}: no test test_{module}; build the unit tests first")
-    return Subject(path, build.compile_command(compiled), [test for test in tests if test], is_header,
-                   f"{Path(compiled).name}.o" if is_header else None)
+    return Subject(path, build.compile_command(compiled, tests), tests, is_header, f"/{Path(compiled).name}.o")
 
 
 @dataclass
@@ -192,17 +243,17 @@ def each(pool, do, items, what):
                       disable=not console.is_terminal, transient=True))
 
 
-def examined(build, subjects, folder, jobs, wanted=lambda mutant: True):
-    """All wanted mutants of the subjects that are ones, judged."""
-    candidates, originals = [], {}
+def examined(build, subjects, made, folder, jobs):
+    """Of the mutants made of the subjects those that are ones, judged."""
+    originals = {}
     for subject_ in subjects:
         text = (build.root / subject_.path).read_bytes()
         original = compiled(build, subject_, text, folder / f"original_{len(originals)}.o")
         if original is None:
             raise SystemExit(f"{subject_.path}: does not compile")
         originals[subject_.path] = original
-        candidates += [Candidate(mutant, subject_, folder / f"{len(candidates) + at}.o") for at, mutant in
-                       enumerate(filter(wanted, mutants.mutants(build.root, subject_.path, FOLDERS)))]
+    of_path = {subject_.path: subject_ for subject_ in subjects}
+    candidates = [Candidate(mutant, of_path[mutant.path], folder / f"{at}.o") for at, mutant in enumerate(made)]
 
     def compile_it(candidate):
         source = (build.root / candidate.mutant.path).read_bytes()
@@ -240,12 +291,12 @@ def key(mutant):
     return mutant.path, mutant.function, mutant.before, mutant.after
 
 
-def findings(real, register, made):
+def findings(real, register, made, all_registered=True):
     """What is not in the register, and what is there without need. `made`: all mutants, also those that are none."""
     survivors = {key(candidate.mutant): candidate.mutant for candidate in real if not candidate.killed_by}
     killed = {key(candidate.mutant) for candidate in real} - set(survivors)
     for place, mutant in survivors.items():
-        if place not in register:
+        if all_registered and place not in register:
             yield f"{mutant.path}:{mutant.line}: ({mutant.function}) survives: {mutant.before} → {mutant.after}"
     # What this compiler proves to be none may survive with another one.
     there, paths = set(map(key, made)) - killed, {mutant.path for mutant in made}
@@ -285,14 +336,14 @@ def tables(real, register):
             part.table("Survivors", ["Function", "Line", "Mutant", "Kind", "Reason"], survivors)]
 
 
-def figures(real, register, findings_):
+def rate(area, real, register):
+    """The share killed of those that change something, held on both sides: what gets better is to stay so."""
     killed = sum(1 for candidate in real if candidate.killed_by)
     equivalent = sum(register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT for candidate in real)
-    rate = share(killed, len(real) - equivalent)
-    return [part.figure("mutants killed, of those that change what is computed", f"{rate:.1f} %",
-                        f"at least {KILLED_LEAST:.0f} %", rate >= KILLED_LEAST),
-            part.figure("survivors without a registered reason, entries that are wrong or in vain, functions not called",
-                        len(findings_), "0", not findings_)]
+    value, (least, most) = share(killed, len(real) - equivalent), area.killed
+    of = f"a sample of {len(real)}" if area.sample else "all"
+    return part.figure(f"{area.name}: mutants killed, of {of} that change what is computed", f"{value:.1f} %",
+                       f"{least:g} to {most:g} %", bool(real) and least <= value <= most)
 
 
 def main():
@@ -303,25 +354,31 @@ def main():
     parser.add_argument("--kills", action="store_true", help="print for each mutant which test kills it")
     args = part.arguments(parser)
     build = Build(part.ROOT, args.build.resolve())
-    paths = sorted({str(path.relative_to(part.ROOT)) for pattern in SOURCES for path in part.ROOT.glob(pattern)}
-                   - LEFT_OUT)
-    paths = [path for path in paths if not args.only or any(text in path for text in args.only)]
-    made = [mutant for path in paths for mutant in mutants.mutants(part.ROOT, path, FOLDERS)]
-    paths = sorted({mutant.path for mutant in made})
-    with tempfile.TemporaryDirectory() as folder:
-        real = examined(build, [subject(build, path) for path in paths], Path(folder), args.jobs)
+    register, found = registered(REGISTER)
+    rates, everything = [], []
+    for area in AREAS:
+        made, sample = area.mutants(part.ROOT, args.only)
+        if not made:
+            continue
+        subjects = [subject(build, path, area.tests) for path in sorted({mutant.path for mutant in sample})]
+        with tempfile.TemporaryDirectory() as folder:
+            real = examined(build, subjects, [mutant for mutant in made if mutant in sample], Path(folder), args.jobs)
+        rates.append(rate(area, real, register))
+        found += findings(real, register, made, area.sample == 0)
+        found += idle(real, made) if area.sample == 0 else ()
+        everything += real
     if args.kills:
-        for candidate in real:
+        for candidate in everything:
             mutant = candidate.mutant
-            print(f"{mutant.path}:{mutant.line}: {mutant.before} → {mutant.after}: "
+            print(f"{mutant.path}:{mutant.line}: ({mutant.function}) {mutant.before} → {mutant.after}: "
                   f"{candidate.killed_by or 'survives'}")
-    register, wrong = registered(REGISTER)
-    found = [*wrong, *findings(real, register, made), *idle(real, made)]
+    figures = [*rates, part.figure("survivors without a registered reason, entries that are wrong or in vain, functions not "
+                                   "called", len(found), "0", not found)]
     return part.end(args.out, "mutation", "Mutation",
-                    "Small faults (an operator, a constant, a sign, a term, a saturation) are put one at a time into "
-                    "the control modules and their arithmetic; the unit tests and the comparisons with the reference "
-                    "find them. Faults that the compiler proves to be none are left out.",
-                    figures(real, register, found), tables(real, register), found)
+                    "Small faults (an operator, a constant, a sign, a term, a saturation) are put one at a time into what the "
+                    "drive computes with; unit tests, and comparisons with the reference, find them. Of control and math these "
+                    "are all there are, of the others a sample. Faults that the compiler proves to be none are left out.",
+                    figures, tables(everything, register), found)
 
 
 if __name__ == "__main__":

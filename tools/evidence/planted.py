@@ -121,7 +121,7 @@ class Runner:
     """Runs tests in a copy of the sources, with what was built of these."""
 
     def __init__(self, root, build):
-        self.root, self.listed, self.good = root, ctested.listed(build), {}
+        self.root, self.listed, self.good = root, ctested.listed(build, whole=False), {}
 
     def command(self, test, copy, change, folder):
         """The test's command and folder with the change in all that it runs and reads; None if it does neither."""
@@ -165,7 +165,7 @@ class Runner:
             if name in self.listed:
                 tests.append(self.listed[name].with_arguments(title, arguments))
             else:
-                verdict.wrong.append(f"ctest runs no test {name}")
+                verdict.wrong.append(f"ctest runs no test {name}, or it is not built")
         seconds = {test.title: self.without(test, copy, folder) for test in tests}
         try:
             with Planted(copy, fault):

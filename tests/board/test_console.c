@@ -1,0 +1,385 @@
+/* The board's console: what it answers to each line, what the drive gets of it, and how it says numbers. */
+#include "board.h"
+#include "console.h"
+#include "example_cfg.h"
+#include "reset.h"
+#include "sensing.h"
+#include "uart.h"
+#include "unity.h"
+
+#include <string.h>
+
+#define SAID_MAX (4096U)
+#define BUS_COUNT (2822U)        /* 310 V of 450 V */
+#define CALIBRATION_TICKS (260U) /* 256 samples and the changes of state */
+#define SPEED_MAX_RPM (2000)
+#define HELP "error: the commands are run, stop, clear, speed RPM, status, dump, record\r\n"
+#define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
+
+/* The converters of example_cfg.h on its motor, 10 kHz. */
+const board_t BOARD = {
+    .timer_counts = 8500U,
+    .current_full_scale_ua = 20000000U,
+    .bus_full_scale_uv = 450000000U,
+    .rotation = {.pole_pairs = 2U, .tick_ps = 100000000U},
+    .speed_max_rpm = SPEED_MAX_RPM,
+};
+const char *const BOARD_NAME = "a board";
+const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
+
+static struct {
+    const char *in;
+    size_t room;
+    char said[SAID_MAX];
+    size_t length;
+} line;
+static drive_in_t measured;
+static drive_cfg_t cfg;
+static app_t app;
+static hal_t hardware;
+static console_t console;
+static recorder_t recorder;
+static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
+
+bool uart_get(uint8_t *byte)
+{
+    const bool there = *line.in != '\0';
+
+    if (there) {
+        *byte = (uint8_t)*line.in;
+        line.in++;
+    }
+    return there;
+}
+
+bool uart_put(uint8_t byte)
+{
+    const bool room = (line.room > 0U) && (line.length < (SAID_MAX - 1U));
+
+    if (room) {
+        line.said[line.length] = (char)byte;
+        line.length++;
+        line.room--;
+    }
+    return room;
+}
+
+void hal_sample(hal_t *hal, drive_in_t *in)
+{
+    (void)hal;
+    *in = measured;
+}
+
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    (void)out;
+    hal->ticks++;
+}
+
+void hal_open_gates(hal_t *hal)
+{
+    (void)hal;
+}
+
+uint32_t hal_ticks(const hal_t *hal)
+{
+    return hal->ticks;
+}
+
+static void tick(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        control_isr(&app);
+    }
+}
+
+/* What the console says to this, with nothing said before. */
+static const char *said_to(const char *typed)
+{
+    memset(line.said, 0, sizeof line.said);
+    line.length = 0U;
+    line.in = typed;
+    console_step(&console);
+    return line.said;
+}
+
+static void assert_says(const char *expected, const char *typed)
+{
+    TEST_ASSERT_EQUAL_STRING_MESSAGE(expected, said_to(typed), typed);
+}
+
+static void assert_contains(const char *expected, const char *said)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(said, expected), said);
+}
+
+static void ready(void)
+{
+    tick(CALIBRATION_TICKS);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    (void)said_to("");
+}
+
+static void failed(void)
+{
+    ready();
+    measured.flags = DRIVE_FLAG_BREAK;
+    tick(1U);
+    measured.flags = 0U;
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    (void)said_to("");
+}
+
+static uint8_t request_taken(void)
+{
+    tick(1U);
+    return app.in.command.request;
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg();
+    memset(&line, 0, sizeof line);
+    line.in = "";
+    line.room = SIZE_MAX;
+    hardware = (hal_t){.phase_c = SENSING_MIDDLE};
+    measured =
+        (drive_in_t){.adc_ia = SENSING_MIDDLE, .adc_ib = SENSING_MIDDLE, .adc_bus = BUS_COUNT};
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
+    TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 8U));
+    console_init(&console, &app, &hardware);
+}
+
+void tearDown(void)
+{
+}
+
+static void test_each_speed_within_the_boards_limit_reaches_the_drive(void)
+{
+    static const struct {
+        const char *typed;
+        int32_t target; /* 28633115.3 steps are 2000 rpm */
+    } speeds[] = {{"speed 2000\n", 28633115}, {"speed -2000\n", -28633115},
+                  {"speed +1\n", 14317},      {"speed 0\n", 0},
+                  {"speed -1\n", -14317},     {"speed 1999\n", 28618799}};
+
+    ready();
+    for (uint32_t k = 0U; k < (sizeof speeds / sizeof speeds[0]); k++) {
+        assert_says("ok\r\n", speeds[k].typed);
+        tick(1U);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(speeds[k].target, app.in.command.target, speeds[k].typed);
+    }
+}
+
+static void test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing(void)
+{
+    static const char *const wrong[] = {
+        "speed 2001\n", "speed -2001\n", "speed 999999999\n", "speed -999999999\n",
+        "speed \n",     "speed 1.5\n",   "speed x\n",         "speed 4294967297\n"};
+
+    ready();
+    (void)said_to("speed 1000\n");
+    tick(1U);
+    for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
+        const int32_t before = app.in.command.target;
+
+        assert_says(WRONG_SPEED, wrong[k]);
+        tick(1U);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(before, app.in.command.target, wrong[k]);
+    }
+}
+
+static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
+{
+    ready();
+    (void)said_to("speed 2000\n");
+    assert_says("ok\r\n", "run\n");
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, request_taken());
+    TEST_ASSERT_EQUAL_INT32(28633115, app.in.command.target);
+    (void)said_to("");
+    assert_says("ok\r\n", "stop\n");
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+    TEST_ASSERT_EQUAL_INT32(28633115, app.in.command.target);
+}
+
+static void test_a_latched_fault_does_not_run_and_is_cleared_once(void)
+{
+    failed();
+    assert_says("error: a fault is latched; clear it first\r\n", "run\n");
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+    assert_says("ok\r\n", "clear\n");
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_CLEAR, request_taken());
+    (void)said_to("");
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+    ready();
+    assert_says("error: there is no fault to clear\r\n", "clear\n");
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+}
+
+static void test_the_status_has_every_quantity_in_its_unit(void)
+{
+    ready();
+    (void)said_to("speed -345\n");
+    measured.adc_ia = SENSING_MIDDLE + 1024U; /* half of 20 A */
+    measured.adc_ib = SENSING_MIDDLE - 1U;    /* 9.765625 mA */
+    hardware.phase_c = 0U;
+    hardware.overruns = 12U;
+    hardware.longest = 4250U; /* of 2 · 8500 */
+    console_set_temperature(&console, -7);
+    tick(1U);
+    assert_says(
+        "READY, speed 0 of -345 rpm, phases 10.000 -0.009 -20.000 A, bus 310.034 V, -7 C, late 12, load 25 %\r\n",
+        "status\n");
+}
+
+static void test_a_change_of_state_is_said_once_with_its_fault(void)
+{
+    tick(CALIBRATION_TICKS);
+    assert_contains("READY, speed", said_to(""));
+    assert_says("", "");
+    measured.flags = DRIVE_FLAG_BREAK;
+    tick(1U);
+    assert_contains("FAULT by ", said_to(""));
+    assert_says("", "");
+}
+
+static void assert_fault(const char *expected, fault_id_t id, int32_t value, int32_t limit)
+{
+    app.drive.fault = (fault_t){.id = id, .value = value, .limit = limit};
+    assert_contains(expected, said_to("status\n"));
+}
+
+static void test_a_fault_has_value_and_limit_in_its_unit(void)
+{
+    failed();
+    assert_fault(" by OVERCURRENT 20.000 A, limit -10.000 A (", FAULT_OVERCURRENT, 16384, -8192);
+    assert_fault(" by OVERVOLTAGE 449.986 V, limit 225.000 V (", FAULT_OVERVOLTAGE, 32767, 16384);
+    assert_fault(" by OVERSPEED -2000 rpm, limit 1 rpm (", FAULT_OVERSPEED, -28633115, 14317);
+    assert_fault(" by OVERLOAD 120.0 %, limit 50.0 % (", FAULT_OVERLOAD, 19661, 8192);
+    assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
+}
+
+static void test_a_line_ends_with_either_end_or_both_and_nothing_is_none(void)
+{
+    assert_says("ok\r\n", "stop\r");
+    assert_says("ok\r\n", "stop\r\n");
+    assert_says("ok\r\nok\r\n", "stop\n\n\rstop\n");
+    assert_says("", "\r\n");
+    assert_says("", "st");
+    assert_says("ok\r\n", "op\n");
+}
+
+static void test_other_lines_name_the_commands(void)
+{
+    static const char *const others[] = {"x\n",        "runs\n",    "ru\n",   "stop \n",
+                                         "clear1\n",   "statusx\n", "dum\n",  "dumps\n",
+                                         "recorder\n", "speed\n",   " run\n", "RUN\n"};
+
+    for (uint32_t k = 0U; k < (sizeof others / sizeof others[0]); k++) {
+        assert_says(HELP, others[k]);
+    }
+}
+
+/* 31 characters fit; one more makes the line no command, whatever it begins with. */
+static void test_a_line_that_is_too_long_is_no_command_and_the_next_one_is(void)
+{
+    assert_says(WRONG_SPEED, "speed 1000                     \n");
+    assert_says(HELP, "speed 1000                      \n");
+    assert_says(HELP, "stopstopstopstopstopstopstopstopstopstopstopstop\n");
+    assert_says("ok\r\n", "stop\n");
+}
+
+static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(void)
+{
+    line.room = 3U;
+    assert_says("ok\r", "stop\n");
+    line.room = SIZE_MAX;
+    assert_says("\n", "");
+    line.room = 0U;
+    for (uint32_t k = 0U; k < (TEXT_MAX / 4U); k++) {
+        (void)said_to("stop\n");
+    }
+    (void)said_to("x\n");
+    line.room = SIZE_MAX;
+    TEST_ASSERT_EQUAL_size_t(TEXT_MAX, strlen(said_to("")));
+    assert_says("ok\r\n", "stop\n");
+}
+
+static void test_without_a_recorder_there_is_nothing_to_dump(void)
+{
+    assert_says("error: there is no recorder\r\n", "dump\n");
+    assert_says("error: there is no recorder\r\n", "record\n");
+}
+
+static void test_a_dump_needs_a_tick_that_runs(void)
+{
+    app_record(&app, &recorder);
+    assert_says("error: the control tick does not run, nothing is recorded\r\n", "dump\n");
+    tick(1U);
+    hardware.tick_lost = true;
+    (void)said_to("");
+    assert_says("error: the control tick does not run, nothing is recorded\r\n", "dump\n");
+}
+
+static void serve(void)
+{
+    for (uint32_t k = 0U; k < 64U; k++) {
+        tick(1U);
+        recorder_service(&recorder, &app.drive);
+    }
+}
+
+static void test_a_dump_is_sent_to_its_end_and_recording_goes_on(void)
+{
+    char last[SAID_MAX] = "";
+
+    app_record(&app, &recorder);
+    ready();
+    serve();
+    assert_says("ok\r\n", "dump\n");
+    assert_says("error: a dump is under way\r\n", "dump\n");
+    assert_says("error: a dump is under way\r\n", "record\n");
+    serve();
+    for (uint32_t k = 0U; (k < 20000U) && (console.dump_phase != CONSOLE_DUMP_NONE); k++) {
+        const char *const said = said_to("");
+
+        TEST_ASSERT_TRUE_MESSAGE(strlen(said) > 0U, "a dump that has begun goes on");
+        memcpy(last, said, sizeof last);
+    }
+    TEST_ASSERT_EQUAL_STRING("dump ends\r\n", last);
+    TEST_ASSERT_FALSE(recorder.held);
+    assert_says("ok\r\n", "record\n");
+}
+
+static void test_a_kept_recording_is_said_until_it_is_given_up(void)
+{
+    static const char kept[] = ", keeps the recording of a fault: dump or record\r\n";
+
+    app_record(&app, &recorder);
+    failed();
+    serve();
+    assert_contains(kept, said_to("status\n"));
+    assert_says("ok\r\n", "record\n");
+    TEST_ASSERT_NULL(strstr(said_to("status\n"), kept));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_each_speed_within_the_boards_limit_reaches_the_drive);
+    RUN_TEST(test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing);
+    RUN_TEST(test_run_and_stop_reach_the_drive_and_leave_the_speed);
+    RUN_TEST(test_a_latched_fault_does_not_run_and_is_cleared_once);
+    RUN_TEST(test_the_status_has_every_quantity_in_its_unit);
+    RUN_TEST(test_a_change_of_state_is_said_once_with_its_fault);
+    RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
+    RUN_TEST(test_a_line_ends_with_either_end_or_both_and_nothing_is_none);
+    RUN_TEST(test_other_lines_name_the_commands);
+    RUN_TEST(test_a_line_that_is_too_long_is_no_command_and_the_next_one_is);
+    RUN_TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut);
+    RUN_TEST(test_without_a_recorder_there_is_nothing_to_dump);
+    RUN_TEST(test_a_dump_needs_a_tick_that_runs);
+    RUN_TEST(test_a_dump_is_sent_to_its_end_and_recording_goes_on);
+    RUN_TEST(test_a_kept_recording_is_said_until_it_is_given_up);
+    return UNITY_END();
+}

@@ -1,0 +1,414 @@
+/*
+ * The parts of the drive, called one by one on states put together by hand: what each begins with, what it looks at and
+ * what it leaves behind. What a run shows only after long, or only together with other faults, is told here at once.
+ */
+#include "drive_state.h"
+#include "example_cfg.h"
+#include "low_speed.h"
+#include "monitor.h"
+#include "unity.h"
+#include "vector_control.h"
+
+#include <string.h>
+
+#define STALE (77U)          /* a count that something before has left */
+#define STALE_CURRENT (8000) /* 9.8 A, above the continuous current */
+#define NOMINAL_BUS (22573)  /* 310 V */
+#define TURN_LSB (3)         /* Park and its angle: 1 LSB each, and the rounding of the sine */
+#define QUARTER (0x40000000)
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+
+static void enter(drive_state_t state)
+{
+    drive_enter(&drive, state);
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg_with_startup();
+    memset(&in, 0, sizeof in);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    drive.signals.bus = NOMINAL_BUS;
+    drive.bus_before = NOMINAL_BUS;
+    vector_control_reset(&drive);
+    supervision_reset(&drive.supervision);
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- what a start begins with ---- */
+
+static void test_a_reset_forgets_all_that_a_run_has_left(void)
+{
+    const drive_t fresh = drive;
+
+    drive.voltage_driven = true;
+    drive.voltage_periods = STALE;
+    drive.lost_periods = STALE;
+    drive.residual = STALE_CURRENT;
+    drive.frame_speed = 1;
+    drive.speed_reference = 1;
+    drive.signals.ratio_ab = (ab_t){1, 1};
+    drive.ratio_acting = (ab_t){1, 1};
+    drive.signals.current_ref = (dq_t){1, 1};
+    drive.signals.current_mean = (dq_t){1, 1};
+    drive.torque_range = (torque_range_t){0, 0};
+    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    drive.position.turns_q32 = QUARTER;
+    drive.frame.turns_q32 = QUARTER;
+    pi_reset(&drive.current_loop.pi_d, 1);
+    pi_reset(&drive.current_loop.pi_q, 1);
+    drive.observer.speed = 1;
+    speed_loop_reset(&drive.speed_loop, 1);
+    position_loop_reset(&drive.position_loop, QUARTER, 1);
+    vector_control_reset(&drive);
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
+}
+
+static void test_a_run_begins_without_failed_attempts(void)
+{
+    enter(DRIVE_STATE_READY);
+    in.adc_ia = 2048U;
+    in.adc_ib = 2048U;
+    in.adc_bus = 2822U;
+    drive.offset_a = 16384;
+    drive.offset_b = 16384;
+    drive.attempts = STALE;
+    in.command.request = DRIVE_REQUEST_RUN;
+    drive_step(&drive, &in, &out);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+/* ---- the imposed current ---- */
+
+static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
+{
+    drive.derating.thermal = thermal;
+    drive.speed_reference = reference;
+    for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
+        const int32_t before = drive.signals.current_ref.d;
+
+        low_speed_step(&drive);
+        TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.signals.current_ref.d);
+    }
+    TEST_ASSERT_EQUAL_INT32(expected, drive.signals.current_ref.d);
+}
+
+static void test_derating_holds_for_an_imposed_current_too(void)
+{
+    enter(DRIVE_STATE_HOLD);
+    assert_imposed(cfg.startup.current_hold, cfg.derating.current_max, 0);
+    assert_imposed(cfg.startup.current_move, cfg.derating.current_max, 1);
+    assert_imposed(1000, 1000, 1);
+    assert_imposed(1000, 1000, 0);
+    assert_imposed(0, 0, 1);
+}
+
+/* A slow period's end with the vector at this speed. */
+static void drag(step_t speed)
+{
+    speed_loop_reset(&drive.speed_loop, speed);
+    drive.speed_reference = speed;
+    drive.frame_speed = speed;
+    low_speed_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+}
+
+static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
+{
+    enter(DRIVE_STATE_IF_RAMP);
+    drive.handover_periods = STALE;
+    drag(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.handover_periods);
+    drive.residual = cfg.startup.residual_max;
+    for (uint32_t k = 1U; k < cfg.startup.handover_periods; k++) {
+        drag(cfg.startup.handover_speed);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, drive.state);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.handover_periods);
+    }
+    drag(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+}
+
+static void test_a_hand_over_that_succeeds_forgets_the_attempts(void)
+{
+    enter(DRIVE_STATE_HANDOVER);
+    drive.attempts = cfg.startup.attempts - 1U;
+    drive.residual = cfg.startup.residual_max - 1;
+    drag(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+static void test_the_last_attempt_that_fails_is_a_fault(void)
+{
+    enter(DRIVE_STATE_HANDOVER);
+    drive.attempts = cfg.startup.attempts - 1U;
+    drive.handover_periods = cfg.startup.handover_periods;
+    drive.residual = cfg.startup.residual_max;
+    drag(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_STARTUP, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.residual_max, drive.fault.value);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.residual_max, drive.fault.limit);
+}
+
+static void test_a_rotor_is_lost_after_its_periods_in_a_row_only(void)
+{
+    enter(DRIVE_STATE_HOLD);
+    drive.identified = true;
+    for (uint32_t round = 0U; round < 2U; round++) {
+        drive.residual = cfg.startup.residual_lost + 1;
+        for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
+            drag(0);
+            TEST_ASSERT_EQUAL_UINT32(k, drive.lost_periods);
+        }
+        drive.residual = cfg.startup.residual_lost;
+        drag(0);
+        TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+    }
+    drive.residual = cfg.startup.residual_lost + 1;
+    for (uint32_t k = 0U; k < cfg.startup.lost_periods; k++) {
+        TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+        drag(0);
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
+}
+
+/* ---- the hand-back ---- */
+
+/* RUN, slow and with the imposed current faded in, the rotor at an eighth of a turn, all currents others than before. */
+static void before_the_hand_back(void)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.position.turns_q32 = QUARTER / 2;
+    drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    drive.signals.current = (dq_t){3000, -4000};
+    drive.signals.current_frame = (dq_t){1, 1};
+    drive.signals.current_mean = (dq_t){2, 2};
+    drive.supervision.absent = 1U;
+    drive.supervision.absent_periods = STALE;
+    drive.supervision.unexplained = STALE;
+    speed_loop_reset(&drive.speed_loop, 1000);
+    drive.speed_reference = 1000;
+}
+
+static void test_the_hand_back_begins_with_what_flows_and_nothing_older(void)
+{
+    before_the_hand_back();
+    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.supervision.absent);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
+    TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.frame_speed);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.signals.current_mean.d);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.signals.current_mean.q);
+}
+
+/* As long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference. */
+static void test_the_hand_back_turns_the_currents_into_its_frame(void)
+{
+    int64_t along;
+    int64_t across;
+
+    before_the_hand_back();
+    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    /* The speed loop has set a torque current of its own: the frame's angle is that of the reference then. */
+    along = ((int64_t)drive.signals.current_frame.d * drive.signals.current_frame.d) +
+            ((int64_t)drive.signals.current_frame.q * drive.signals.current_frame.q);
+    TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL, along);
+    across = drive.frame.turns_q32 - drive.position.turns_q32;
+    TEST_ASSERT_TRUE((across > -QUARTER) && (across < QUARTER));
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.signals.current_ref.q);
+    TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
+}
+
+/* ---- the voltage drive's periods ---- */
+
+static void offer_voltage_drive(void)
+{
+    cfg.voltage_drive = example_voltage_drive_cfg();
+    enter(DRIVE_STATE_RUN);
+    in.command.target = 2 * cfg.voltage_drive.speed_min;
+    drive.speed_reference = in.command.target;
+    drive.observer.speed = in.command.target;
+    speed_loop_start(&drive.speed_loop, in.command.target, 1000);
+    drive.torque_range = (torque_range_t){-8192, 8192};
+    drive.signals.current = (dq_t){0, 1000};
+    drive.signals.current_ref = (dq_t){0, 1000};
+    drive.signals.voltage = (dq_t){0, 8000};
+    drive.signals.voltage_limit = 12000;
+}
+
+static void control_speed(void)
+{
+    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+}
+
+static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(void)
+{
+    offer_voltage_drive();
+    for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
+        control_speed();
+        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_periods);
+        TEST_ASSERT_FALSE(drive.voltage_driven);
+    }
+    control_speed();
+    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+}
+
+static void
+test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew(void)
+{
+    offer_voltage_drive();
+    drive.voltage_driven = true;
+    drive.signals.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
+    for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
+        control_speed();
+        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_periods);
+        TEST_ASSERT_TRUE(drive.voltage_driven);
+    }
+    control_speed();
+    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+}
+
+/* ---- the monitor ---- */
+
+static int32_t heat_after_one_look(drive_state_t state)
+{
+    enter(state);
+    drive.derating.heat_q24 = 1000000;
+    drive.supervision.step = 0U;
+    drive.signals.current = (dq_t){STALE_CURRENT, 0};
+    monitor_step(&drive, &in, (uint32_t)SLOW_PART_CHECKS);
+    return drive.derating.heat_q24;
+}
+
+static void test_at_rest_the_motor_cools_whatever_current_was_measured_last(void)
+{
+    in.adc_temperature = 0U;
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_RUN) > 1000000);
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_HOLD) > 1000000);
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_ALIGN) > 1000000);
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_READY) < 1000000);
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_FAULT) < 1000000);
+    TEST_ASSERT_TRUE(heat_after_one_look(DRIVE_STATE_OFFSET_CAL) < 1000000);
+}
+
+static void look_at_phases(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        monitor_step(&drive, &in, (uint32_t)SLOW_PART_PHASES);
+    }
+}
+
+/* The vector turns at 2^26 steps per tick / 2^11 = 32768, Q15 of Ω_b; a quarter of that here. */
+static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction(void)
+{
+    const step_t speeds[] = {8192 * 2048, -8192 * 2048};
+    const int32_t emf = (8192 * cfg.hold_loop.emf_q13) / 8192;
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        setUp();
+        enter(DRIVE_STATE_IF_RAMP);
+        drive.frame_speed = speeds[k];
+        pi_reset(&drive.current_loop.pi_q, cfg.supervision.voltage_max + emf);
+        look_at_phases(2U * cfg.supervision.swing_periods);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, drive.state);
+        pi_reset(&drive.current_loop.pi_q, cfg.supervision.voltage_max + emf + 1);
+        look_at_phases(cfg.supervision.swing_periods);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, drive.state);
+        look_at_phases(1U);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL(FAULT_CURRENT_IMPLAUSIBLE, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT32(cfg.supervision.voltage_max + emf + 1, drive.fault.value);
+        TEST_ASSERT_EQUAL_INT32(cfg.supervision.voltage_max + emf, drive.fault.limit);
+    }
+}
+
+static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.signals.bus = cfg.derating.bus_low.zero;
+    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
+    drive.bus_before = drive.signals.bus;
+    drive.signals.bus = NOMINAL_BUS;
+    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
+    TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
+}
+
+static void
+test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged(void)
+{
+    drive.signals.bus = cfg.derating.bus_high.zero; /* no braking */
+    drive.observer.speed = 2 * cfg.derating.regeneration_speed;
+    drive.frame_speed = -2 * cfg.derating.regeneration_speed;
+    enter(DRIVE_STATE_RUN);
+    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.lower);
+    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
+    enter(DRIVE_STATE_IF_RAMP);
+    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
+    TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
+}
+
+/* A rotor that stands at full torque is stalled in either direction, and not with one LSB to spare. */
+static void test_a_stall_is_told_from_either_limit_of_the_torque(void)
+{
+    const int32_t torques[] = {8192, -8192, 8191, -8191};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        const drive_state_t expected = (k < 2U) ? DRIVE_STATE_FAULT : DRIVE_STATE_RUN;
+
+        setUp();
+        enter(DRIVE_STATE_RUN);
+        drive.torque_range = (torque_range_t){-8192, 8192};
+        drive.signals.current_ref.q = torques[k];
+        for (uint32_t turn = 0U; turn <= cfg.supervision.stall_periods; turn++) {
+            drive.supervision.step = SUPERVISION_STEPS - 1U;
+            monitor_step(&drive, &in, (uint32_t)SLOW_PART_CHECKS);
+        }
+        TEST_ASSERT_EQUAL(expected, drive.state);
+    }
+    TEST_ASSERT_EQUAL(FAULT_NONE, drive.fault.id);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_reset_forgets_all_that_a_run_has_left);
+    RUN_TEST(test_a_run_begins_without_failed_attempts);
+    RUN_TEST(test_derating_holds_for_an_imposed_current_too);
+    RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
+    RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
+    RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
+    RUN_TEST(test_a_rotor_is_lost_after_its_periods_in_a_row_only);
+    RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
+    RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
+    RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
+    RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
+    RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
+    RUN_TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction);
+    RUN_TEST(test_the_torques_limits_follow_the_bus_of_this_tick);
+    RUN_TEST(
+        test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged);
+    RUN_TEST(test_a_stall_is_told_from_either_limit_of_the_torque);
+    return UNITY_END();
+}
