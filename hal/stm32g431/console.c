@@ -19,7 +19,7 @@
 void console_say(console_t *console, const char *line)
 {
     text_add(&console->out, line);
-    text_add(&console->out, "\r\n");
+    text_end_line(&console->out);
 }
 
 static int32_t in_rpm(step_t speed)

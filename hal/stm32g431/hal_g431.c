@@ -107,8 +107,8 @@ static void set_gates(hal_t *hal, bool enable)
     } else if (!hal->gates_on && !hal->tick_lost && !reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
         reg_set(TIM1_BDTR, TIM_BDTR_MOE);
         hal->gates_on = true;
-        /* The tick guard may have come between its look above and the output's enabling. */
-        if (hal->tick_lost) {
+        /* Break or tick guard may have come between the look above and the output's enabling. */
+        if (hal->tick_lost || reg_any(TIM1_SR, TIM_SR_BIF)) {
             hal_open_gates(hal);
         }
     } else {

@@ -4,12 +4,23 @@
 
 #define DIGITS_MAX (10U) /* of 2^32 − 1 */
 #define INPUT_DIGITS (9U)
+#define LINE_END \
+    (2U) /* characters, for which there is always room behind what text_add() has added */
 
 static void add_character(text_t *text, char c)
 {
-    if (text->length < TEXT_MAX) {
+    if (text->length < (TEXT_MAX - LINE_END)) {
         text->characters[text->length] = c;
         text->length++;
+    }
+}
+
+void text_end_line(text_t *text)
+{
+    if (text->length <= (TEXT_MAX - LINE_END)) {
+        text->characters[text->length] = '\r';
+        text->characters[text->length + 1U] = '\n';
+        text->length += LINE_END;
     }
 }
 

@@ -1,5 +1,6 @@
 /*
- * Text of the console: words and numbers into a buffer of fixed size. What does not fit is cut off.
+ * Text of the console: words and numbers into a buffer of fixed size. What does not fit is cut off, and a line that is cut
+ * keeps its end.
  */
 #ifndef TEXT_H
 #define TEXT_H
@@ -16,6 +17,9 @@ typedef struct {
 
 /* Append a string that ends with 0. */
 void text_add(text_t *text, const char *string);
+
+/* End the line: CR and LF. Nothing is done where the buffer is full to its very end: nothing of the line is in it. */
+void text_end_line(text_t *text);
 
 /* Append a number with 0 to 6 decimals: 12345 with 2 is "123.45". */
 void text_number(text_t *text, int32_t value, uint32_t decimals);
