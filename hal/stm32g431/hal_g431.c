@@ -108,7 +108,7 @@ static void set_gates(hal_t *hal, bool enable)
         reg_set(TIM1_BDTR, TIM_BDTR_MOE);
         hal->gates_on = true;
         /* Break or tick guard may have come between the look above and the output's enabling. */
-        if (hal->tick_lost || reg_any(TIM1_SR, TIM_SR_BIF)) {
+        if (hal->tick_lost || reg_any(TIM1_SR, PWM_BREAK_FLAGS)) {
             hal_open_gates(hal);
         }
     } else {

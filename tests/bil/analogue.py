@@ -4,7 +4,10 @@ Facts from the reference manual RM0440 and the data sheet. Voltages are in count
 4096 for the reference.
 """
 
-from digital import NEVER, bit, need
+import random
+
+from core import NEVER
+from digital import bit, cycles, need
 from registers import Block, Register, WrongAccess
 
 SHUNT_PINS = {1: "PA1", 2: "PA7", 3: "PB0"}       # of the amplifiers' plus inputs
@@ -12,32 +15,73 @@ COMPARATORS = {1: ("PA1", 1), 2: ("PA7", 2), 4: ("PB0", 2)}  # plus input, DAC3 
 HALF_CYCLES = (5, 13, 25, 49, 95, 185, 495, 1281)  # of sampling, by the code in SMPR
 CONVERSION_HALF_CYCLES = 25
 HALF_CYCLE = 2                                     # at a quarter of 170 MHz
-REGULATOR_CYCLES = 20 * 170                        # 20 µs until the converter's regulator is up
 CALIBRATION_CYCLES = 116 * 4
 FLOATING = 4095                                    # what a pin that nobody drives may convert to
+READY_CYCLES = (5 + 25) * HALF_CYCLE               # a conversion, from the enabling on
+
+# Data sheet DS12589, the longest each.
+REGULATOR_START = cycles(20e-6)
+AMPLIFIER_START = cycles(6e-6)
+LEVEL_START = cycles(7.5e-6)
+COMPARATOR_START = cycles(5e-6)
+
+# Data sheet, and resistors of 1 % around the amplifiers: the least and the most.
+COUNTS_PER_MV = 4096 / 3300
+COMPARATOR_OFFSET_MV = (-9, 3)
+AMPLIFIER_OFFSET_MV = (-3, 3)
+AMPLIFIER_GAIN = (0.98, 1.02)
+
+
+class Parts:
+    """What the comparators and amplifiers of one chip of many do: drawn from `seed`, ideal without."""
+
+    def __init__(self, seed):
+        drawn = random.Random(seed)
+
+        def draw(span, ideal):
+            return {number: ideal if seed is None else drawn.uniform(*span) for number in (1, 2, 3, 4)}
+
+        def counts(span):
+            return {number: value * COUNTS_PER_MV for number, value in draw(span, 0.0).items()}
+
+        self.comparator = counts(COMPARATOR_OFFSET_MV)
+        self.amplifier = counts(AMPLIFIER_OFFSET_MV)
+        self.gain = draw(AMPLIFIER_GAIN, 1.0)
 
 
 class Amplifiers(Block):
     """Three programmable amplifiers."""
 
-    def __init__(self, pins, clocked):
-        self.pins = pins
+    def __init__(self, chip, parts, clocked):
+        self.chip = chip
+        self.parts = parts
+        self.ready = dict.fromkeys(SHUNT_PINS, NEVER)
         super().__init__("OPAMP", 0x40010300, {
-            f"{number}_CSR": (4 * (number - 1), Register(0, 0x0007C1ED)) for number in SHUNT_PINS
+            f"{number}_CSR": (4 * (number - 1), Register(0, 0x0007C1ED, on_write=self._write(number)))
+            for number in SHUNT_PINS
         }, clocked)
+
+    def _write(self, number):
+        def write(value):
+            if bit(value, 0) and not bit(self[f"{number}_CSR"], 0):
+                self.ready[number] = self.chip.now + AMPLIFIER_START
+            self[f"{number}_CSR"] = value
+        return write
 
     def output(self, number, inside):
         """At the output pin, or inside of the chip."""
         value = self[f"{number}_CSR"]
         need(bool(bit(value, 8)) == inside, f"amplifier {number} drives another output")
-        return self.pins[SHUNT_PINS[number]] * self._gain(number, value)
+        if self.chip.now < self.ready[number]:
+            return 0
+        return (self.chip.pins[SHUNT_PINS[number]] + self.parts.amplifier[number]) * self._gain(number, value)
 
     def _gain(self, number, value):
         if value & 0x6D == 0x61:  # its output is its minus input
             return 1
         need(value & 0x6D == 0x41, f"amplifier {number} does not amplify its pin")
         need(value >> 17 & 3 == 1, f"amplifier {number} does not refer to its minus pin")
-        return 2 << (value >> 14 & 7)
+        return (2 << (value >> 14 & 7)) * self.parts.gain[number]
 
 
 class Converter(Block):
@@ -51,6 +95,8 @@ class Converter(Block):
         self.calibrated = NEVER
         self.converted = 0     # end of the regular conversion
         self.converting = False  # regular, not yet told by its flag
+        self.ready = NEVER     # to convert
+        self.announced = False
         self.fresh = False     # enabled, and nothing was converted since
         self.results = []
         super().__init__(name, base, {
@@ -78,8 +124,7 @@ class Converter(Block):
         need(self.chip.now >= self.converted, f"{self.name} is triggered in a regular conversion")
         channels = (sequence >> 9 & 0x1F, sequence >> 15 & 0x1F)
         self.results = [self._convert(channel) for channel in channels]
-        self.due = self.chip.now + sum(
-            self._duration(channel) for channel in channels)
+        self.due = self.chip.now + sum(map(self._duration, channels))
 
     def fire(self):
         self.due = NEVER
@@ -112,6 +157,9 @@ class Converter(Block):
         return write
 
     def _flags(self):
+        if not self.announced and self.chip.now >= self.ready:
+            self.announced = True
+            self["ISR"] |= 1
         if self.converting and self.chip.now >= self.converted:
             self.converting = False
             self["ISR"] |= 4
@@ -131,16 +179,16 @@ class Converter(Block):
         now = self.chip.now
         if not bit(self["CR"], 28) and bit(value, 28):
             need(not bit(self["CR"], 29), f"{self.name} is in deep power-down")
-            self.regulated = now + REGULATOR_CYCLES
+            self.regulated = now + REGULATOR_START
         if bit(value, 31):
             need(now >= self.regulated, f"{self.name} is calibrated before its regulator is up")
             self.calibrated = now + CALIBRATION_CYCLES
         if bit(value, 0) and not bit(self["CR"], 0):
             need(now >= self.calibrated + 4 * 4, f"{self.name} is enabled before it is calibrated")
-            self["ISR"] |= 1
+            self.ready = now + READY_CYCLES
             self.fresh = True
         if value & 0xC:
-            need(bit(self["CR"], 0), f"{self.name} is started before it is enabled")
+            need(now >= self.ready, f"{self.name} is started before it is ready")
         if bit(value, 2):
             need(self.due == NEVER, f"{self.name} is started within its injected sequence")
             channel = self["SQR1"] >> 6 & 0x1F
@@ -159,10 +207,11 @@ class Converter(Block):
 class Level(Block):
     """DAC3, whose two channels go to the comparators."""
 
-    def __init__(self, changed, clocked):
-        self._changed = changed
+    def __init__(self, chip, clocked):
+        self.chip = chip
+        self.ready = {1: NEVER, 2: NEVER}
         super().__init__("DAC3", 0x50001000, {
-            "CR": (0x00, Register(0, 0x10001, on_write=self._write("CR"))),
+            "CR": (0x00, Register(0, 0x10001, on_write=self._enable)),
             "DHR12R1": (0x08, Register(0, 0xFFF, on_write=self._write("DHR12R1"))),
             "DHR12R2": (0x14, Register(0, 0xFFF, on_write=self._write("DHR12R2"))),
             "SR": (0x34, Register(0, 0, self._status)),
@@ -172,43 +221,63 @@ class Level(Block):
     def _write(self, key):
         def write(value):
             self[key] = value
-            self._changed()
+            self.chip.comparators_changed()
         return write
 
+    def _enable(self, value):
+        for channel in self.ready:
+            place = 16 * (channel - 1)
+            if bit(value, place) and not bit(self["CR"], place):
+                self.ready[channel] = self.chip.now + LEVEL_START
+        self._write("CR")(value)
+
     def _status(self):
-        return bit(self["CR"], 0) << 11 | bit(self["CR"], 16) << 27
+        return sum((self.chip.now >= ready) << 11 + 16 * (channel - 1) for channel, ready in self.ready.items())
 
     def voltage(self, channel):
+        """Of an output, or None: that is anything."""
         mode = self["MCR"] >> 16 * (channel - 1) & 7
         need(bit(self["CR"], 16 * (channel - 1)) and mode == 3, f"DAC3 channel {channel} is off")
         need(self["MCR"] >> 14 & 3 == 2, "DAC3 is not set for this bus clock")
-        return self[f"DHR12R{channel}"]
+        return self[f"DHR12R{channel}"] if self.chip.now >= self.ready[channel] else None
 
 
 class Comparators(Block):
     """Three comparators of the shunts with the level."""
 
-    def __init__(self, pins, level, changed, clocked):
-        self.pins = pins
-        self.level = level
-        self._changed = changed
+    def __init__(self, chip, parts, clocked):
+        self.chip = chip
+        self.parts = parts
+        self.due = NEVER  # all that were enabled have started
+        self.ready = dict.fromkeys(COMPARATORS, NEVER)
         super().__init__("COMP", 0x40010200, {
-            f"{number}_CSR": (4 * (number - 1),
-                              Register(0, 0x80070071, on_write=self._write(f"{number}_CSR")))
+            f"{number}_CSR": (4 * (number - 1), Register(0, 0x80070071, on_write=self._write(number)))
             for number in COMPARATORS
         }, clocked)
 
-    def _write(self, key):
+    def _write(self, number):
+        key = f"{number}_CSR"
+
         def write(value):
-            need(not bit(self[key], 31), f"COMP{key} is locked")
+            need(not bit(self[key], 31), f"COMP{number} is locked")
+            if bit(value, 0) and not bit(self[key], 0):
+                self.ready[number] = self.due = self.chip.now + COMPARATOR_START
             self[key] = value
-            self._changed()
+            self.chip.comparators_changed()
         return write
 
+    def fire(self):
+        self.due = NEVER
+        self.chip.comparators_changed()
+
     def output(self, number):
+        """High or low, or None: that is anything."""
         value = self[f"{number}_CSR"]
         if not bit(value, 0):
             return False
         need(value >> 4 & 7 == 4, f"comparator {number} does not look at DAC3")
         pin, channel = COMPARATORS[number]
-        return self.pins[pin] > self.level.voltage(channel)
+        level = self.chip.level.voltage(channel)
+        if level is None or self.chip.now < self.ready[number]:
+            return None
+        return self.chip.pins[pin] + self.parts.comparator[number] > level

@@ -6,10 +6,21 @@ Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time
 
 import collections
 
+from core import NEVER
 from registers import Block, Register, WrongAccess
 
-NEVER = float("inf")
 CLOCK_HZ = 170e6
+OSCILLATOR_HZ = 16e6
+
+
+def cycles(seconds):
+    return round(seconds * CLOCK_HZ)
+
+
+# Data sheet DS12589, the longest each: lock of the PLL, change of the regulator's voltage.
+PLL_LOCK = cycles(40e-6)
+REGULATOR_SETTLING = cycles(45e-6)
+HALF_SPEED = cycles(1e-6)  # RM0440 6.1.5: so long at half the speed
 
 
 def bit(value, number):
@@ -24,15 +35,18 @@ def need(holds, otherwise):
 class Power:
     """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order."""
 
-    def __init__(self, reset_flags):
+    def __init__(self, chip, reset_flags):
+        self.chip = chip
+        self.chip.clock.cycle = round(CLOCK_HZ / OSCILLATOR_HZ)
+        self.locked = self.settled = self.halved = 0
         self.pwr = Block("PWR", 0x40007000, {
             "CR3": (0x08, Register(0x8000, 1 << 14)),
-            "SR2": (0x14, Register()),
-            "CR5": (0x80, Register(0x100, 0x100)),
+            "SR2": (0x14, Register(0, 0, lambda: (self.chip.now < self.settled) << 10)),
+            "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
         }, lambda: bit(self.rcc["APB1ENR1"], 28))
         self.flash = Block("FLASH", 0x40022000, {"ACR": (0x00, Register(0x40600, 0x70F))})
         self.rcc = Block("RCC", 0x40021000, {
-            "CR": (0x00, Register(0x500, 0x01000500, on_write=self._control)),
+            "CR": (0x00, Register(0x500, 0x01000500, self._control_read, self._control)),
             "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
             "PLLCFGR": (0x0C, Register(0x1000, 0x07007FF3, on_write=self._set_pll)),
             "AHB2ENR": (0x4C, Register(0, 0x00052007)),
@@ -46,8 +60,19 @@ class Power:
         """A function that says whether a peripheral has its clock."""
         return lambda: bit(self.rcc[register], number)
 
+    def _set_range(self, value):
+        if value != self.pwr["CR5"]:
+            self.settled = self.chip.now + REGULATOR_SETTLING
+        self.pwr["CR5"] = value
+
     def _control(self, value):
-        self.rcc["CR"] = value & 0x01000100 | bit(value, 8) << 10 | bit(value, 24) << 25
+        if bit(value, 24) and not bit(self.rcc["CR"], 24):
+            self.locked = self.chip.now + PLL_LOCK
+        self.rcc["CR"] = value & 0x01000100 | bit(value, 8) << 10
+
+    def _control_read(self):
+        self.rcc["CR"] |= (bit(self.rcc["CR"], 24) and self.chip.now >= self.locked) << 25
+        return self.rcc.register("CR").value
 
     def _set_pll(self, value):
         need(not bit(self.rcc["CR"], 24), "PLLCFGR is written while the PLL runs")
@@ -63,12 +88,22 @@ class Power:
     def _configure(self, value):
         prescaler = value >> 4 & 0xF
         if value & 3 == 3:
-            need(bit(self.rcc["CR"], 25), "the clock is switched to a PLL that is not ready")
+            need(bit(self._control_read(), 25), "the clock is switched to a PLL that is not ready")
+            need(self.chip.now >= self.settled, "the clock is switched before the regulator has settled")
             need(self._pll_hz() == CLOCK_HZ, f"the clock is {self._pll_hz():g} Hz")
             need(not bit(self.pwr["CR5"], 8), "above 150 MHz without boost")
             need(self.flash["ACR"] & 0xF >= 4, "170 MHz with too few wait states")
-            need(prescaler == 8 or self.rcc["CFGR"] & 3 == 3, "no step at half of the speed")
+            self._step_up(prescaler)
         self.rcc["CFGR"] = value & ~0xC | (value & 3) << 2
+
+    def _step_up(self, prescaler):
+        """To full speed by way of half of it."""
+        if prescaler == 8:
+            self.halved = self.chip.now
+        else:
+            need(self.rcc["CFGR"] & 3 == 3 and self.chip.now >= self.halved + HALF_SPEED,
+                 "no step of a microsecond at half of the speed")
+        self.chip.clock.cycle = 2 if prescaler == 8 else 1
 
     def _clear_flags(self, value):
         if bit(value, 23):
@@ -100,6 +135,10 @@ class Port(Block):
 
     def function(self, pin):
         return self["AFRH" if pin > 7 else "AFRL"] >> 4 * (pin % 8) & 0xF
+
+
+# Cycles of the timer that BKF lets pass: samples that have to be equal, times what the sampling clock is divided by.
+BREAK_FILTER = (0, 2, 4, 8, 12, 16, 24, 32, 48, 64, 80, 96, 128, 160, 192, 256)
 
 
 class Timer(Block):
@@ -134,6 +173,15 @@ class Timer(Block):
 
     def preloaded(self):
         return self["CCR1"], self["CCR2"], self["CCR3"]
+
+    def next_update(self):
+        """When the next update event comes."""
+        return self.due + self.repeats * self["ARR"]
+
+    def filter_cycles(self):
+        """What is shorter does not pass the break input's filter, RM0440 28.6.20 (BKF)."""
+        code = self["BDTR"] >> 16 & 0xF
+        return BREAK_FILTER[code]
 
     def gates_on(self):
         return bool(bit(self["BDTR"], 15))
@@ -207,34 +255,98 @@ class Timer(Block):
 
 
 class Usart(Block):
-    """USART2, infinitely fast: its user's bytes are there at once, and no byte has to wait."""
+    """USART2 with its FIFOs, at the speed of its line. `instant`: bytes to the PC take no time, where it is not the line
+    that is tested: a dump takes some 5 s of it."""
 
-    def __init__(self, clocked):
-        self.typed = collections.deque()
+    FIFO = 8
+    BITS = 10
+    PAUSE = cycles(300e-6)  # silence: the background has come by twice and more
+
+    def __init__(self, chip, clocked):
+        self.chip = chip
+        self.instant = False
+        self.starts = collections.deque()  # when each byte that still waits to be sent leaves the FIFO
+        self.silent = -self.PAUSE          # when the last byte will have been sent
         self.said = bytearray()
+        self.arriving = collections.deque()  # (when, byte)
+        self.received = collections.deque()
+        self.overrun = False
         super().__init__("USART2", 0x40004400, {
             "CR1": (0x00, Register(0, 0x2000000D, on_write=self._enable)),
             "BRR": (0x0C, Register(0, 0xFFFF)),
-            "ISR": (0x1C, Register(on_read=lambda: 0x80 | (0x20 if self.typed else 0))),
-            "ICR": (0x20, Register(0, 0xF)),
-            "RDR": (0x24, Register(0, 0, lambda: self.typed.popleft() if self.typed else 0)),
+            "ISR": (0x1C, Register(on_read=self._status)),
+            "ICR": (0x20, Register(0, 0xF, on_write=self._clear)),
+            "RDR": (0x24, Register(0, 0, self._take)),
             "TDR": (0x28, Register(0, 0xFF, on_write=self._send)),
         }, clocked)
+
+    def byte_cycles(self):
+        return self.BITS * self["BRR"]
+
+    def receive(self, line):
+        """Bytes that follow each other as closely as they can, whether someone takes them or not."""
+        start = max(self.chip.now, self.arriving[-1][0] if self.arriving else 0)
+        self.arriving.extend((start + (k + 1) * self.byte_cycles(), byte) for k, byte in enumerate(line))
+
+    def receive_at_once(self, line):
+        """As many as there is room for. Their number."""
+        taken = line[:self.FIFO - len(self.received)]
+        self.received.extend(taken)
+        return len(taken)
+
+    def sending_s(self):
+        """How long until all is said, and nothing follows."""
+        return 0 if self.instant else (self.silent + self.PAUSE - self.chip.now) / CLOCK_HZ
+
+    def heard(self):
+        said = self.said.decode()
+        self.said.clear()
+        return said
 
     def _enable(self, value):
         baud = CLOCK_HZ / self["BRR"]
         need(abs(baud / 115200 - 1) < 0.02, f"the console has {baud:g} baud")
         self["CR1"] = value
 
+    def _has_room(self):
+        while self.starts and self.starts[0] <= self.chip.now:
+            self.starts.popleft()
+        return len(self.starts) < self.FIFO
+
+    def _arrive(self):
+        """An overrun loses bytes until it is cleared."""
+        while self.arriving and self.arriving[0][0] <= self.chip.now:
+            byte = self.arriving.popleft()[1]
+            self.overrun = self.overrun or len(self.received) == self.FIFO
+            if not self.overrun:
+                self.received.append(byte)
+
+    def _status(self):
+        self._arrive()
+        return self._has_room() << 7 | bool(self.received) << 5 | self.overrun << 3
+
+    def _clear(self, value):
+        self._arrive()
+        self.overrun = self.overrun and not bit(value, 3)
+
+    def _take(self):
+        self._arrive()
+        return self.received.popleft() if self.received else 0
+
     def _send(self, value):
         need(self["CR1"] & 9 == 9, "a byte is sent while the transmitter is off")
+        need(self._has_room(), "a byte is sent while there is no room")
         self.said.append(value)
+        if not self.instant:
+            start = max(self.chip.now, self.silent)
+            self.starts.append(start)
+            self.silent = start + self.byte_cycles()
 
 
 class Watchdog(Block):
     """The independent watchdog, with the slowest oscillator that the data sheet allows."""
 
-    CYCLES = CLOCK_HZ / 30.4e3  # of the oscillator of 32 kHz, 5 % below
+    CYCLES = round(CLOCK_HZ / 30.4e3)  # of the oscillator of 32 kHz, 5 % below
 
     def __init__(self, chip):
         self.chip = chip
@@ -276,7 +388,7 @@ class System(Block):
     def __init__(self, chip):
         self.chip = chip
         self.due = NEVER
-        self.pending = set()
+        self.pending = False
         super().__init__("SYSTEM", 0xE000E000, {
             "SYST_CSR": (0x010, Register(0, 7, self._read_status, self._start)),
             "SYST_RVR": (0x014, Register(0, 0xFFFFFF)),
@@ -288,29 +400,44 @@ class System(Block):
         })
 
     def fire(self):
-        self.due += self["SYST_RVR"] + 1
+        self.due += self._period()
         self["SYST_CSR"] |= 1 << 16
         if bit(self["SYST_CSR"], 1):
-            self.pending.add(self.SYSTICK)
+            self.pending = True
 
-    def take(self):
-        """The exception to be handled now, or None. SysTick is above the converters."""
-        need(not self.pending or self["NVIC_IPR4"] >> 16 & 0xFF > self["SCB_SHPR3"] >> 24,
-             "the tick guard cannot interrupt the tick")
-        if self.pending:
-            return self.pending.pop()
-        wanted = bit(self["NVIC_ISER0"], 18) and self.chip.converters_want_interrupt()
-        return self.ADC1_2 if wanted else None
+    def priority(self, exception):
+        """The lower, the more urgent."""
+        if exception == self.SYSTICK:
+            return self["SCB_SHPR3"] >> 24
+        return self["NVIC_IPR4"] >> 16 & 0xFF if exception == self.ADC1_2 else 0
+
+    def first(self, above):
+        """The exception that interrupts what has the priority `above`, or None."""
+        waiting = [self.SYSTICK] if self.pending else []
+        if bit(self["NVIC_ISER0"], 18) and self.chip.converters_want_interrupt():
+            waiting.append(self.ADC1_2)
+        most = min(waiting, key=self.priority, default=None)
+        return most if most is not None and self.priority(most) < above else None
+
+    def take(self, above):
+        """The same, which is no longer pending."""
+        exception = self.first(above)
+        if exception == self.SYSTICK:
+            self.pending = False
+        return exception
 
     def _start(self, value):
         need(not bit(value, 0) or bit(value, 2), "SysTick counts another clock")
         self["SYST_CSR"] = value
-        self.due = self.chip.now + self["SYST_RVR"] + 1 if bit(value, 0) else NEVER
+        self.due = self.chip.now + self._period() if bit(value, 0) else NEVER
+
+    def _period(self):
+        return (self["SYST_RVR"] + 1) * self.chip.clock.cycle
 
     def _restart(self, _):
         self["SYST_CSR"] &= ~(1 << 16)
         if bit(self["SYST_CSR"], 0):
-            self.due = self.chip.now + self["SYST_RVR"] + 1
+            self.due = self.chip.now + self._period()
 
     def _read_status(self):
         value = self.register("SYST_CSR").value

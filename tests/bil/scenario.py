@@ -1,7 +1,7 @@
 """A scenario of the simulator with the image in the loop.
 
-scenario.py IMAGE BOARD BIL_PLANT SCENARIO IMPERFECTIONS: the image runs from its reset vector on the board of
-the file BOARD; the plant, and the judgement, are those of BIL_PLANT. Exit status as that program's.
+scenario.py IMAGE BOARD CLOCK BIL_PLANT SCENARIO IMPERFECTIONS: the image runs from its reset vector on the board of
+the file BOARD, its time is kept by the library CLOCK (core_clock.c); the plant, and the judgement, are those of BIL_PLANT. Exit status as that program's.
 """
 
 import struct
@@ -33,7 +33,7 @@ def type_changes(board, before, asked):
 
 
 def loop(plant, board):
-    before = None
+    before, ticks = None, 0
     while record := plant.stdout.read(ASKED.size):
         asked = ASKED.unpack(record)
         if before is None:
@@ -41,12 +41,15 @@ def loop(plant, board):
             board.boot()
             before = (0,) * len(asked)
         type_changes(board, before, asked)
+        if board.ticks != ticks:
+            sys.exit(f"a tick came upon the command before tick {ticks}: it was not the plant's")
         answer(plant, board, asked)
         before = asked
+        ticks += 1
 
 
-def main(image, board_file, program, scenario, imperfections):
-    board = Board(Path(image), Path(board_file))
+def main(image, board_file, clock, program, scenario, imperfections):
+    board = Board(Path(image), Path(board_file), Path(clock))
     with subprocess.Popen([program, scenario, imperfections, f"board={board_file}"],
                           stdin=subprocess.PIPE, stdout=subprocess.PIPE) as plant:
         loop(plant, board)
@@ -58,6 +61,6 @@ def main(image, board_file, program, scenario, imperfections):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 6:
+    if len(sys.argv) != 7:
         sys.exit(__doc__)
     main(*sys.argv[1:])

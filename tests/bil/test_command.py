@@ -1,6 +1,6 @@
 """target.loop.command: the control tick finds whole commands only, wherever it interrupts the background.
 
-test_command.py IMAGE BOARD GDB
+test_command.py IMAGE BOARD CLOCK GDB
 """
 
 import struct
@@ -12,12 +12,13 @@ from pathlib import Path
 import board
 from copies import in_a_copy
 
-IMAGE, BOARD, GDB = (Path(argument) for argument in sys.argv[1:4])
+IMAGE, BOARD, CLOCK, GDB = (Path(argument) for argument in sys.argv[1:5])
 
 MIDDLE = 2048
 COMMAND = struct.Struct("<iBB2x")  # target, mode, request; as gdb is asked below
 RUN = 1
 NOBODYS = COMMAND.pack(-123456789, 1, 3)
+TYPED = b"speed 1000\rrun\r"
 COARSE = 32  # instructions, more than a post has: what a tick could find amiss lies as near to a change
 
 
@@ -48,7 +49,7 @@ class Command(unittest.TestCase):
         cls.taken, cls.slots, cls.in_force = app + taken, app + slots, app + in_force
 
     def setUp(self):
-        self.board = board.Board(IMAGE, BOARD)
+        self.board = board.Board(IMAGE, BOARD, CLOCK)
         self.board.set_inputs(MIDDLE, MIDDLE, MIDDLE)
         self.board.boot()
         self.board.tick(3)
@@ -65,10 +66,11 @@ class Command(unittest.TestCase):
         """The commands `speed` and `run` in one pass, and a tick that comes upon it after so many instructions."""
         in_force, = struct.unpack("<I", self.memory(self.in_force, 4))
         self.board.core.uc.mem_write(self.slots + COMMAND.size * (1 - in_force), NOBODYS)
-        self.board.chip.usart.typed.extend(b"speed 1000\rrun\r")
-        self.board.handle_next(instructions)
-        slept = self.board.sleeps()
-        self.board.handle_next()
+        self.board.chip.usart.FIFO = len(TYPED)  # both lines in one pass
+        self.board.chip.usart.receive_at_once(TYPED)
+        self.board.tick(background=instructions)
+        slept = self.board.core.asleep
+        self.board.tick()
         return f"{'slept' if slept else 'interrupted'}\n{self.found()}"
 
     def looks(self, first, distance):

@@ -1,6 +1,6 @@
 """target.loop.own_board: an image for a board and a motor of one's own, whose files lie outside of the project.
 
-test_own_board.py NFCONFIG: the board has an external amplifier, so that the chip's own ones have a gain of 1. cmake is
+test_own_board.py NFCONFIG CLOCK: the board has an external amplifier, so that the chip's own ones have a gain of 1. cmake is
 called in the folder of the two files, by a path relative to it.
 """
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import board
 
-NFCONFIG = Path(sys.argv[1]).resolve()
+NFCONFIG, CLOCK = (Path(argument).resolve() for argument in sys.argv[1:3])
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ROOT / "host_sim"
 MIDDLE = 2048
@@ -54,7 +54,7 @@ class OwnBoard(unittest.TestCase):
             run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
             if run.returncode:
                 raise AssertionError(run.stdout + run.stderr)
-        cls.board = board.Board(folder / "build/neurofoc_g431.elf", folder / "mine/board.toml")
+        cls.board = board.Board(folder / "build/neurofoc_g431.elf", folder / "mine/board.toml", CLOCK)
         cls.bus = round(310 / 450 * 4096)
         cls.board.set_inputs(MIDDLE, MIDDLE, cls.bus)
         cls.board.boot()

@@ -1,6 +1,6 @@
 """target.loop.races: what comes between two accesses of the image to a register, and what a tick must not undo.
 
-test_races.py IMAGE BOARD [TEST...], as scenario.py.
+test_races.py IMAGE BOARD CLOCK [TEST...], as scenario.py.
 """
 
 import sys
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import board
 
-IMAGE, BOARD = (Path(argument) for argument in sys.argv[1:3])
+IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
 MIDDLE = 2048
 BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
@@ -21,11 +21,12 @@ OVER = 4096 / 4  # counts at a comparator: beyond every level
 
 
 def ready():
-    made = board.Board(IMAGE, BOARD)
+    made = board.Board(IMAGE, BOARD, CLOCK)
     made.set_inputs(MIDDLE, MIDDLE, BUS)
     made.boot()
     made.tick(CALIBRATION_TICKS)
     made.said()
+    made.chip.usart.instant = True
     return made
 
 
@@ -150,4 +151,4 @@ class Speeds(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

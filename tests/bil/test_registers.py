@@ -1,6 +1,6 @@
 """target.loop.registers: what the chip's registers hold once the image has booted, each bit by the manual.
 
-test_registers.py IMAGE BOARD, as scenario.py. The values are written down here a second time, from RM0440, the data sheet
+test_registers.py IMAGE BOARD CLOCK [TEST...], as scenario.py. The values are written down here a second time, from RM0440, the data sheet
 and the board file: a bit that the image forgets, and that no behaviour of the models shows, is missing here.
 """
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import board
 
-IMAGE, BOARD = (Path(argument) for argument in sys.argv[1:3])
+IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
 STAGE, HAL = FILE["board"], FILE["hal"]
 
@@ -151,7 +151,7 @@ def expected():
 
 class Registers(unittest.TestCase):
     def setUp(self):
-        self.made = board.Board(IMAGE, BOARD)
+        self.made = board.Board(IMAGE, BOARD, CLOCK)
         self.made.set_inputs(2048, 2048, round(STAGE["bus_nominal_v"] / STAGE["bus_full_scale_v"] * 4096))
         blocks = self.made.chip.blocks
         self.registers = {f"{block.name}_{key}": register for block in blocks
@@ -174,7 +174,7 @@ class Registers(unittest.TestCase):
 
         def note(address, size, value):
             written.add(self.names[address])
-            write(address, size, value)
+            return write(address, size, value)
 
         self.made.core.bus.write = note
         self.start()
@@ -182,4 +182,4 @@ class Registers(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

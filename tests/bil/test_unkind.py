@@ -1,0 +1,202 @@
+"""target.loop.unkind: the image on a board that has tolerances, disturbances and a user, and takes its time.
+
+test_unkind.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.
+"""
+
+import re
+import sys
+import tomllib
+import unittest
+from pathlib import Path
+
+import analogue
+import board
+from copies import in_a_copy
+
+IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
+
+FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
+MIDDLE = 2048
+BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
+CALIBRATION_TICKS = 260
+SEEDS = range(8)
+LATE_TICKS = 40  # every other one: more than the drive bears
+TYPING_S = 5e-3  # more than a short line takes
+LINE_MAX = 512  # characters that the console keeps to be sent
+SPIKE_S = 100e-9  # as the switches make when they turn on; the filter has 141 ns
+
+
+def ready(**arguments):
+    made = board.Board(IMAGE, BOARD, CLOCK, **arguments)
+    made.set_inputs(MIDDLE, MIDDLE, BUS)
+    made.boot()
+    made.tick(CALIBRATION_TICKS)
+    return made
+
+
+def running():
+    made = ready()
+    made.type("run")
+    made.tick(2)
+    return made
+
+
+def tripping(made, phase=0):
+    """(pin, count) of a shunt that carries more than the trip level."""
+    pin = list(analogue.SHUNT_PINS.values())[phase]
+    level = made.chip.level["DHR12R1"]
+    above = level >= made.chip.pins[pin]
+    return pin, level + (5 if above else -5)
+
+
+class Parts(unittest.TestCase):
+    def test_any_of_many_boards_comes_to_ready_without_a_fault(self):
+        for seed in SEEDS:
+            with self.subTest(seed):
+                said = ready(seed=seed).said()
+                self.assertIn("READY", said)
+                self.assertNotIn("FAULT", said)
+
+    def test_each_phase_is_measured_at_its_own_input(self):
+        """Counts that lie far apart."""
+        made = ready()
+        full_a = FILE["current_full_scale_a"]
+        made.set_inputs(MIDDLE + 300, MIDDLE - 700, BUS)
+        made.tick(2)
+        made.said()
+        made.type("status")
+        shown = re.search(r"phases (\S+) (\S+) (\S+) A", made.said()).groups()
+        for text, count in zip(shown, (300, -700, 400)):
+            self.assertAlmostEqual(float(text), count / MIDDLE * full_a, delta=full_a / MIDDLE * 1.5)
+
+
+class Break(unittest.TestCase):
+    def test_a_spike_of_turning_on_does_not_pass_the_filter(self):
+        made = running()
+        made.chip.spike(*tripping(made), SPIKE_S)
+        self.assertTrue(made.chip.timer.gates_on())
+
+    def test_what_lasts_twice_as_long_opens_the_gates(self):
+        made = running()
+        made.chip.spike(*tripping(made), 2 * SPIKE_S)
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_at_each_instruction_of_the_tick_it_leaves_the_gates_open_and_reaches_the_drive(self):
+        """Also between two accesses to the timer, and while the gates are being enabled."""
+        def enabling():
+            made = ready()
+            made.said()
+            made.chip.usart.instant = True
+            made.type("run")
+            made.said()
+            return made
+
+        for start in (enabling, self.on):
+            with self.subTest(start.__name__):
+                made = start()
+                seen = self.broken_at_each_instruction(made)
+                self.assertEqual(seen, {"open, FAULT by BREAK"})
+
+    def on(self):
+        made = running()
+        made.said()
+        made.chip.usart.instant = True
+        return made
+
+    def broken_at_each_instruction(self, made):
+        """Each instruction from the first access to the timer on, which the tick makes early, to its end."""
+        seen, instructions = set(), 0
+        made.chip.wait_for_exception()
+        while True:
+            instructions += STEP
+            how, _, said = in_a_copy(lambda: self.broken(made, instructions)).partition("\n")
+            seen.add(said)
+            if how == "ended":
+                return seen
+
+    def broken(self, made, instructions):
+        exception = made.chip.system.take(board.THREAD)
+        ended = made.core.handle(exception, instructions,
+                                 lambda: made.chip.spike(*tripping(made), 2 * SPIKE_S))
+        open_then = not made.chip.timer.gates_on()
+        made.tick(3)
+        open_now = not made.chip.timer.gates_on()
+        said = re.search(r"FAULT by \w+", made.said())
+        gates = "open" if open_then and open_now else "closed again"
+        return f"{'ended' if ended else 'goes on'}\n{gates}, {said[0] if said else 'nothing said'}"
+
+
+STEP = 7  # instructions: coprime to any loop's length; an access to the timer is some ten apart from the next
+
+
+class Line(unittest.TestCase):
+    def test_after_an_overrun_the_console_hears_again(self):
+        made = ready()
+        made.said()
+        made.chip.usart.overrun = True  # bytes came while nobody took them
+        made.go_on(TYPING_S)
+        made.chip.usart.receive(b"status\r")
+        made.go_on(TYPING_S)
+        self.assertIn("READY, speed 0 of 0 rpm", made.said())
+
+    def test_what_comes_while_nobody_takes_it_sets_the_flag(self):
+        usart = ready().chip.usart
+        usart.receive(b"x" * (usart.FIFO + 1))
+        usart.chip.clock.now += usart.byte_cycles() * (usart.FIFO + 2)
+        self.assertTrue(usart.register("ISR").on_read() & 1 << 3)
+
+    def test_what_does_not_fit_is_cut_and_each_line_keeps_its_end(self):
+        made = ready()
+        made.said()
+        for _ in range(LINE_MAX // 60):
+            made.type("status")
+        said = made.said()
+        self.assertTrue(said.endswith("\r\n"))
+        for line in said.split("\r\n"):
+            self.assertLessEqual(line.count("READY"), 1, line)
+        made.type("status")
+        self.assertRegex(made.said(), r"^READY, .* %\r\n$")
+
+
+class Slow(unittest.TestCase):
+    def stretch(self, made, share):
+        """Every other tick takes this share of its period; no more of them, for the background would starve the watchdog."""
+        handle, ticks = made.core.handle, 0
+        period = 2 * made.chip.timer["ARR"]
+        start = made.chip.now
+        handle(made.chip.system.ADC1_2)
+        factor = round(share * period / (made.chip.now - start))
+
+        def slow(*arguments):
+            nonlocal ticks
+            ticks += 1
+            made.chip.clock.cycle = factor if ticks % 2 else 1
+            try:
+                return handle(*arguments)
+            finally:
+                made.chip.clock.cycle = 1
+
+        made.core.handle = slow
+
+    def late(self, share):
+        made = running()
+        made.said()
+        made.chip.usart.instant = True
+        self.stretch(made, share)
+        made.tick(LATE_TICKS)
+        return made
+
+    def test_ticks_that_take_longer_than_their_period_are_late_and_the_drive_says_so(self):
+        made = self.late(1.4)
+        self.assertIn("FAULT by LATE", made.said())
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_ticks_that_take_most_of_their_period_are_in_time(self):
+        made = self.late(0.8)
+        self.assertNotIn("LATE", made.said())
+        made.type("status")
+        self.assertIn(" late 0,", made.said())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
