@@ -101,8 +101,8 @@ def draw_board(rng, bus_v, max_current_a):
         "dead_time_s": dead_time_s,
         "device_drop_v": 0.0 if bus_v <= 72 else rng.uniform(0, 2),
         "offset_samples_log2": rng.randint(6, 10),
-        "temperature_at_zero_c": -48.684,
-        "temperature_full_scale_c": 125,
+        "temperature_points_c": [-20, 0, 20, 40, 60, 80, 100, 120],
+        "temperature_points_pct": [5.9, 14.28, 27.92, 44.72, 60.73, 73.31, 82.11, 87.91],
         "temperature_max_c": rng.uniform(70, 110),
         "recorder_entries": 1408,
     }, settling_s
