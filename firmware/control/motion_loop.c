@@ -71,7 +71,8 @@ static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
     const int32_t count = (int32_t)ticks;
     const int32_t upper = fx_asr(speed, 16U) * count;
-    const int32_t lower = (int32_t)(fx_unsigned(speed) & 0xFFFFU) * count;
+    const uint32_t fraction = fx_unsigned(speed) & 0xFFFFU;
+    const int32_t lower = (int32_t)fraction * count;
     const int64_t way = ((int64_t)upper * Q32_TO_Q16) + lower;
     const uint64_t there = fx_unsigned64(position_q32) + fx_unsigned64(way);
 

@@ -159,7 +159,8 @@ class VcdTest(unittest.TestCase):
             self.assertIn(f"{option} is a finite number of seconds, found {time}",
                           self.refused("s1", "--vcd", "a", option, time))
         self.assertIn("same file", self.refused("s1", "--vcd", "a", "--trace", "./a"))
-        self.assertIn("cannot create", self.refused("s1", "--vcd", "no/such/folder"))
+        self.assertIn("no/such/folder: cannot write: No such file or directory",
+                      self.refused("s1", "--vcd", "no/such/folder"))
         self.assertIn("/dev/full", self.refused("s1", "--vcd", "/dev/full"))
         self.assertTrue(Path("/dev/full").exists())
 
