@@ -338,6 +338,7 @@ std::vector<SignalInfo> model_signals()
         DRIVE(model.observer.iq_gain_q14, ratio_q14),
         DRIVE(model.observer.saliency_q13, ratio_q13),
         DRIVE(model.observer.current_shift, number),
+        DRIVE(model.observer.descent_shift, number),
         DRIVE(model.observer.rate_shift, number),
         DRIVE(model.observer.proportional_shift, number),
         DRIVE(model.observer.momentum_q15, ratio_q15),
