@@ -65,10 +65,10 @@ typedef struct {
     int32_t saliency_q13;   /* L_q/L_d: an error of i_q as one of y, 1…32767 */
     uint32_t current_shift; /* s, 0…9 */
     uint32_t descent_shift; /* of b, 4…12: below 12 where φ/L_d is small against I_b */
-    int32_t rate; /* η: steps = (b >> descent_shift, saturated to 16 bits)·rate / 2^rate_shift */
+    /* η and κ_p: steps = d·mantissa / 2^shift with the descent d = b >> descent_shift, saturated to 16 bits. */
+    int32_t rate;
     uint32_t rate_shift; /* 0…30 */
-    int32_t
-        proportional; /* κ_p: steps = (b >> descent_shift)·proportional / 2^proportional_shift */
+    int32_t proportional;
     uint32_t proportional_shift; /* 0…30 */
     int32_t momentum_q15;        /* α */
     step_t speed_limit;          /* |ω̂| is kept within, 1…2^29 */
