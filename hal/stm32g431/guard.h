@@ -6,8 +6,9 @@
  * hangs: the gates open, and the watchdog is never fed again.
  *
  * The independent watchdog runs from its own oscillator, whatever happens to the rest, and resets the
- * chip after 1 ms (0.9 to 1.1 ms) without food. The background feeds it, and only when a control tick
- * has been completed since: so it bites when ticks stop, and when the background does.
+ * chip after 1 ms (0.9 to 1.2 ms, by the oscillator's 29.5 to 34 kHz) without food. The background feeds it,
+ * and only when a control tick has been completed since: so it bites when ticks stop, and when the background
+ * does.
  */
 #ifndef GUARD_H
 #define GUARD_H

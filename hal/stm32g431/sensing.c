@@ -9,7 +9,7 @@
 #define CHANNEL_TEMPERATURE (5UL)  /* ADC1, PB14 */
 #define CHANNEL_AMPLIFIER_3 (18UL) /* ADC2, inside */
 
-/* Data sheet: converter regulator 20 µs, operational amplifier wake-up 6 µs. */
+/* Data sheet, tables 60 and 74: converter regulator at most 20 µs, wake-up of an amplifier at most 6 µs. */
 #define WAKE_US (30U)
 
 static uint32_t log2_of(uint32_t power)

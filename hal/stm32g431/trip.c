@@ -5,7 +5,7 @@
 #include "reg.h"
 #include "stm32g431.h"
 
-/* Data sheet: DAC wake-up at most 7.5 µs, comparator start-up at most 5 µs. */
+/* Data sheet, tables 70 and 73: wake-up of this DAC at most 3.5 µs, start-up of a comparator at most 5 µs. */
 #define SETTLING_US (15U)
 
 #define READY (DAC_SR_DAC1RDY | DAC_SR_DAC2RDY)

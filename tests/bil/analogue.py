@@ -7,7 +7,7 @@ Facts from the reference manual RM0440 and the data sheet. Voltages are in count
 import random
 
 from core import NEVER
-from digital import bit, cycles, need
+from digital import Awaited, bit, cycles, need
 from registers import Block, Register, WrongAccess
 
 SHUNT_PINS = {1: "PA1", 2: "PA7", 3: "PB0"}       # of the amplifiers' plus inputs
@@ -15,21 +15,21 @@ COMPARATORS = {1: ("PA1", 1), 2: ("PA7", 2), 4: ("PB0", 2)}  # plus input, DAC3 
 HALF_CYCLES = (5, 13, 25, 49, 95, 185, 495, 1281)  # of sampling, by the code in SMPR
 CONVERSION_HALF_CYCLES = 25
 HALF_CYCLE = 2                                     # at a quarter of 170 MHz
-CALIBRATION_CYCLES = 116 * 4
+CALIBRATION_CYCLES = 116 * 4                       # data sheet DS12589 rev. 6, table 60
 FLOATING = 4095                                    # what a pin that nobody drives may convert to
-READY_CYCLES = (5 + 25) * HALF_CYCLE               # a conversion, from the enabling on
+READY_CYCLES = (5 + 25) * HALF_CYCLE               # the same table: a conversion at least; no longest one is given
 
-# Data sheet DS12589, the longest each.
-REGULATOR_START = cycles(20e-6)
-AMPLIFIER_START = cycles(6e-6)
-LEVEL_START = cycles(7.5e-6)
-COMPARATOR_START = cycles(5e-6)
+# Data sheet DS12589 rev. 6, the longest each.
+REGULATOR_START = cycles(20e-6)  # table 60
+AMPLIFIER_START = cycles(6e-6)   # table 74, high-speed mode
+LEVEL_START = cycles(3.5e-6)     # table 70: DAC3 is one of 15 MSPS
+COMPARATOR_START = cycles(5e-6)  # table 73
 
-# Data sheet, and resistors of 1 % around the amplifiers: the least and the most.
+# The same, the least and the most.
 COUNTS_PER_MV = 4096 / 3300
-COMPARATOR_OFFSET_MV = (-9, 3)
-AMPLIFIER_OFFSET_MV = (-3, 3)
-AMPLIFIER_GAIN = (0.98, 1.02)
+COMPARATOR_OFFSET_MV = (-9, 3)  # table 73
+AMPLIFIER_OFFSET_MV = (-3, 3)   # table 74
+AMPLIFIER_GAIN = (0.98, 1.02)   # table 74: 1 % for gains up to 16; the other one is assumed for resistors around
 
 
 class Parts:
@@ -95,8 +95,7 @@ class Converter(Block):
         self.calibrated = NEVER
         self.converted = 0     # end of the regular conversion
         self.converting = False  # regular, not yet told by its flag
-        self.ready = NEVER     # to convert
-        self.announced = False
+        self.ready = Awaited(chip, READY_CYCLES)
         self.fresh = False     # enabled, and nothing was converted since
         self.results = []
         super().__init__(name, base, {
@@ -157,8 +156,7 @@ class Converter(Block):
         return write
 
     def _flags(self):
-        if not self.announced and self.chip.now >= self.ready:
-            self.announced = True
+        if not self.ready.seen and self.ready.look():
             self["ISR"] |= 1
         if self.converting and self.chip.now >= self.converted:
             self.converting = False
@@ -185,10 +183,10 @@ class Converter(Block):
             self.calibrated = now + CALIBRATION_CYCLES
         if bit(value, 0) and not bit(self["CR"], 0):
             need(now >= self.calibrated + 4 * 4, f"{self.name} is enabled before it is calibrated")
-            self.ready = now + READY_CYCLES
+            self.ready.start()
             self.fresh = True
         if value & 0xC:
-            need(now >= self.ready, f"{self.name} is started before it is ready")
+            need(self.ready.seen, f"{self.name} is started, and was not seen to be ready")
         if bit(value, 2):
             need(self.due == NEVER, f"{self.name} is started within its injected sequence")
             channel = self["SQR1"] >> 6 & 0x1F

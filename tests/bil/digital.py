@@ -17,9 +17,9 @@ def cycles(seconds):
     return round(seconds * CLOCK_HZ)
 
 
-# Data sheet DS12589, the longest each: lock of the PLL, change of the regulator's voltage.
-PLL_LOCK = cycles(40e-6)
-REGULATOR_SETTLING = cycles(45e-6)
+# Data sheet DS12589 rev. 6, the longest each. Table 36 is of a change of range: that of the boost is assumed to be alike.
+PLL_LOCK = cycles(40e-6)  # table 45
+REGULATOR_SETTLING = cycles(40e-6)
 HALF_SPEED = cycles(1e-6)  # RM0440 6.1.5: so long at half the speed
 
 
@@ -32,16 +32,36 @@ def need(holds, otherwise):
         raise WrongAccess(otherwise)
 
 
+class Awaited:
+    """What takes its time, and tells by a flag that it is done: without a look at that flag one goes on by luck."""
+
+    def __init__(self, chip, duration):
+        self.chip = chip
+        self.duration = duration
+        self.end = NEVER
+        self.seen = False
+
+    def start(self):
+        self.end = self.chip.now + self.duration
+        self.seen = False
+
+    def look(self):
+        self.seen = self.seen or self.chip.now >= self.end
+        return self.seen
+
+
 class Power:
     """Regulator, flash and clock tree: the step to 170 MHz has to be done in the manual's order."""
 
     def __init__(self, chip, reset_flags):
         self.chip = chip
         self.chip.clock.cycle = round(CLOCK_HZ / OSCILLATOR_HZ)
-        self.locked = self.settled = self.halved = 0
+        self.pll = Awaited(chip, PLL_LOCK)
+        self.regulator = Awaited(chip, REGULATOR_SETTLING)
+        self.halved = 0
         self.pwr = Block("PWR", 0x40007000, {
             "CR3": (0x08, Register(0x8000, 1 << 14)),
-            "SR2": (0x14, Register(0, 0, lambda: (self.chip.now < self.settled) << 10)),
+            "SR2": (0x14, Register(0, 0, lambda: self._settling() << 10)),
             "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
         }, lambda: bit(self.rcc["APB1ENR1"], 28))
         self.flash = Block("FLASH", 0x40022000, {"ACR": (0x00, Register(0x40600, 0x70F))})
@@ -60,18 +80,21 @@ class Power:
         """A function that says whether a peripheral has its clock."""
         return lambda: bit(self.rcc[register], number)
 
+    def _settling(self):
+        return self.regulator.end != NEVER and not self.regulator.look()
+
     def _set_range(self, value):
         if value != self.pwr["CR5"]:
-            self.settled = self.chip.now + REGULATOR_SETTLING
+            self.regulator.start()
         self.pwr["CR5"] = value
 
     def _control(self, value):
         if bit(value, 24) and not bit(self.rcc["CR"], 24):
-            self.locked = self.chip.now + PLL_LOCK
+            self.pll.start()
         self.rcc["CR"] = value & 0x01000100 | bit(value, 8) << 10
 
     def _control_read(self):
-        self.rcc["CR"] |= (bit(self.rcc["CR"], 24) and self.chip.now >= self.locked) << 25
+        self.rcc["CR"] |= (bit(self.rcc["CR"], 24) and self.pll.look()) << 25
         return self.rcc.register("CR").value
 
     def _set_pll(self, value):
@@ -88,10 +111,10 @@ class Power:
     def _configure(self, value):
         prescaler = value >> 4 & 0xF
         if value & 3 == 3:
-            need(bit(self._control_read(), 25), "the clock is switched to a PLL that is not ready")
-            need(self.chip.now >= self.settled, "the clock is switched before the regulator has settled")
+            need(self.pll.seen, "the clock is switched to a PLL that was not seen to be ready")
             need(self._pll_hz() == CLOCK_HZ, f"the clock is {self._pll_hz():g} Hz")
             need(not bit(self.pwr["CR5"], 8), "above 150 MHz without boost")
+            need(self.regulator.seen, "the clock is switched, and the regulator was not seen to have settled")
             need(self.flash["ACR"] & 0xF >= 4, "170 MHz with too few wait states")
             self._step_up(prescaler)
         self.rcc["CFGR"] = value & ~0xC | (value & 3) << 2
@@ -346,7 +369,8 @@ class Usart(Block):
 class Watchdog(Block):
     """The independent watchdog, with the slowest oscillator that the data sheet allows."""
 
-    CYCLES = round(CLOCK_HZ / 30.4e3)  # of the oscillator of 32 kHz, 5 % below
+    CYCLES = round(CLOCK_HZ / 29.5e3)  # data sheet, table 44, over all temperatures and supplies; typically 32 kHz
+    UNCERTAIN = 1                        # table 79: such a cycle more, by the phase of the two clocks
 
     def __init__(self, chip):
         self.chip = chip
@@ -367,7 +391,7 @@ class Watchdog(Block):
         need(value in (0xAAAA, 0x5555, 0xCCCC), f"{value:#x} is no key of the watchdog")
         self.unlocked = value == 0x5555
         if value == 0xCCCC or (value == 0xAAAA and self.due != NEVER):
-            self.due = self.chip.now + (self["RLR"] + 1) * (4 << self["PR"]) * self.CYCLES
+            self.due = self.chip.now + ((self["RLR"] + 1) * (4 << self["PR"]) + self.UNCERTAIN) * self.CYCLES
 
     def _set(self, key, value):
         need(self.unlocked, f"IWDG_{key} is written while it is locked")
