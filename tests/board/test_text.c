@@ -86,15 +86,23 @@ static void test_what_is_written_is_read_again(void)
     }
 }
 
-static void test_what_does_not_fit_is_cut_off(void)
+static void test_what_does_not_fit_is_cut_off_and_its_line_still_ends(void)
 {
     text_t text = {0};
 
     for (uint32_t k = 0U; k < TEXT_MAX; k++) {
         text_add(&text, "ab");
     }
+    TEST_ASSERT_EQUAL_UINT32(TEXT_MAX - 2U, text.length);
+    TEST_ASSERT_EQUAL_CHAR('b', text.characters[TEXT_MAX - 3U]);
+    for (uint32_t k = 0U; k < 2U; k++) { /* the second finds it full */
+        text_end_line(&text);
+        TEST_ASSERT_EQUAL_UINT32(TEXT_MAX, text.length);
+        TEST_ASSERT_EQUAL_CHAR('\r', text.characters[TEXT_MAX - 2U]);
+        TEST_ASSERT_EQUAL_CHAR('\n', text.characters[TEXT_MAX - 1U]);
+    }
+    text_add(&text, "a");
     TEST_ASSERT_EQUAL_UINT32(TEXT_MAX, text.length);
-    TEST_ASSERT_EQUAL_CHAR('b', text.characters[TEXT_MAX - 1U]);
 }
 
 static void test_what_follows_a_start(void)
@@ -111,7 +119,7 @@ int main(void)
     RUN_TEST(test_numbers_are_written_with_their_sign_and_decimals);
     RUN_TEST(test_numbers_are_read_whole_or_not_at_all);
     RUN_TEST(test_what_is_written_is_read_again);
-    RUN_TEST(test_what_does_not_fit_is_cut_off);
+    RUN_TEST(test_what_does_not_fit_is_cut_off_and_its_line_still_ends);
     RUN_TEST(test_what_follows_a_start);
     return UNITY_END();
 }

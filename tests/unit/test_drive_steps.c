@@ -316,6 +316,58 @@ static void look_at_phases(uint32_t count)
     }
 }
 
+/* Phase a stands still and b swings for this many half turns of the rotor, and of the imposed vector. */
+static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
+{
+    const int32_t samples = 10; /* a half turn; an arc is of 8 at least */
+
+    drive.position.turns_q32 = 0;
+    drive.frame.turns_q32 = 0;
+    for (int32_t k = 0; k < (samples * 4); k++) {
+        drive.signals.phase_a = 0;
+        drive.signals.phase_b = ((k % 2) == 0) ? STALE_CURRENT : -STALE_CURRENT;
+        look_at_phases(1U);
+        drive.position.turns_q32 += of_rotor * (((int64_t)2 * QUARTER) / samples);
+        drive.frame.turns_q32 += of_vector * (((int64_t)2 * QUARTER) / samples);
+    }
+}
+
+/* In RUN the rotor's angle counts, below it that of the imposed vector, which the other has not to follow. */
+static void test_phases_are_watched_over_the_turns_of_what_turns_in_this_state(void)
+{
+    const struct {
+        drive_state_t state;
+        int32_t of_rotor;
+        int32_t of_vector;
+        fault_id_t id;
+    } turns[] = {{DRIVE_STATE_RUN, 1, 0, FAULT_LOST_PHASE},
+                 {DRIVE_STATE_RUN, -1, 0, FAULT_LOST_PHASE},
+                 {DRIVE_STATE_RUN, 0, 1, FAULT_NONE},
+                 {DRIVE_STATE_IF_RAMP, 0, 1, FAULT_LOST_PHASE},
+                 {DRIVE_STATE_IF_RAMP, 0, -1, FAULT_LOST_PHASE},
+                 {DRIVE_STATE_IF_RAMP, 1, 0, FAULT_NONE},
+                 {DRIVE_STATE_READY, 1, 1, FAULT_NONE}};
+
+    for (uint32_t k = 0U; k < (sizeof turns / sizeof turns[0]); k++) {
+        setUp();
+        enter(turns[k].state);
+        turn_with_a_dead_phase(turns[k].of_rotor, turns[k].of_vector);
+        TEST_ASSERT_EQUAL(turns[k].id, drive.fault.id);
+    }
+}
+
+/* What a current control's integrals cannot need is a fault of an imposed current, not of a run. */
+static void test_a_run_is_not_judged_by_the_voltage_of_its_current_control(void)
+{
+    enter(DRIVE_STATE_RUN);
+    pi_reset(&drive.current_loop.pi_q, 2 * cfg.supervision.voltage_max);
+    look_at_phases(2U * cfg.supervision.swing_periods);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    enter(DRIVE_STATE_IF_RAMP);
+    look_at_phases(2U * cfg.supervision.swing_periods);
+    TEST_ASSERT_EQUAL(FAULT_CURRENT_IMPLAUSIBLE, drive.fault.id);
+}
+
 /* The vector turns at 2^26 steps per tick / 2^11 = 32768, Q15 of Ω_b; a quarter of that here. */
 static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction(void)
 {
@@ -405,6 +457,8 @@ int main(void)
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
+    RUN_TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state);
+    RUN_TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control);
     RUN_TEST(test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_direction);
     RUN_TEST(test_the_torques_limits_follow_the_bus_of_this_tick);
     RUN_TEST(

@@ -131,6 +131,29 @@ static void test_a_standing_rotor_is_looked_at_then_aligned_then_held(void)
     }
 }
 
+/* The vector comes from where its sweep begins: from the side it then turns to. */
+static void test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only(void)
+{
+    static const struct {
+        uint8_t mode;
+        int32_t target;
+        bool backwards;
+    } commands[] = {{DRIVE_MODE_SPEED, 0, false},
+                    {DRIVE_MODE_SPEED, 1, false},
+                    {DRIVE_MODE_SPEED, -1, true},
+                    {DRIVE_MODE_POSITION, -1, false}};
+
+    for (uint32_t k = 0U; k < (sizeof commands / sizeof commands[0]); k++) {
+        begin();
+        in.command = (drive_command_t){
+            .request = DRIVE_REQUEST_RUN, .mode = commands[k].mode, .target = commands[k].target};
+        expect_next(DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN);
+        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        TEST_ASSERT_EQUAL(commands[k].backwards, drive.align.backwards);
+        TEST_ASSERT_EQUAL(commands[k].backwards, drive.frame.turns_q32 > 0);
+    }
+}
+
 static void test_a_low_speed_is_dragged_and_never_handed_over(void)
 {
     go_to(DRIVE_STATE_HOLD);
@@ -765,6 +788,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_standing_rotor_is_looked_at_then_aligned_then_held);
+    RUN_TEST(test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only);
     RUN_TEST(test_a_low_speed_is_dragged_and_never_handed_over);
     RUN_TEST(test_a_high_speed_is_reached_through_hand_over_in_both_directions);
     RUN_TEST(test_a_run_that_slows_down_is_handed_back_and_comes_to_rest_held);

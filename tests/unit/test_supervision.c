@@ -165,6 +165,21 @@ static void test_a_third_phase_that_stands_still_is_lost_whatever_its_current(vo
     }
 }
 
+/* Sample by sample between 20 and −10, and ±4000: ranges of 30 and 8000, of which an eighth is 1000. */
+static void test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have(void)
+{
+    for (int32_t k = 0; (k < 40) && (fault.id == FAULT_NONE); k++) {
+        const bool even = (k % 2) == 0;
+        const supervision_phases_t in = {.a = even ? 20 : -10,
+                                         .b = even ? -4000 : 4000,
+                                         .turns_q16 = k * (TURN_Q16 / 16),
+                                         .speed = 1000000};
+
+        (void)supervision_check_phases(&state, &cfg, &in, &fault);
+    }
+    assert_fault(FAULT_LOST_PHASE, 30, 1000);
+}
+
 static void test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live(void)
 {
     phases_t p = HEALTHY;
@@ -635,6 +650,7 @@ int main(void)
     RUN_TEST(test_each_lost_phase_is_found_in_three_half_turns);
     RUN_TEST(test_a_stuck_channel_is_found_in_three_half_turns_and_told_from_a_lost_phase);
     RUN_TEST(test_a_third_phase_that_stands_still_is_lost_whatever_its_current);
+    RUN_TEST(test_a_weak_phase_is_said_with_the_range_it_moved_in_and_what_it_should_have);
     RUN_TEST(test_a_phase_that_moves_an_eighth_of_the_strongest_is_weak_enough_to_live);
     RUN_TEST(test_phases_are_not_compared_below_the_least_current);
     RUN_TEST(test_constant_currents_at_standstill_are_never_a_stuck_channel);
