@@ -351,6 +351,34 @@ static void test_a_dump_is_sent_to_its_end_and_recording_goes_on(void)
     assert_says("ok\r\n", "record\n");
 }
 
+static void test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile(void)
+{
+    app_record(&app, &recorder);
+    failed();
+    serve();
+    assert_says("ok\r\n", "dump\n");
+    line.room = 1U;
+    TEST_ASSERT_EQUAL_size_t(1U, strlen(said_to("")));
+    line.room = 0U;
+    for (uint32_t k = 0U; k < TEXT_MAX; k++) {
+        assert_says("", "");
+    }
+    line.room = SIZE_MAX;
+    TEST_ASSERT_NULL(strstr(said_to("status\n"), "keeps the recording"));
+    TEST_ASSERT_EQUAL(CONSOLE_DUMP_SENT, console.dump_phase);
+}
+
+static void test_what_is_frozen_is_dumped_without_a_tick(void)
+{
+    app_record(&app, &recorder);
+    failed();
+    serve();
+    TEST_ASSERT_TRUE(recorder.frozen);
+    hardware.tick_lost = true;
+    (void)said_to("");
+    assert_says("ok\r\n", "dump\n");
+}
+
 static void test_a_kept_recording_is_said_until_it_is_given_up(void)
 {
     static const char kept[] = ", keeps the recording of a fault: dump or record\r\n";
@@ -380,6 +408,8 @@ int main(void)
     RUN_TEST(test_without_a_recorder_there_is_nothing_to_dump);
     RUN_TEST(test_a_dump_needs_a_tick_that_runs);
     RUN_TEST(test_a_dump_is_sent_to_its_end_and_recording_goes_on);
+    RUN_TEST(test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile);
+    RUN_TEST(test_what_is_frozen_is_dumped_without_a_tick);
     RUN_TEST(test_a_kept_recording_is_said_until_it_is_given_up);
     return UNITY_END();
 }

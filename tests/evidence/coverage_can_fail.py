@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import coverage
+import ctested
 import part
 
 MODULE = "firmware/control/pi.c"
@@ -32,6 +33,7 @@ int main(void)
     return (pi_output(&pi) + sum) == 12345;
 }
 """
+ONE = ctested.Test("one", (), Path(), {}, ())
 COUNTED = ("-fprofile-instr-generate", "-fcoverage-mapping", "-fcoverage-mcdc")
 
 
@@ -64,8 +66,8 @@ class CoverageCanFail(unittest.TestCase):
                    for name in ("math", "math/port", "math/port/generic", "control")]
         coverage.quietly(["clang-19", *COUNTED, *folders, "-c", self.source, "-o", counted])
         coverage.quietly(["clang-19", *COUNTED[:1], *folders, self.test, counted, "-o", program])
-        coverage.quietly([program], env={**os.environ, "LLVM_PROFILE_FILE": str(self.root / "one.profraw")})
-        measured = coverage.measure(coverage.export([counted], self.root), self.root)
+        coverage.quietly([program], env={**os.environ, "LLVM_PROFILE_FILE": str(self.root / "one.%p.profraw")})
+        measured = coverage.measure(coverage.export([counted], coverage.merged(self.root, [ONE], "all", "-sparse")), self.root)
         bad, _, _ = coverage.judge(measured, self.root, self.register)
         return [line for line in bad if line.startswith((MODULE, str(coverage.REGISTER)))]
 
@@ -112,6 +114,14 @@ class CoverageCanFail(unittest.TestCase):
         self.assertIn("firmware/control/modulator.c: nothing of it is counted", coverage.not_built(measured, self.root))
         self.assertNotIn("firmware/math/trig_table.c: nothing of it is counted",
                          coverage.not_built(measured, self.root))
+
+    def test_what_a_test_runs_is_told_from_what_it_does_not(self):
+        self.replace(self.test, "    pi_unwind(&pi, 1);\n", "")
+        self.findings()
+        ran = coverage.what_ran(self.root, {"unit": [ONE]})
+        self.assertIn("pi_step", ran["tests"]["one"])
+        self.assertIn("pi_unwind", ran["counted"])
+        self.assertNotIn("pi_unwind", ran["tests"]["one"])
 
 
 if __name__ == "__main__":

@@ -39,13 +39,16 @@ FAULTS = {
 }
 
 
+NOTHING_COUNTED = {"counted": [], "tests": {}}
+
+
 def copy(folder):
     for name in (*traceability.SOURCES, REGISTER.parent):
         shutil.copytree(part.ROOT / name, folder / name)
 
 
 class TraceabilityCanFail(unittest.TestCase):
-    def findings(self, path=None, text="", fault=""):
+    def findings(self, path=None, text="", fault="", ran=NOTHING_COUNTED):
         with tempfile.TemporaryDirectory() as folder:
             root = Path(folder)
             copy(root)
@@ -53,7 +56,7 @@ class TraceabilityCanFail(unittest.TestCase):
                 content = (root / path).read_text(encoding="utf-8")
                 self.assertIn(text, content, path)
                 (root / path).write_text(content.replace(text, fault), encoding="utf-8")
-            return traceability.Finder(root, BUILD, REGISTER).check()
+            return traceability.Finder(root, BUILD, REGISTER, ran).check()
 
     def test_nothing_is_found_in_what_there_is(self):
         self.assertEqual(self.findings(), [])
@@ -63,6 +66,21 @@ class TraceabilityCanFail(unittest.TestCase):
             with self.subTest(name):
                 bad = self.findings(path, text, fault)
                 self.assertTrue([line for line in bad if said in line], bad)
+
+    def test_a_test_that_does_not_run_the_function_is_found(self):
+        tests = {name for names in traceability.tests(BUILD).values() for name in names}
+
+        def ran(functions):
+            return {"counted": ["rotor_position_step", "drive_step"], "tests": dict.fromkeys(tests, functions)}
+
+        def found(ran):
+            return [line for line in self.findings(ran=ran) if "A (23): rotor_position_step is run by none" in line]
+
+        self.assertFalse(found(ran(["rotor_position_step"])))
+        self.assertTrue(found(ran(["drive_step"])))
+        unknown = ran(["drive_step"])
+        del unknown["tests"]["test_rotor_position"]
+        self.assertFalse(found(unknown))
 
 
 if __name__ == "__main__":

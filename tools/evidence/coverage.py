@@ -1,14 +1,18 @@
-"""evidence.coverage: the unit and scenario tests go through all of the control core.
+"""evidence.coverage: the unit and scenario tests go through all of the firmware.
 
-The core is firmware/math, control and drive, built by clang with counters; nothing else of the build has any. Asked for
-are every statement, every branch both ways, and MC/DC: that each condition of a decision has decided it alone. What is
-compiled into several places, as a header's functions are, counts where it is covered in one of them.
+That is firmware/ and what of the board's own code a PC runs, built by clang with counters. Asked for are every statement,
+every branch both ways, and MC/DC: that each condition of a decision has decided it alone. What is compiled into several
+places, as a header's functions are, counts where it is covered in one of them.
 
 What cannot be covered stands in tests/evidence/justified.toml, line by line with its reason; a justification of
 something that is covered, or that is not there, is a finding too.
+
+Each test leaves its own counts: which functions it runs goes to --ran, for evidence.traceability. Of the simulator, too,
+but not of tools/design, whose tests this build does not have.
 """
 
 import argparse
+import glob
 import json
 import os
 import re
@@ -17,14 +21,18 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter, defaultdict
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import ctested
 import part
 
 PRESET = "host-coverage"
-FLOORS = ("math", "control", "drive")
-TESTS = ("unit", "scenario")
-TARGETS = ("motorsim", *(f"tests/{folder}/all" for folder in TESTS))
+COUNTED = ("firmware/math", "firmware/control", "firmware/drive", "firmware/app",
+           *(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")))
+TESTS = ("unit", "board", "scenario")  # that have to cover it
+OTHERS = ("config", "reference")  # of which only the functions that they run are asked
+TARGETS = ("motorsim", *(f"tests/{folder}/all" for folder in TESTS + OTHERS))
 REGISTER = Path("tests/evidence/justified.toml")
 KEYS = {"file", "function", "text", "kind", "reason"}
 KINDS = {"statement": "statements", "branch": "branches", "mcdc": "MC/DC conditions"}
@@ -42,30 +50,78 @@ def quietly(command, **options):
     return run.stdout
 
 
+def counted_files(root):
+    """All source files of what is to be covered."""
+    return [path for name in COUNTED for path in (sorted((root / name).glob("*.c")) if (root / name).is_dir()
+                                                  else [root / name] if (root / name).is_file() else [])]
+
+
 def objects_of(build):
     """What is counted. llvm-cov 19 reads every object file, but not every archive of them."""
-    folders = [build / "firmware" / floor for floor in FLOORS] + [build / "tests/unit"]
+    folders = [build / name for name in COUNTED if (build / name).is_dir()] + [build / "tests/unit", build / "tests/board"]
     return sorted(path for folder in folders for path in folder.rglob("*.o"))
 
 
+def run_test(test, profiles):
+    """Runs it; its counts are <name>.<process>.profraw."""
+    environment = {**os.environ, **test.environment, "LLVM_PROFILE_FILE": str(profiles / f"{test.title}.%p.profraw")}
+    run = subprocess.run(test.command, cwd=test.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                         text=True, errors="replace", check=False)
+    return None if test.passes(run.returncode, run.stdout) else f"{run.stdout}evidence.coverage: {test.title} fails"
+
+
 def run_tests(root, definitions):
-    """Builds the core with counters and runs the tests: the object files and the folder of the counts."""
+    """Builds with counters and runs the tests: the object files, the folder of the counts, and the tests of each folder."""
     build = root / "build" / PRESET
     profiles = build / "profiles"
     quietly(["cmake", "--preset", PRESET, *(f"-D{definition}" for definition in definitions)], cwd=root)
     quietly(["cmake", "--build", "--preset", PRESET, "--target", *TARGETS], cwd=root)
     shutil.rmtree(profiles, ignore_errors=True)
-    for folder in TESTS:
-        quietly(["ctest", "--test-dir", build / "tests" / folder, "--output-on-failure", "--no-tests=error", "-j2"],
-                env={**os.environ, "LLVM_PROFILE_FILE": str(profiles / "%p.profraw")})
-    return objects_of(build), profiles
+    profiles.mkdir()
+    tests = {folder: list(ctested.listed(build, f"tests/{folder}").values()) for folder in TESTS + OTHERS}
+    with ThreadPoolExecutor(2) as pool:
+        failed = list(filter(None, pool.map(lambda test: run_test(test, profiles), sum(tests.values(), []))))
+    if failed:
+        sys.exit("\n".join(failed))
+    return objects_of(build), profiles, tests
 
 
-def export(objects, profiles):
+def merged(profiles, tests, name, *options):
+    """The counts of these tests as one file."""
+    raw = sorted(path for test in tests for path in profiles.glob(f"{glob.escape(test.title)}.*.profraw"))
+    target = profiles / f"{name}.profdata"
+    quietly(["llvm-profdata-19", "merge", *options, *raw, "-o", target])
+    return target
+
+
+COUNT = re.compile(r"^  (\S.*):\n    Hash: .*\n(?:    (?!Function).*\n)*    Function count: (\d+)", re.MULTILINE)
+
+
+def functions_in(counts):
+    """Names of the functions that these counts have, without their scope and file, and whether each has run."""
+    shown = COUNT.findall(quietly(["llvm-profdata-19", "show", "--all-functions", counts]))
+    names = quietly(["c++filt", "-p"], input="\n".join(re.split("[;:]", name)[-1] for name, _ in shown)).splitlines()
+    ran = {}
+    for name, (_, count) in zip(names, shown, strict=True):
+        bare = re.sub(r"<.*>|\[.*\]", "", name).rsplit("::", 1)[-1]
+        ran[bare] = ran.get(bare, False) or count != "0"
+    return ran
+
+
+def what_ran(profiles, tests):
+    """{"counted": functions that can be seen to run, "tests": {test: those that it runs}}."""
+    counted, ran = set(), {}
+    for test in sum(tests.values(), []):
+        if any(profiles.glob(f"{glob.escape(test.title)}.*.profraw")):
+            functions = functions_in(merged(profiles, [test], test.title))
+            counted |= set(functions)
+            ran[test.title] = sorted(name for name, has_run in functions.items() if has_run)
+    return {"counted": sorted(counted), "tests": ran}
+
+
+def export(objects, counts):
     """What llvm-cov has counted in each function of the objects."""
-    merged = profiles / "all.profdata"
-    quietly(["llvm-profdata-19", "merge", "-sparse", *sorted(profiles.glob("*.profraw")), "-o", merged])
-    command = ["llvm-cov-19", "export", f"--instr-profile={merged}", *(f"--object={path}" for path in objects)]
+    command = ["llvm-cov-19", "export", f"--instr-profile={counts}", *(f"--object={path}" for path in objects)]
     return json.loads(quietly(command))["data"][0]["functions"]
 
 
@@ -92,11 +148,11 @@ def items(function):
 
 
 def measure(functions, root):
-    """Every item within the core, by its file relative to root, and whether it is covered anywhere."""
-    core = [str(root / "firmware" / floor) + os.sep for floor in FLOORS]
+    """Every item within what is to be covered, by its file relative to root, and whether it is covered anywhere."""
+    core = tuple(str(root / name) + (os.sep if (root / name).is_dir() else "") for name in COUNTED)
     measured = {}
     for function in functions:
-        if function["filenames"][0].startswith(tuple(core)):  # not of a test
+        if function["filenames"][0].startswith(core):  # not of a test
             for (kind, file, span, way), covered in items(function):
                 key = (Path(file).relative_to(root).as_posix(), span, kind, way)
                 measured[key] = measured.get(key, False) or covered
@@ -125,7 +181,7 @@ def not_counted(measured, root):
 def not_built(measured, root):
     """Source files with functions of which nothing was counted."""
     files = {file for file, *_ in measured}
-    for path in sorted(path for floor in FLOORS for path in (root / "firmware" / floor).glob("*.c")):
+    for path in counted_files(root):
         name = path.relative_to(root).as_posix()
         if name not in files and FUNCTION.search(without_comments(path.read_text(encoding="utf-8"))):
             yield f"{name}: nothing of it is counted"
@@ -194,7 +250,7 @@ def percent(covered, whole):
 
 
 def report(measured, excused):
-    """The figures of all of the core, and a row for each file."""
+    """The figures of all of it, and a row for each file."""
     whole, covered = Counter(), Counter()
     for (file, _, kind, _), hit in measured.items():
         for name in (file, ""):
@@ -216,15 +272,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE",
                         help="for the build with counters, as of cmake -D; may be repeated")
+    parser.add_argument("--ran", type=Path, help="write which functions each test runs, as JSON")
     args = part.arguments(parser)
     root = part.ROOT
-    objects, profiles = run_tests(root, args.define)
-    measured = measure(export(objects, profiles), root)
+    objects, profiles, tests = run_tests(root, args.define)
+    if args.ran:
+        args.ran.parent.mkdir(parents=True, exist_ok=True)
+        args.ran.write_text(json.dumps(what_ran(profiles, tests), indent=1) + "\n", encoding="utf-8")
+    covering = [test for folder in TESTS for test in tests[folder]]
+    measured = measure(export(objects, merged(profiles, covering, "all", "-sparse")), root)
     bad, reasons, excused = judge(measured, root, root / REGISTER)
     bad += not_built(measured, root)
     figures, rows = report(measured, excused)
-    says = ("The unit and scenario tests go through every statement of the control core, take every branch both ways, "
-            "and let each condition of a decision decide it alone (MC/DC), counted by clang. What cannot be covered is "
+    says = ("The unit and scenario tests go through every statement of the firmware and of what of the board a PC runs, "
+            "take every branch both ways, and let each condition of a decision decide it alone (MC/DC), counted by clang. What cannot be covered is "
             "justified line by line. Counted is what a PC compiles; what a Cortex-M has in place of port/generic gives "
             "the same bits there (target.identity).")
     tables = [part.table("Covered, by file", ["file", *KINDS.values()], rows,

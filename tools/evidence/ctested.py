@@ -27,12 +27,12 @@ class Test:
         return status == 0
 
 
-def listed(build, whole=True):
-    """The tests of a build that are not disabled, by name. `whole`: all have to be built."""
+def listed(build, folder="", whole=True):
+    """The tests of a build, or of one folder of it, that are not disabled, by name. `whole`: all have to be built."""
     if not (build / "compile_commands.json").is_file():
         sys.exit(f"{build}: no build; expected one of the preset host, with all tests")
-    shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True,
-                           check=True)
+    shown = subprocess.run(["ctest", "--test-dir", build / folder, "--show-only=json-v1"], capture_output=True,
+                           text=True, check=True)
     found = {}
     for test in json.loads(shown.stdout[shown.stdout.index("{"):])["tests"]:
         properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}

@@ -3,7 +3,9 @@
 tests/evidence/requirements.toml says which, and whether it is met: what departs from its wording or is not met says why.
 It holds when every equation of both papers and every requirement has a function (where all of the code is meant, the
 folders with it) and a test, every function that is named is defined in the sources, every test is one that ctest runs
-(its own name, or that of a Unity or Python test in it), each equation's number stands in a comment beside one of its
+(its own name, or that of a Unity or Python test in it), one of the tests of an entry runs each of its functions (where
+evidence.coverage has counted the function and all of the tests: not those of tools/design, of targets and gates), each
+equation's number stands in a comment beside one of its
 functions, no comment cites an equation that there is not, and every public function of the firmware is there for one of
 them.
 """
@@ -23,6 +25,7 @@ REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
 # Of each section of the requirements, and of the house's rules and the firmware's own design: C1.1, H1, F1 and so on.
 REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 19, "F": 26}
+RAN = part.ROOT / "build/host/evidence/ran.json"
 SOURCES = ("firmware", "hal", "host_sim", "tools/design")
 PUBLIC = "firmware"  # whose headers declare nothing that no entry names
 KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}
@@ -178,11 +181,17 @@ def entries(path):
                    "id": name, "line": line}
 
 
+def what_ran(path):
+    if not path.is_file():
+        sys.exit(f"{path}: is missing; evidence.coverage --ran {path} writes it")
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
 class Finder:
     """Compares the register with the sources and the tests."""
 
-    def __init__(self, root, build, register):
-        self.root, self.register = root, register
+    def __init__(self, root, build, register, ran):
+        self.root, self.register, self.ran = root, register, ran
         self.functions, self.tests, self.citations = functions(root), tests(build), citations(root)
         self.entries = list(entries(root / register))
         self.bad = []
@@ -211,8 +220,20 @@ class Finder:
         for name in entry["tests"]:
             if name not in self.tests:
                 self.say(entry, f"ctest runs no test {name}")
+        self.check_runs(entry)
         if equation(entry["id"]):
             self.check_citation(entry)
+
+    def counted_tests(self, entry):
+        """The tests of ctest that run its tests; none if what one of them runs is not known: it may run anything."""
+        tests = {name for test in entry["tests"] for name in self.tests.get(test, ())}
+        return tests if tests <= set(self.ran["tests"]) else set()
+
+    def check_runs(self, entry):
+        tests = self.counted_tests(entry)
+        for name in entry["functions"]:
+            if tests and name in self.ran["counted"] and not any(name in self.ran["tests"][test] for test in tests):
+                self.say(entry, f"{name} is run by none of {', '.join(sorted(tests))}")
 
     def check_citation(self, entry):
         units = {unit(path) for name in entry["functions"] for path in self.functions.get(name, ())}
@@ -260,6 +281,17 @@ def statuses(listed):
     return "; ".join(words)
 
 
+def seen_to_run(found):
+    """Figures of the links between functions and tests that the coverage has counted."""
+    links = {(entry["id"], name) for entry in found.entries for name in entry["functions"]
+             if found.counted_tests(entry) and name in found.ran["counted"]}
+    kept = {(entry["id"], name) for entry in found.entries for name in entry["functions"]
+            if (entry["id"], name) in links
+            and any(name in found.ran["tests"][test] for test in found.counted_tests(entry))}
+    every = sum(len(entry["functions"]) for entry in found.entries)
+    return f"{len(kept)} of {len(links)} ({every} in all)", "all that are counted", bool(links) and kept == links
+
+
 def result(found, bad):
     """Figures and tables."""
     of_paper = {paper: sorted((entry for entry in found.entries if (equation(entry["id"]) or " ")[0] == paper),
@@ -280,6 +312,7 @@ def result(found, bad):
                share("requirements", requirements, sum(REQUIREMENTS.values())),
                part.figure("public functions of the firmware with what they are there for",
                            f"{len(set(public) & set(served))} of {len(public)}", "all", set(public) <= set(served)),
+               part.figure("functions that a test beside them was seen to run", *seen_to_run(found)),
                part.figure("broken links", len(bad), 0, not bad)]
     columns = ("Number", "What", "Source", "Status", "Functions", "Tests")
     tables = [part.table(title, columns, [row(entry, found) for entry in listed], statuses(listed))
@@ -294,7 +327,8 @@ def result(found, bad):
 SAYS = ("Each equation of both papers and each requirement, with the functions that do it, the tests that hold it, and "
         "whether it is met, met in another way than it is worded (departs) or not met; and "
         "each public function of the firmware with what it is there for. "
-        "Functions are looked up in the sources, tests among those that ctest runs, and each equation's number in the "
+        "Functions are looked up in the sources, tests among those that ctest runs; that a test runs the function is "
+        "seen in the coverage, where it counts both; and each equation's number in the "
         "comments beside its functions.")
 
 
@@ -303,8 +337,9 @@ def main():
     parser.add_argument("--root", type=Path, default=part.ROOT)
     parser.add_argument("--build", type=Path, default=part.ROOT / "build" / "host", help="the build whose tests count")
     parser.add_argument("--register", type=Path, default=REGISTER, help="relative to the root")
+    parser.add_argument("--ran", type=Path, default=RAN, help="which functions each test runs, by evidence.coverage")
     args = part.arguments(parser)
-    found = Finder(args.root.resolve(), args.build.resolve(), args.register)
+    found = Finder(args.root.resolve(), args.build.resolve(), args.register, what_ran(args.ran))
     bad = found.check()
     return part.end(args.out, "traceability", "Traceability", SAYS, *result(found, bad), bad)
 
