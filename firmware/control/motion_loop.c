@@ -30,6 +30,7 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
 {
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
+    /*@ split cfg->inertia_lift; */
     /* A lifted change ends at 2^30 in all: far beyond the range of the torque. */
     const int32_t largest = fx_asr(CHANGE_MAX, cfg->inertia_lift);
     const uint32_t lift = (uint32_t)1U << cfg->inertia_lift;

@@ -328,9 +328,11 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 {
     const char *bad = range(before, "startup.current_hold", cfg->current_hold, 0, CURRENT_MAX);
 
-    /* RUN reads these without a start-up too. */
-    bad = range(bad, "startup.current_move", cfg->current_move, 0, CURRENT_MAX);
+    /* RUN reads it without a start-up too. */
     bad = range(bad, "startup.handover_speed", cfg->handover_speed, 0, STEP_MAX);
+    /* Not read without a start-up; the intervals of the proof do not tell that. */
+    bad = range(bad, "startup.current_move", cfg->current_move, 0, CURRENT_MAX);
+    bad = range(bad, "startup.current_slope", cfg->current_slope, 0, CURRENT_MAX);
     if (cfg->current_hold != 0) {
         bad = check_catch_spin(bad, &cfg->catch_spin);
         bad = check_align(bad, &cfg->align, speed_limit);
