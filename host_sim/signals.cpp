@@ -457,27 +457,49 @@ std::vector<SignalInfo> motion_configuration()
     };
 }
 
-// Of start-up and model.
+// Of start-up.
 std::vector<SignalInfo> start_configuration()
 {
     return {
-        CFG(startup.catch_spin.current, current_q15), CFG(startup.catch_spin.wait_ticks, number),
-        CFG(startup.catch_spin.pulse_ticks, number),  CFG(startup.catch_spin.gap_factor, number),
-        CFG(startup.catch_spin.pause_max, number),    CFG(startup.catch_spin.emf_current, number),
-        CFG(startup.catch_spin.emf_shift, number),    CFG(startup.align.current_high, current_q15),
-        CFG(startup.align.current_low, current_q15),  CFG(startup.align.slope, current_q15),
-        CFG(startup.align.sweep_speed, speed_step),   CFG(startup.align.sweep_ticks, number),
-        CFG(startup.align.pull_ticks, number),        CFG(startup.align.settle_ticks, number),
-        CFG(startup.align.measure_log2, number),      CFG(startup.align.step_ticks, number),
-        CFG(startup.align.step_voltage, voltage_q15), CFG(startup.align.step_fall, current_q15),
-        CFG(startup.align.step_drop_q14, ratio_q14),  CFG(startup.current_move, current_q15),
-        CFG(startup.current_slope, current_q15),      CFG(startup.ramp, speed_step),
-        CFG(startup.track_speed, speed_step),         CFG(startup.residual_max, current_q15),
-        CFG(startup.residual_lost, current_q15),      CFG(startup.lost_periods, number),
-        CFG(startup.handover_periods, number),        CFG(startup.attempts, number),
-        CFG(run.current_floor, current_q15),          CFG(run.current_slope, current_q15),
-        CFG(model.resistance_limit_q14, ratio_q14),   CFG(model.inductance_limit_q14, ratio_q14),
-        CFG(model.flux_limit_q14, ratio_q14),         CFG(model.flux_rate, number),
+        CFG(startup.catch_spin.current, current_q15),
+        CFG(startup.catch_spin.wait_ticks, number),
+        CFG(startup.catch_spin.pulse_ticks, number),
+        CFG(startup.catch_spin.gap_factor, number),
+        CFG(startup.catch_spin.pause_max, number),
+        CFG(startup.catch_spin.emf_current, number),
+        CFG(startup.catch_spin.charge_ticks, number),
+        CFG(startup.catch_spin.emf_shift, number),
+        CFG(startup.align.current_high, current_q15),
+        CFG(startup.align.current_low, current_q15),
+        CFG(startup.align.slope, current_q15),
+        CFG(startup.align.sweep_speed, speed_step),
+        CFG(startup.align.sweep_ticks, number),
+        CFG(startup.align.pull_ticks, number),
+        CFG(startup.align.settle_ticks, number),
+        CFG(startup.align.measure_log2, number),
+        CFG(startup.align.step_ticks, number),
+        CFG(startup.align.step_voltage, voltage_q15),
+        CFG(startup.align.step_fall, current_q15),
+        CFG(startup.align.step_drop_q14, ratio_q14),
+        CFG(startup.current_move, current_q15),
+        CFG(startup.current_slope, current_q15),
+        CFG(startup.ramp, speed_step),
+        CFG(startup.track_speed, speed_step),
+        CFG(startup.residual_max, current_q15),
+        CFG(startup.residual_lost, current_q15),
+        CFG(startup.lost_periods, number),
+        CFG(startup.handover_periods, number),
+        CFG(startup.attempts, number),
+    };
+}
+
+// Of what RUN imposes, and of the model's correction.
+std::vector<SignalInfo> model_configuration()
+{
+    return {
+        CFG(run.current_floor, current_q15),        CFG(run.current_slope, current_q15),
+        CFG(model.resistance_limit_q14, ratio_q14), CFG(model.inductance_limit_q14, ratio_q14),
+        CFG(model.flux_limit_q14, ratio_q14),       CFG(model.flux_rate, number),
         CFG(model.flux_speed_min, speed_step),
     };
 }
@@ -725,7 +747,7 @@ const std::vector<SignalInfo> &all_signals()
         for (const std::vector<SignalInfo> &part :
              {tick_signals(), state_signals(), start_signals(), watch_signals(), model_signals(),
               configuration_signals(), control_configuration(), motion_configuration(),
-              start_configuration(), supervision_configuration()}) {
+              start_configuration(), model_configuration(), supervision_configuration()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
         return all;

@@ -9,7 +9,8 @@ enum {
     PRELOAD, /* once nothing flows; the compare values of this tick act from the next on */
     FIRST_PULSE,
     PAUSE,
-    SECOND_PULSE
+    SECOND_PULSE,
+    CHARGE
 };
 
 /* A long pulse has turned far enough for its angle; the rotor must not be let go for longer than needed. */
@@ -25,7 +26,7 @@ void catch_spin_reset(catch_spin_t *spin)
     *spin = (catch_spin_t){.phase = PRELOAD};
 }
 
-static void next_pulse_phase(catch_spin_t *spin)
+static void next_spin_phase(catch_spin_t *spin)
 {
     spin->phase++;
     spin->tick = 0U;
@@ -77,6 +78,19 @@ static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg
     return result;
 }
 
+/* The low sides stay on, so the tick that judges is the first of the charge. */
+static catch_spin_result_t judge_then_charge(catch_spin_t *spin, const catch_spin_cfg_t *cfg,
+                                             ab_t second)
+{
+    catch_spin_result_t result = judge(spin, cfg, second);
+
+    if ((result == CATCH_SPIN_STANDING) && (cfg->charge_ticks > 0U)) {
+        next_spin_phase(spin);
+        result = CATCH_SPIN_BUSY;
+    }
+    return result;
+}
+
 catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
 {
     catch_spin_result_t result = CATCH_SPIN_BUSY;
@@ -85,7 +99,7 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
     switch (spin->phase) {
     case PRELOAD:
         if (magnitude(current) <= fx_asr(cfg->current, CATCH_SPIN_QUIET_LOG2)) {
-            next_pulse_phase(spin);
+            next_spin_phase(spin);
             spin->gates = true;
         } else if (spin->tick >= cfg->wait_ticks) {
             result = CATCH_SPIN_LIVE;
@@ -98,18 +112,23 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
             spin->first = current;
             spin->length = (spin->tick < cfg->pulse_ticks) ? spin->tick : cfg->pulse_ticks;
             spin->gates = false;
-            next_pulse_phase(spin);
+            next_spin_phase(spin);
         }
         break;
     case PAUSE:
         if (spin->tick >= pause_ticks(spin, cfg)) {
             spin->gates = true;
-            next_pulse_phase(spin);
+            next_spin_phase(spin);
         }
         break;
-    default: /* SECOND_PULSE */
+    case SECOND_PULSE:
         if (spin->tick >= spin->length) {
-            result = judge(spin, cfg, current);
+            result = judge_then_charge(spin, cfg, current);
+        }
+        break;
+    default: /* CHARGE */
+        if (spin->tick >= cfg->charge_ticks) {
+            result = CATCH_SPIN_STANDING;
         }
         break;
     }

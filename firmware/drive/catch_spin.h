@@ -9,6 +9,9 @@
  *
  * What flows from before has to end first, through the diodes of the open bridge.
  *
+ * Before the first high side is driven, its bootstrap supply wants a low side that is on for longer than two pulses. That
+ * would brake a rotor that turns: only behind one found to be standing do the low sides stay on.
+ *
  * Pure, total. Call catch_spin_step once a control tick in place of current control, compare values all 0.
  */
 #ifndef CATCH_SPIN_H
@@ -23,14 +26,15 @@
 #define CATCH_SPIN_QUIET_LOG2 (2U)
 
 typedef struct {
-    int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
-    uint32_t wait_ticks;  /* a current that has not ended after so many ticks never will, 1…2^20 */
-    uint32_t pulse_ticks; /* or after so many ticks, 1…16 */
-    uint32_t gap_factor;  /* the pause is so many times as long as the pulse, 1…16 … */
-    uint32_t pause_max;   /* … but not longer than so many ticks, 1…256 */
-    int32_t emf_current;  /* φ/L_d·ω·T: current for a speed, Q15 of I_b in a tick = speed ·
+    int32_t current;       /* a pulse ends above this current, Q15 of I_b, 1…16384 */
+    uint32_t wait_ticks;   /* a current that has not ended after so many ticks never will, 1…2^20 */
+    uint32_t pulse_ticks;  /* or after so many ticks, 1…16 */
+    uint32_t gap_factor;   /* the pause is so many times as long as the pulse, 1…16 … */
+    uint32_t pause_max;    /* … but not longer than so many ticks, 1…256 */
+    int32_t emf_current;   /* φ/L_d·ω·T: current for a speed, Q15 of I_b in a tick = speed ·
                               emf_current / 2^(16 + emf_shift), 1…32767 */
-    uint32_t emf_shift;   /* 0…30 */
+    uint32_t emf_shift;    /* 0…30 */
+    uint32_t charge_ticks; /* at a standing rotor the low sides stay on for so many ticks, 0…2^20 */
 } catch_spin_cfg_t;
 
 typedef enum {
@@ -42,7 +46,7 @@ typedef enum {
 
 typedef struct {
     uint32_t tick;   /* of the phase */
-    uint32_t phase;  /* 0 wait and preload, 1 pulse, 2 pause, 3 pulse */
+    uint32_t phase;  /* 0 wait and preload, 1 pulse, 2 pause, 3 pulse, 4 charge */
     uint32_t length; /* of the pulses */
     ab_t first;      /* current at the end of the first pulse */
     bool gates;      /* to be enabled in this tick */
@@ -54,8 +58,9 @@ typedef struct {
 void catch_spin_reset(catch_spin_t *spin);
 
 /*
- * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`; the last tick of the
- * second pulse gives the result. Two arctangents, a square root and a division then.
+ * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`. The last tick of the second
+ * pulse finds the result, with two arctangents, a square root and a division, and gives it; STANDING only at the end of
+ * the charge, with the gates still to be opened.
  */
 catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current);
 

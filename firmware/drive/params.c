@@ -301,7 +301,9 @@ static const char *check_catch_spin(const char *before, const catch_spin_cfg_t *
     bad = range(bad, "startup.catch_spin.gap_factor", shift_value(cfg->gap_factor), 1, 16);
     bad = range(bad, "startup.catch_spin.pause_max", shift_value(cfg->pause_max), 1, 256);
     bad = range(bad, "startup.catch_spin.emf_current", cfg->emf_current, 1, FX_Q15_MAX);
-    return range(bad, "startup.catch_spin.emf_shift", shift_value(cfg->emf_shift), 0, SHIFT_MAX);
+    bad = range(bad, "startup.catch_spin.emf_shift", shift_value(cfg->emf_shift), 0, SHIFT_MAX);
+    return range(bad, "startup.catch_spin.charge_ticks", shift_value(cfg->charge_ticks), 0,
+                 TICKS_MAX);
 }
 
 static const char *check_align(const char *before, const align_cfg_t *cfg, step_t speed_limit)

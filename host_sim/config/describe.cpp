@@ -288,6 +288,8 @@ void add_catch_spin(Rows &to)
                to.bases.current_a,
            to.config.motor.rated_speed_rpm);
     to.add("startup.catch_spin.emf_shift", c.emf_shift, "of the current for a speed");
+    to.add("startup.catch_spin.charge_ticks", c.charge_ticks,
+           "low sides on for {:.4g} s at a standing rotor", to.seconds(c.charge_ticks));
 }
 
 void add_align(Rows &to)

@@ -174,6 +174,7 @@ catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings
                   CURRENT_REASON);
     c.emf_current = emf.value;
     c.emf_shift = emf.shift;
+    c.charge_ticks = board.bootstrap_charge_s > 0 ? ticks(board.bootstrap_charge_s, b) : 0;
     return c;
 }
 
@@ -299,7 +300,8 @@ double startup_time(const MotorSettings &motor, const BoardSettings &board,
     const double catching = (2 * CATCH_TICKS + CATCH_PAUSE_MAX + 2) * b.control_period_s;
     const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
     const double pulling = sweep_time_s(swing, b) * (PULL / SWEEP);
-    return catching + pulling + SETTLE / swing + measuring + STEP_TICKS_MAX * b.control_period_s;
+    return catching + board.bootstrap_charge_s + pulling + SETTLE / swing + measuring +
+           STEP_TICKS_MAX * b.control_period_s;
 }
 
 } // namespace nf

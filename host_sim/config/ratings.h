@@ -1,4 +1,4 @@
-// Whether motor, board and tuning can do together what the motor's file says it is rated for.
+// Whether motor, board and tuning do together what each file says.
 #pragma once
 
 #include "config.h"
@@ -7,7 +7,8 @@ namespace nf
 {
 
 // Notes a line each in config.scenario.notes: a rated torque that motor.max_current_a does not make, a rated point that
-// the bus does not reach, and a κ too small at the highest speed for the published law, which has no proportional path.
+// the bus does not reach, a κ too small at the highest speed for the published law, which has no proportional path, and a
+// charge of the bootstrap supplies where there is no start-up to do it in.
 void note_ratings(Config &config);
 
 } // namespace nf

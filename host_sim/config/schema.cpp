@@ -78,6 +78,7 @@ const std::vector<Field> FIELDS = {
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
     {"board", "device_drop_v", "V", 0, 10, OPTIONAL, board<&B::device_drop_v>, "voltage across a conducting switch or diode, whatever the current"},
+    {"board", "bootstrap_charge_s", "s", 0, 0.1, OPTIONAL, board<&B::bootstrap_charge_s>, "start-up of a standing rotor: all low sides on for so long before the first high side"},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
     {"board", "temperature_points_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_points_c>, "temperatures of the power stage, rising, at which its sensor's reading is known; linear in between"},
     {"board", "temperature_points_pct", "%", 0, 100, OPTIONAL, board<&B::temperature_points_pct>, "the sensor's reading at each of them, of the converter's full scale, rising or falling"},

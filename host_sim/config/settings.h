@@ -45,11 +45,12 @@ struct BoardSettings {
     double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the maximum
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
-    double offset_max_a = 0;     // largest sensor offset that calibration accepts
-    double duty_margin_pct = 0;  // share of the period kept free for sampling and dead time
-    double dead_time_s = 0;      // both switches of a leg off at each edge
-    double device_drop_v = 0;    // across a conducting switch or diode, whatever the current
-    int offset_samples_log2 = 0; // calibration averages 2^n samples
+    double offset_max_a = 0;       // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;    // share of the period kept free for sampling and dead time
+    double dead_time_s = 0;        // both switches of a leg off at each edge
+    double device_drop_v = 0;      // across a conducting switch or diode, whatever the current
+    double bootstrap_charge_s = 0; // all low sides on before the first high side of a start
+    int offset_samples_log2 = 0;   // calibration averages 2^n samples
     // The power stage's sensor: temperatures that rise, and what the converter reads there, in % of its full scale, which
     // rises or falls. Linear in between.
     std::vector<double> temperature_points_c = {-50, 150};

@@ -299,6 +299,38 @@ void a_rating_that_is_not_reached_is_noted_with_its_line()
     }
 }
 
+// 10 kHz; a charge is not shorter than asked for.
+void charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up()
+{
+    const Folder folder;
+    const struct {
+        const char *seconds;
+        uint32_t ticks;
+    } lengths[] = {{"0", 0}, {"1e-5", 1}, {"0.01", 100}, {"0.01002", 101}, {"0.1", 1000}};
+    for (const auto &[seconds, ticks] : lengths) {
+        const std::string set = std::string("board.bootstrap_charge_s=") + seconds;
+        const nf::Config config = nf::load_scenario("s", {}, {set, "startup.current_pct=50"});
+        TEST_ASSERT_EQUAL_UINT32(ticks, nf::build(config).startup.catch_spin.charge_ticks);
+        TEST_ASSERT_TRUE(config.scenario.notes.empty());
+    }
+    const struct {
+        const char *set;
+        const char *note;
+    } without[] = {
+        {"startup.current_pct=0", "--set: board.bootstrap_charge_s = 0.01: does not act, for with "
+                                  "startup.current_pct = 0 there is no start-up"},
+        {"drive.angle_source=sensor",
+         "--set: board.bootstrap_charge_s = 0.01: does not act, for with drive.angle_source = "
+         "\"sensor\" there is no start-up"},
+    };
+    for (const auto &[set, note] : without) {
+        const nf::Config config =
+            nf::load_scenario("s", {}, {"board.bootstrap_charge_s=0.01", set});
+        TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
+        TEST_ASSERT_EQUAL_STRING(note, config.scenario.notes[0].c_str());
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -330,5 +362,6 @@ int main()
     RUN_TEST(the_weights_have_room_for_the_largest_correction);
     RUN_TEST(rho_is_the_tunings_limit_and_off_by_default);
     RUN_TEST(a_rating_that_is_not_reached_is_noted_with_its_line);
+    RUN_TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up);
     return UNITY_END();
 }

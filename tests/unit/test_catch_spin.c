@@ -232,6 +232,59 @@ static void test_first_pulse_ends_above_the_current_and_the_second_is_as_long(vo
     }
 }
 
+/* ---- charge of the bootstrap supplies ---- */
+
+/* Ticks in all until the result, of them with the gates on behind the second pulse. */
+typedef struct {
+    uint32_t ticks;
+    uint32_t charging;
+} charge_t;
+
+static charge_t charge_at_rest(void)
+{
+    charge_t seen = {0U, 0U};
+    catch_spin_result_t result = CATCH_SPIN_BUSY;
+
+    catch_spin_reset(&spin);
+    while (result == CATCH_SPIN_BUSY) {
+        result = catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+        seen.ticks++;
+        if ((seen.ticks >= LONGEST_TICKS) && (result == CATCH_SPIN_BUSY)) {
+            TEST_ASSERT_TRUE(spin.gates);
+            seen.charging++;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, result);
+    return seen;
+}
+
+static void test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge(void)
+{
+    static const uint32_t lengths[] = {0U, 1U, 2U, 200U, 0x100000U};
+
+    for (uint32_t i = 0U; i < (sizeof lengths / sizeof lengths[0]); i++) {
+        cfg.charge_ticks = lengths[i];
+        for (uint32_t again = 0U; again < 2U; again++) {
+            const charge_t seen = charge_at_rest();
+
+            TEST_ASSERT_EQUAL_UINT32(LONGEST_TICKS + lengths[i], seen.ticks);
+            TEST_ASSERT_EQUAL_UINT32(lengths[i], seen.charging);
+        }
+    }
+}
+
+static void test_a_turning_rotor_is_not_braked_by_a_charge(void)
+{
+    seeded_t seed = {0x591BU};
+
+    cfg.charge_ticks = 200U;
+    for (int32_t k = 0; k < 24; k++) {
+        motor_t m = {.speed = ((k % 2) == 0) ? 10.0 : -90.0, .angle = k};
+
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, look(&m, &seed, 0)); /* in LONGEST_TICKS */
+    }
+}
+
 static void test_reset_forgets_what_was_there_before(void)
 {
     memset(&spin, 0x5A, sizeof spin);
@@ -326,6 +379,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
             .pause_max = 256U,
             .emf_current = seeded_in(&seed, 1, 32767),
             .emf_shift = (uint32_t)seeded_in(&seed, 0, 30),
+            .charge_ticks = (uint32_t)seeded_in(&seed, 0, 20),
         };
         catch_spin_reset(&spin);
         while (result == CATCH_SPIN_BUSY) {
@@ -333,7 +387,8 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
 
             result = catch_spin_step(&spin, &cfg, current);
             ticks++;
-            TEST_ASSERT_TRUE(ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U))));
+            TEST_ASSERT_TRUE(ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U)) +
+                                       cfg.charge_ticks));
         }
         TEST_ASSERT_TRUE(abs(spin.speed) <= 0x40000000);
     }
@@ -351,6 +406,8 @@ int main(void)
     RUN_TEST(test_first_pulse_ends_above_the_current_and_the_second_is_as_long);
     RUN_TEST(test_gates_stay_open_until_the_current_from_before_has_ended);
     RUN_TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates);
+    RUN_TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge);
+    RUN_TEST(test_a_turning_rotor_is_not_braked_by_a_charge);
     RUN_TEST(test_reset_forgets_what_was_there_before);
     RUN_TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed);
     RUN_TEST(test_a_current_that_rests_in_space_is_no_turning_rotor);

@@ -531,6 +531,86 @@ static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(v
     }
 }
 
+/* ---- charge of the bootstrap supplies ---- */
+
+#define CHARGE_TICKS (50U)
+#define CHARGE_PHASE (4U) /* of catch_spin_t */
+
+static void begin_charging(void)
+{
+    run_at(0.0);
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.catch_spin.phase != CHARGE_PHASE); k++) {
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(CHARGE_PHASE, drive.catch_spin.phase);
+}
+
+static void assert_charges_then_aligns(void)
+{
+    for (uint32_t k = 0U; k < CHARGE_TICKS; k++) {
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+        TEST_ASSERT_TRUE(out.gate_enable);
+        for (int32_t p = 0; p < 3; p++) {
+            TEST_ASSERT_EQUAL_UINT16(0U, out.compare.phase[p]);
+        }
+        tick();
+    }
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_ALIGN, drive.state);
+    TEST_ASSERT_FALSE(out.gate_enable);
+}
+
+static void test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side(void)
+{
+    cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+    begin();
+    begin_charging();
+    assert_charges_then_aligns();
+}
+
+static void test_a_charge_that_was_stopped_begins_anew_behind_a_new_look(void)
+{
+    cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+    begin();
+    begin_charging();
+    ticks(CHARGE_TICKS - 1U);
+    in.command.request = 0U;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    assert_gates_open();
+    run_at(0.0);
+    tick();
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.catch_spin.phase); /* nothing flows: the first pulse */
+    begin_charging();
+    assert_charges_then_aligns();
+}
+
+/* Somebody turns the shaft: the shorted windings carry what flows then. */
+static void test_a_fault_in_the_charge_opens_the_gates_at_once(void)
+{
+    static const struct {
+        uint16_t ia;
+        uint8_t flags;
+        fault_id_t id;
+    } cases[] = {{MID_COUNTS + 1900U, 0U, FAULT_OVERCURRENT},
+                 {MID_COUNTS, DRIVE_FLAG_BREAK, FAULT_BREAK}};
+
+    for (uint32_t i = 0U; i < 2U; i++) {
+        setUp();
+        cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+        begin();
+        begin_charging();
+        ticks(CHARGE_TICKS / 2U);
+        TEST_ASSERT_TRUE(out.gate_enable);
+        in.adc_ia = cases[i].ia;
+        in.flags = cases[i].flags;
+        drive_step(&drive, &in, &out);
+        TEST_ASSERT_EQUAL_INT(cases[i].id, drive.fault.id);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        assert_gates_open();
+    }
+}
+
 /* ---- any frame ---- */
 
 /* Phases so short that all states are passed often. */
@@ -638,7 +718,7 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.current_loop.resistance_q13 = 32767;
         cfg.hold_loop = cfg.current_loop;
         cfg.startup.catch_spin = (catch_spin_cfg_t){
-            1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run};
+            1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run, run};
         cfg.startup.align.step_voltage = 32767;
         cfg.startup.handover_speed = 2;
         cfg.startup.track_speed = 1;
@@ -808,6 +888,9 @@ int main(void)
     RUN_TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again);
     RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
     RUN_TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor);
+    RUN_TEST(test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side);
+    RUN_TEST(test_a_charge_that_was_stopped_begins_anew_behind_a_new_look);
+    RUN_TEST(test_a_fault_in_the_charge_opens_the_gates_at_once);
     RUN_TEST(test_any_frame_keeps_the_start_in_range_and_reaches_every_state);
     RUN_TEST(test_any_frame_keeps_the_most_extreme_configuration_in_range);
     RUN_TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too);

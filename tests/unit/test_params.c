@@ -135,6 +135,7 @@ static const field_t FIELDS[] = {
     FIELD(startup.catch_spin.pause_max, 1, 256),
     FIELD(startup.catch_spin.emf_current, 1, 32767),
     FIELD(startup.catch_spin.emf_shift, 0, 30),
+    FIELD(startup.catch_spin.charge_ticks, 0, 0x100000),
     WITHIN(startup.align.current_high, "startup.align.current_low", 3933, 16384,
            "startup.align.current_high"),
     FIELD(startup.align.current_low, 0, 6553), /* below current_high */
