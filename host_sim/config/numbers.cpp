@@ -121,7 +121,7 @@ const char *rule_source(const std::string &key, const TuningSettings &as_written
 {
     const auto rule = std::find_if(std::begin(RULES), std::end(RULES),
                                    [&](const Rule &any) { return any.key == key; });
-    const bool is_left_open = rule != std::end(RULES) && as_written.*(rule->value) <= 0;
+    const bool is_left_open = rule != std::end(RULES) && as_written.*rule->value <= 0;
     return is_left_open ? rule->from : nullptr;
 }
 
