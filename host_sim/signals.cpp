@@ -279,6 +279,8 @@ std::vector<SignalInfo> watch_signals()
     return {
         DRIVE(derating.thermal, current_q15),
         DRIVE(derating.too_hot, number),
+        DRIVE(derating.voltage.d, voltage_q15),
+        DRIVE(derating.voltage.q, voltage_q15),
         DRIVE(derating.flags_slow, number),
         DRIVE(derating.flags, number),
         DRIVE(supervision.step, number),
@@ -441,6 +443,8 @@ std::vector<SignalInfo> motion_configuration()
         CFG(derating.bus_low.gain, number),
         CFG(derating.bus_low.shift, number),
         CFG(derating.regeneration_speed, speed_step),
+        CFG(derating.bus_current_max, number),
+        CFG(derating.bus_regeneration_max, number),
         CFG(speed_loop.pi.kp_shift, number),
         CFG(speed_loop.pi.ki_shift, number),
         CFG(speed_loop.inertia_shift, number),

@@ -68,7 +68,7 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
 
 /*
  * One slow period: follow `reference` (limited to ±speed_max), given the measured speed.
- * Returns i_q*, saturated to `range`, one LSB less at its upper end when the sum of its ends is odd.
+ * Returns i_q*, saturated to `range` and 16383.
  */
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range);

@@ -2,6 +2,7 @@
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
 #define HEAT_MAX_Q24 (0x40000000)
+#define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
 #define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
@@ -87,13 +88,56 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
     return id;
 }
 
-torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg, int32_t bus,
-                              step_t speed)
+/* |i_q| that takes `power` at v_q, or gives it back: Q30 of I_b·U_b. */
+static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t voltage_q)
 {
-    const int32_t high = derating_share(&cfg->bus_high, bus);
-    const int32_t low = derating_share(&cfg->bus_low, bus);
+    const uint32_t voltage = fx_unsigned(fx_max(fx_abs(voltage_q), 1));
+    const uint32_t current = fx_unsigned(fx_max(power, 0)) / voltage;
+
+    return fx_min(fx_signed(current), cfg->current_max);
+}
+
+/* What the bus may give, or take, less what i_d takes of it. */
+static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_t bus,
+                              int32_t power_d, int32_t voltage_q)
+{
+    int32_t limit = cfg->current_max;
+
+    if ((largest != 0) && (voltage_q != 0)) {
+        limit = current_of(cfg, (largest * bus) - power_d, voltage_q);
+    }
+    return limit;
+}
+
+/* With the voltage i_q takes power, against it i_q feeds back. */
+static torque_range_t limit_bus_current(derating_t *derating, const derating_cfg_t *cfg,
+                                        const derating_motion_t *motion, torque_range_t range)
+{
+    const dq_t v = derating->voltage;
+    const int32_t power_d = v.d * motion->current_d;
+    const int32_t with = limit_by_power(cfg, cfg->bus_current_max, motion->bus, power_d, v.q);
+    const int32_t against =
+        limit_by_power(cfg, cfg->bus_regeneration_max, motion->bus, -power_d, v.q);
+    const int32_t lower = (v.q < 0) ? with : against;
+    const int32_t upper = (v.q < 0) ? against : with;
+
+    if (fx_min(with, against) < cfg->current_max) {
+        derating->flags |= DERATING_BUS_CURRENT;
+    }
+    return (torque_range_t){.lower = fx_max(range.lower, -lower),
+                            .upper = fx_min(range.upper, upper)};
+}
+
+torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg,
+                              const derating_motion_t *motion)
+{
+    const int32_t high = derating_share(&cfg->bus_high, motion->bus);
+    const int32_t low = derating_share(&cfg->bus_low, motion->bus);
+    const step_t speed = motion->speed;
     torque_range_t range;
 
+    derating->voltage.d = fx_approach(derating->voltage.d, motion->voltage.d, VOLTAGE_SHIFT);
+    derating->voltage.q = fx_approach(derating->voltage.q, motion->voltage.q, VOLTAGE_SHIFT);
     derating->braking = fx_min(derating->thermal, scaled(cfg->current_max, high));
     derating->motoring = fx_min(derating->thermal, scaled(cfg->current_max, low));
     derating->flags =
@@ -106,5 +150,5 @@ torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg, i
     } else {
         /* too slow to feed anything back */
     }
-    return range;
+    return limit_bus_current(derating, cfg, motion, range);
 }

@@ -5,9 +5,17 @@
  *     temperature  current_max up to the warning, linearly down to 0 at the limit, where it is a fault
  *     high bus     braking only: full up to bus_brake_v, linearly down to 0 at bus_max_v
  *     low bus      motoring only: full from bus_low_v on, linearly down to 0 at bus_min_v
+ *     bus current  what the bus may give is for motoring, what it may take back for braking
  *
  * The smallest holds. Heat is the square of the current vector through the winding's time constant:
  * 1 is what the continuous current makes in the end.
+ *
+ * Bus current is that of the motor's power, bus·i_bus = 1.5·(v_d·i_d + v_q·i_q); losses of the inverter are
+ * not in it. v is the voltage demand through a low-pass of four slow periods: as i_q makes a part of v_q
+ * that is below one half while it motors or brakes with more power for more current, limit and
+ * voltage settle. Without v_q there is no limit, for i_q then takes no power. Only i_q gives way: i_d, and with it
+ * an imposed current, is what it is asked to be and leaves i_q the rest. A frame that is turned at a
+ * hand-over has its own voltage after the low-pass; the power is small there.
  *
  * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges; control interrupt
  * only: the limits once a slow period, the heat once a supervision period (supervision.h).
@@ -48,19 +56,23 @@ typedef struct {
     fade_t bus_high;           /* of the braking current; x: bus */
     fade_t bus_low;            /* of the motoring current; x: bus */
     step_t regeneration_speed; /* |speed| below which nothing counts as braking, 0…2^29 */
+    int32_t bus_current_max;   /* motoring, Q15 of 1.5·I_b, 0…32767, 0: no limit */
+    int32_t bus_regeneration_max; /* braking, likewise */
 } derating_cfg_t;
 
 #define DERATING_HEAT (0x01U) /* which derating acts */
 #define DERATING_TEMPERATURE (0x02U)
 #define DERATING_BUS_HIGH (0x04U)
 #define DERATING_BUS_LOW (0x08U)
+#define DERATING_BUS_CURRENT (0x10U)
 
 typedef struct {
     int32_t heat_q24;    /* 2^24 = what the continuous current makes, 0…2^30 */
     int32_t thermal;     /* limit by heat and temperature */
     uint32_t too_hot;    /* periods in a row at no share */
-    int32_t motoring;    /* current limits in force */
+    int32_t motoring;    /* current limits by all but the bus current */
     int32_t braking;     /* 0…current_max */
+    dq_t voltage;        /* of the motor, mean of some slow periods, ±32767 */
     uint32_t flags_slow; /* of heat and temperature */
     uint32_t flags;      /* DERATING_…, of all */
 } derating_t;
@@ -80,11 +92,19 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);
 
+/* What the motor does in this slow period, in the frame of i_q*. */
+typedef struct {
+    int32_t bus; /* 0…32767 */
+    step_t speed;
+    dq_t voltage;      /* demand, Q15 of U_b, ±32767; 0 with open gates */
+    int32_t current_d; /* i_d*, ±16384 */
+} derating_motion_t;
+
 /*
- * One slow period: the limits and flags at this bus voltage, 0…32767. Returns the range of i_q*: braking
- * is what works against `speed`.
+ * One slow period: the limits and flags at this bus voltage. Returns the range of i_q*: braking is what
+ * works against the speed, for the bus current what feeds power back. Rounds towards less current.
  */
-torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg, int32_t bus,
-                              step_t speed);
+torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg,
+                              const derating_motion_t *motion);
 
 #endif

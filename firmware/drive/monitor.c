@@ -159,8 +159,14 @@ static void watch_turns(drive_t *drive, const drive_in_t *in)
 
 static void limit_torque(drive_t *drive)
 {
-    drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating,
-                                         drive->signals.bus, drive_speed(drive));
+    const derating_motion_t motion = {
+        .bus = drive->signals.bus,
+        .speed = drive_speed(drive),
+        .voltage = drive_is_controlled(drive->state) ? drive->signals.voltage : (dq_t){0, 0},
+        .current_d = drive->signals.current_ref.d,
+    };
+
+    drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);
 }
 
 void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left)

@@ -89,7 +89,9 @@ static const char *check_derating(const char *before, const derating_cfg_t *cfg)
     bad = check_periods(bad, "derating.temperature_periods", cfg->temperature_periods);
     bad = check_fade(bad, "derating.bus_high", &cfg->bus_high);
     bad = check_fade(bad, "derating.bus_low", &cfg->bus_low);
-    return range(bad, "derating.regeneration_speed", cfg->regeneration_speed, 0, STEP_MAX);
+    bad = range(bad, "derating.regeneration_speed", cfg->regeneration_speed, 0, STEP_MAX);
+    bad = range(bad, "derating.bus_current_max", cfg->bus_current_max, 0, FX_Q15_MAX);
+    return range(bad, "derating.bus_regeneration_max", cfg->bus_regeneration_max, 0, FX_Q15_MAX);
 }
 
 static const char *check_supervision(const char *before, const supervision_cfg_t *cfg)

@@ -31,6 +31,7 @@ void vector_control_reset(drive_t *drive)
     drive->signals.current_ref = (dq_t){0, 0};
     drive->signals.current_mean = (dq_t){0, 0};
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
+    drive->derating.voltage = (dq_t){0, 0};
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 

@@ -101,6 +101,15 @@ void add_fade(Rows &to, const std::string &name, const fade_t &c, double unit, c
     to.add(name + ".shift", c.shift, "of the gain");
 }
 
+void add_bus_current(Rows &to, const std::string &name, int32_t value)
+{
+    if (value == 0) {
+        to.add(name, value, "no limit");
+    } else {
+        to.add(name, value, "{:.5g} A", BUS_CURRENT_FACTOR * to.ampere(value));
+    }
+}
+
 void add_derating(Rows &to)
 {
     const derating_cfg_t &c = to.built.derating;
@@ -124,6 +133,8 @@ void add_derating(Rows &to)
     add_fade(to, "derating.bus_low", c.bus_low, volt, "V");
     to.add("derating.regeneration_speed", c.regeneration_speed, "{:.5g} rpm",
            to.bases.rpm_from_step(c.regeneration_speed));
+    add_bus_current(to, "derating.bus_current_max", c.bus_current_max);
+    add_bus_current(to, "derating.bus_regeneration_max", c.bus_regeneration_max);
 }
 
 void add_supervision(Rows &to)

@@ -225,6 +225,30 @@ void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, dou
     c.temperature_periods = static_cast<uint32_t>(std::ceil(TEMPERATURE_TIME_S / period_s));
 }
 
+// A limit beyond the field is beyond all that can flow: the voltage circle is within 1/√3 of the bus.
+int32_t bus_current(double limit_a, const Source &setting, const Bases &b)
+{
+    int32_t c = 0;
+    if (limit_a > 0) {
+        const double number = limit_a / BUS_CURRENT_FACTOR / b.current_a * Q15;
+        store(c, std::min(number, MANTISSA_MAX), 1, MANTISSA_MAX, setting,
+              "a step of the current that the firmware measures");
+    }
+    return c;
+}
+
+// A start imposes its current whatever the bus gives: what that takes at standstill has to be allowed.
+void check_imposed_power(const startup_cfg_t &c, const BoardSettings &board, const Model &m,
+                         const Bases &b)
+{
+    if (board.bus_current_max_a > 0 && c.current_hold > 0) {
+        const double imposed = std::max(c.current_move, c.align.current_high) / Q15 * b.current_a;
+        require({"board.bus_current_max_a", board.bus_current_max_a},
+                BUS_CURRENT_FACTOR * m.resistance * imposed * imposed / board.bus_nominal_v,
+                HUGE_VAL, "what the current that a start imposes takes from board.bus_nominal_v");
+    }
+}
+
 derating_cfg_t make_derating(const MotorSettings &motor, const BoardSettings &board,
                              double period_s, const Bases &b)
 {
@@ -239,6 +263,11 @@ derating_cfg_t make_derating(const MotorSettings &motor, const BoardSettings &bo
     set_temperature_derating(c, board, period_s);
     set_bus_derating(c, board, b);
     keep(c.regeneration_speed, b.step_from_rpm(motor.max_speed_rpm) * STANDSTILL, 0, Q30 / 2);
+    c.bus_current_max = bus_current(board.bus_current_max_a,
+                                    {"board.bus_current_max_a", board.bus_current_max_a}, b);
+    c.bus_regeneration_max =
+        bus_current(board.bus_regeneration_max_a,
+                    {"board.bus_regeneration_max_a", board.bus_regeneration_max_a}, b);
     return c;
 }
 
@@ -673,6 +702,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.modulator = make_modulator(board, scales, m, b);
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, m, b);
+    check_imposed_power(c.startup, board, m, b);
     c.run = make_run(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.voltage_drive = make_voltage_drive(motor, tuning, b);

@@ -45,6 +45,9 @@ struct Bases {
     double turns_from_mech_rad(double rad) const; // mechanical angle to electrical turns
 };
 
+// Bus current for one of current and voltage each: power is 1.5·(v_d·i_d + v_q·i_q). Q15 of it is the firmware's.
+constexpr double BUS_CURRENT_FACTOR = 1.5;
+
 // From the first tick until the drive can run: INIT, then 2^offset_samples_log2 ticks of calibration.
 double calibration_time(const BoardSettings &board);
 

@@ -72,6 +72,8 @@ const std::vector<Field> FIELDS = {
     {"board", "bus_max_v", "V", 5, 1500, NEEDED, board<&B::bus_max_v>, "over-voltage fault"},
     {"board", "bus_low_v", "V", 0, 1000, OPTIONAL, board<&B::bus_low_v>, "motoring is derated below; 0: bus_min_v and a quarter of the way to nominal"},
     {"board", "bus_brake_v", "V", 0, 1500, OPTIONAL, board<&B::bus_brake_v>, "braking is derated above; 0: half way from nominal to bus_max_v"},
+    {"board", "bus_current_max_a", "A", 0, 2000, OPTIONAL, board<&B::bus_current_max_a>, "from the supply: motoring is derated to it; 0: no limit"},
+    {"board", "bus_regeneration_max_a", "A", 0, 2000, OPTIONAL, board<&B::bus_regeneration_max_a>, "back into the supply: braking is derated to it; 0: no limit"},
     {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
     {"board", "trip_a", "A", 0, 5000, OPTIONAL, board<&B::trip_a>, "comparators open the gates by themselves at this phase current; 0: there are none"},
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},

@@ -61,6 +61,25 @@ void derating()
     expect((355 + 0.75 * 45) / 450 * 32768, c.bus_high.zero);
     expect_mantissa(32768 / (0.75 * 45.0 / 450 * 32768), c.bus_high.gain, c.bus_high.shift);
     expect(1800 * STEPS_PER_RPM / 64, c.regeneration_speed);
+    expect(0, c.bus_current_max);
+    expect(0, c.bus_regeneration_max);
+}
+
+// 6 A and 1.5 A of 1.5·40 A; 100 A is beyond three times the full scale of 20 A, which never flows.
+void bus_currents()
+{
+    const derating_cfg_t c =
+        nf::build(nf::load_parts("motor_b", "bench_310v", "robust", {},
+                                 {"board.bus_current_max_a=6", "board.bus_regeneration_max_a=1.5"}))
+            .derating;
+    expect(6.0 / 60 * 32768, c.bus_current_max);
+    expect(1.5 / 60 * 32768, c.bus_regeneration_max);
+    const derating_cfg_t none = nf::build(nf::load_parts("motor_b", "bench_310v", "robust", {},
+                                                         {"board.bus_current_max_a=100",
+                                                          "board.bus_regeneration_max_a=100"}))
+                                    .derating;
+    expect(32767, none.bus_current_max);
+    expect(32767, none.bus_regeneration_max);
 }
 
 // Over 4 ms: 10 ms, 20 ms, 0.5 s (above 5/bandwidth), 1 s are 3, 5, 125, 250.
@@ -148,6 +167,7 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(protection);
     RUN_TEST(derating);
+    RUN_TEST(bus_currents);
     RUN_TEST(supervision);
     RUN_TEST(observer_base_and_weights);
     RUN_TEST(observer_gains);

@@ -4,6 +4,7 @@
 #include "unity.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define PERIOD_S (0.004)
 #define TIME_CONSTANT_S (20.0)
@@ -37,7 +38,9 @@ static fault_id_t step_with(int32_t current, uint16_t adc_temperature)
 
 static torque_range_t range_at(int32_t bus, step_t speed)
 {
-    return derating_range(&derating, &cfg, bus, speed);
+    const derating_motion_t motion = {.bus = bus, .speed = speed};
+
+    return derating_range(&derating, &cfg, &motion);
 }
 
 static void assert_range(int32_t lower, int32_t upper, torque_range_t range)
@@ -275,6 +278,123 @@ static void test_below_the_regeneration_speed_both_directions_count_as_motoring(
     assert_range(-MAX, 0, range_at(29127, -slow - 1));
 }
 
+/* ---- bus current ---- */
+
+#define GIVEN (600) /* Q15 of 1.5·60 A: 1.1 A */
+#define TAKEN (300)
+#define ENOUGH (64) /* slow periods: (3/4)^64 of a voltage is 10^-8 */
+
+/* The range where the voltage has been this one for long. */
+static torque_range_t range_with(dq_t voltage, int32_t current_d)
+{
+    const derating_motion_t motion = {
+        .bus = BUS_CALM, .speed = FORWARD, .voltage = voltage, .current_d = current_d};
+    torque_range_t range = {0, 0};
+
+    for (int32_t k = 0; k < ENOUGH; k++) {
+        range = derating_range(&derating, &cfg, &motion);
+    }
+    return range;
+}
+
+static void limit_bus_current(int32_t given, int32_t taken)
+{
+    cfg.bus_current_max = given;
+    cfg.bus_regeneration_max = taken;
+}
+
+/* (limit·bus − v_d·i_d)/|v_q|: with the voltage power is taken, against it fed back, whatever the speed. */
+static void test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power(void)
+{
+    static const struct {
+        dq_t voltage;
+        int32_t current_d;
+    } points[] = {{{0, 4000}, 0},        {{0, -4000}, 0},        {{0, 12000}, 0},
+                  {{-3000, 9000}, 1000}, {{3000, -9000}, 1000},  {{3000, 9000}, -1000},
+                  {{0, 32767}, 16384},   {{-1000, -18918}, 2000}};
+
+    limit_bus_current(GIVEN, TAKEN);
+    for (uint32_t k = 0U; k < (sizeof(points) / sizeof(points[0])); k++) {
+        const dq_t v = points[k].voltage;
+        const torque_range_t range = range_with(v, points[k].current_d);
+        const int32_t with = (v.q > 0) ? range.upper : -range.lower;
+        const int32_t against = (v.q > 0) ? -range.lower : range.upper;
+        const double power_d = (double)v.d * points[k].current_d;
+        const double given = (((double)GIVEN * BUS_CALM) - power_d) / abs(v.q);
+        const double taken = (((double)TAKEN * BUS_CALM) + power_d) / abs(v.q);
+        /* The low-pass stands still within 3 LSB of the voltage, of each axis; a quotient rounds by one. */
+        const double off = 1.0 + (3.0 * (given + taken + abs(points[k].current_d)) / abs(v.q));
+
+        TEST_ASSERT_DOUBLE_WITHIN(off, given, with);
+        TEST_ASSERT_DOUBLE_WITHIN(off, taken, against);
+        TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
+        derating_reset(&derating, &cfg);
+    }
+}
+
+static void test_each_bus_current_limit_acts_in_its_direction_only(void)
+{
+    limit_bus_current(GIVEN, 0);
+    assert_range(-MAX, (GIVEN * BUS_CALM) / 9997, range_with((dq_t){0, 10000}, 0));
+    TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
+    derating_reset(&derating, &cfg);
+    limit_bus_current(0, TAKEN);
+    assert_range(-(TAKEN * BUS_CALM) / 9997, MAX, range_with((dq_t){0, 10000}, 0));
+    TEST_ASSERT_EQUAL_HEX32(DERATING_BUS_CURRENT, derating.flags);
+}
+
+static void test_without_a_bus_current_limit_no_voltage_changes_the_range(void)
+{
+    for (int32_t v = -32767; v <= 32767; v += 4681) {
+        assert_range(-MAX, MAX, range_with((dq_t){v, 32767}, 16384));
+        assert_range(-MAX, MAX, range_with((dq_t){v, -32767}, -16384));
+        TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+    }
+}
+
+/* At standstill i_q takes no power, even if i_d takes more than there is. */
+static void test_without_a_voltage_along_q_the_bus_current_limits_nothing(void)
+{
+    limit_bus_current(1, 1);
+    assert_range(-MAX, MAX, range_with((dq_t){0, 0}, 0));
+    assert_range(-MAX, MAX, range_with((dq_t){20000, 0}, 16384));
+    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+}
+
+/* i_d takes more than the bus may give, or feeds back more than it may take: nothing is left, and no more than that. */
+static void test_what_the_current_along_d_takes_is_missing_for_torque(void)
+{
+    limit_bus_current(GIVEN, TAKEN);
+    assert_range(-MAX, 0, range_with((dq_t){20000, 100}, 16384));
+    derating_reset(&derating, &cfg);
+    assert_range(0, MAX, range_with((dq_t){20000, 100}, -16384));
+}
+
+static void test_a_bus_current_limit_beyond_all_that_flows_limits_nothing(void)
+{
+    limit_bus_current(32767, 32767);
+    assert_range(-MAX, MAX, range_with((dq_t){18918, 18918}, 16384));
+    TEST_ASSERT_EQUAL_HEX32(0U, derating.flags);
+}
+
+/* A step of the voltage goes by a quarter of what is missing each slow period; a reset forgets it. */
+static void test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods(void)
+{
+    const derating_motion_t motion = {.bus = BUS_CALM, .voltage = {.d = -8192, .q = 16384}};
+    double left = 1.0;
+
+    for (int32_t k = 0; k < 16; k++) {
+        (void)derating_range(&derating, &cfg, &motion);
+        left *= 0.75;
+        /* Each period rounds by less than one, four in all. */
+        TEST_ASSERT_DOUBLE_WITHIN(4.0, 16384.0 * (1.0 - left), derating.voltage.q);
+        TEST_ASSERT_DOUBLE_WITHIN(4.0, -8192.0 * (1.0 - left), derating.voltage.d);
+    }
+    derating_reset(&derating, &cfg);
+    TEST_ASSERT_EQUAL_INT32(0, derating.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(0, derating.voltage.q);
+}
+
 static void test_the_smallest_of_all_limits_holds(void)
 {
     set_heat(1.0);
@@ -282,6 +402,9 @@ static void test_the_smallest_of_all_limits_holds(void)
     assert_range(-CONTINUOUS, CONTINUOUS, range_at(BUS_CALM, FORWARD));
     assert_range(0, CONTINUOUS, range_at(29127, FORWARD));
     TEST_ASSERT_EQUAL_HEX32(DERATING_HEAT | DERATING_BUS_HIGH, derating.flags);
+    limit_bus_current(GIVEN, 0);
+    assert_range(-CONTINUOUS, (GIVEN * BUS_CALM) / 9997, range_with((dq_t){0, 10000}, 0));
+    assert_range(-CONTINUOUS, CONTINUOUS, range_with((dq_t){0, 1000}, 0));
     (void)step_with(0, HOT);
     assert_range(0, 0, range_at(BUS_CALM, FORWARD));
 }
@@ -305,6 +428,13 @@ int main(void)
     RUN_TEST(test_braking_fades_to_nothing_at_the_highest_bus_and_motoring_does_not);
     RUN_TEST(test_motoring_fades_to_nothing_at_the_lowest_bus_and_braking_does_not);
     RUN_TEST(test_below_the_regeneration_speed_both_directions_count_as_motoring);
+    RUN_TEST(test_bus_current_limits_what_is_taken_and_what_is_fed_back_by_the_power);
+    RUN_TEST(test_each_bus_current_limit_acts_in_its_direction_only);
+    RUN_TEST(test_without_a_bus_current_limit_no_voltage_changes_the_range);
+    RUN_TEST(test_without_a_voltage_along_q_the_bus_current_limits_nothing);
+    RUN_TEST(test_what_the_current_along_d_takes_is_missing_for_torque);
+    RUN_TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing);
+    RUN_TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods);
     RUN_TEST(test_the_smallest_of_all_limits_holds);
     return UNITY_END();
 }

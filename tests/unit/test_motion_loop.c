@@ -125,6 +125,26 @@ static void test_each_direction_has_its_own_current_limit(void)
     TEST_ASSERT_EQUAL_INT32(-100, speed_loop_step(&speed_loop, &speed_cfg, -28000000, 0, torque));
 }
 
+/* Who compares the demand with its limit to tell whether there is torque to spare has to see the limit itself. */
+static void test_both_ends_of_any_range_are_reached(void)
+{
+    static const torque_range_t ranges[] = {
+        {-100, 3001}, {-101, 3000}, {-3001, 100}, {-3000, 101}, {-1, 0}, {0, 1}, {-16384, 16383}};
+
+    speed_cfg.pi = (pi_cfg_t){.kp = 32767, .kp_shift = 1U, .ki_shift = 1U};
+    speed_cfg.speed_max = 0x20000000;
+    speed_cfg.ramp = 0x20000000;
+    for (uint32_t k = 0U; k < (sizeof(ranges) / sizeof(ranges[0])); k++) {
+        torque = ranges[k];
+        speed_loop_reset(&speed_loop, 0);
+        TEST_ASSERT_EQUAL_INT32(torque.upper, speed_loop_step(&speed_loop, &speed_cfg, 0x20000000,
+                                                              -0x20000000, torque));
+        speed_loop_reset(&speed_loop, 0);
+        TEST_ASSERT_EQUAL_INT32(torque.lower, speed_loop_step(&speed_loop, &speed_cfg, -0x20000000,
+                                                              0x20000000, torque));
+    }
+}
+
 /* The limits of the two directions are unequal: that is no torque by itself. */
 static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
 {
@@ -683,6 +703,7 @@ int main(void)
     RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
     RUN_TEST(test_each_direction_has_its_own_current_limit);
+    RUN_TEST(test_both_ends_of_any_range_are_reached);
     RUN_TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits);
     RUN_TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb);
     RUN_TEST(test_speed_error_saturates_to_16_bits_on_both_sides);

@@ -64,6 +64,8 @@ static const field_t FIELDS[] = {
     FADE(derating.bus_high),
     FADE(derating.bus_low),
     FIELD(derating.regeneration_speed, 0, 0x20000000),
+    FIELD(derating.bus_current_max, 0, 32767),
+    FIELD(derating.bus_regeneration_max, 0, 32767),
     FIELD(supervision.phase_range_min, 1, 65535),
     FIELD(supervision.phase_zero_max, 0, 16384),
     FIELD(supervision.phase_speed_max, 1, 0x40000000),
