@@ -73,7 +73,7 @@ void print_keys()
     std::cout << fmt::format("{:36}{:36}{:12}{}\n", "key", "allowed", "default", "meaning");
     for (const nf::Field &field : nf::schema()) {
         std::cout << fmt::format("{:36}{:36}{:12}{}\n", field.name(), field.allowed(),
-                                 field.default_text(), field.help);
+                                 field.default_text(), field.meaning());
     }
     for (const nf::EntryValue &value : nf::entry_values()) {
         std::cout << fmt::format("{:36}{:36}{:12}{}\n", value.name(), value.allowed(),

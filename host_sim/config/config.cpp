@@ -1,5 +1,6 @@
 #include "config.h"
 
+#include "acts.h"
 #include "files.h"
 #include "layer.h"
 #include "low_speed_units.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -308,6 +308,7 @@ Config assemble(const Sources &sources)
     check_temperature(config);
     pass_on_dead_time(config);
     note_ratings(config);
+    note_idle(scenario_layers(sources), config);
     return config;
 }
 
@@ -372,25 +373,11 @@ std::string limit_text(const SettingError &error)
                        unit.empty() ? "" : " ", unit);
 }
 
-// The value of a key that holds a number, as in a file.
-std::string number_text(const std::string &key, const Config &config)
-{
-    Config copy = config;
-    return std::visit(
-        [](const auto *value) -> std::string {
-            if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(*value)>>) {
-                return fmt::format("{}", *value);
-            }
-            return "";
-        },
-        find_field(key)->target(copy));
-}
-
 // A setting that does not fit: by the line that holds it, or by the one that a rule made it from.
 [[noreturn]] void refuse(const Config &config, const SettingError &error)
 {
     if (const char *from = rule_source(error.key, config.tuning)) {
-        fail(config.origins.at(from), from, number_text(from, config),
+        fail(config.origins.at(from), from, find_field(from)->number_text(config),
              error.key + " follows from it by rule and does not fit the firmware",
              "another motor, or write " + error.key);
     }

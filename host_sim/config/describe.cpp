@@ -192,10 +192,9 @@ void add_adaptation(Rows &to)
 {
     const nn_observer_cfg_t &c = to.built.observer;
     to.add("observer.descent_shift", c.descent_shift, "of the descent b");
-    to.add("observer.rate", c.rate, "κ = {:g}", to.config.tuning.observer_kappa);
+    to.add("observer.rate", c.rate, "κ = {:g}", to.tuning.observer_kappa);
     to.add("observer.rate_shift", c.rate_shift, "of the rate");
-    to.add("observer.proportional", c.proportional, "κ_p = {:g}",
-           to.config.tuning.observer_kappa_p);
+    to.add("observer.proportional", c.proportional, "κ_p = {:g}", to.tuning.observer_kappa_p);
     to.add("observer.proportional_shift", c.proportional_shift, "of the proportional path");
     to.add("observer.momentum_q15", c.momentum_q15, "α = {:.5g}", scaled(c.momentum_q15, 15));
     to.add("observer.speed_limit", c.speed_limit, "{:.6g} rpm", to.rpm(c.speed_limit));

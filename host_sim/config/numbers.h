@@ -94,6 +94,10 @@ TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &moto
 // The key of the motor file that a rule's value follows from most, or null where `key` is written or has no rule.
 const char *rule_source(const std::string &key, const TuningSettings &as_written);
 
+// The lowest speed of the voltage drive is at least so many hand-over speeds: it gives back at 3/4 of it, which has to be
+// before the observer does.
+constexpr double ABOVE_HANDOVER = 1.5;
+
 // With an angle sensor nothing is to be found at the start, and the observer's speed is not trained.
 TuningSettings for_sensor(const TuningSettings &tuning);
 

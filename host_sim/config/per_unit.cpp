@@ -557,9 +557,6 @@ phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const Tunin
     return c;
 }
 
-// The voltage drive gives back at 3/4 of its lowest speed, which has to be before the observer does.
-constexpr double ABOVE_HANDOVER = 1.5;
-
 voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
                                        const Bases &b)
 {

@@ -7,6 +7,7 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -80,7 +81,7 @@ const std::vector<Field> FIELDS = {
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
     {"board", "device_drop_v", "V", 0, 10, OPTIONAL, board<&B::device_drop_v>, "voltage across a conducting switch or diode, whatever the current"},
-    {"board", "bootstrap_charge_s", "s", 0, 0.1, OPTIONAL, board<&B::bootstrap_charge_s>, "start-up of a standing rotor: all low sides on for so long before the first high side"},
+    {"board", "bootstrap_charge_s", "s", 0, 0.1, OPTIONAL, board<&B::bootstrap_charge_s>, "start-up of a standing rotor: all low sides on for so long before the first high side", WITH_STARTUP},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
     {"board", "temperature_points_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_points_c>, "temperatures of the power stage, rising, at which its sensor's reading is known; linear in between"},
     {"board", "temperature_points_pct", "%", 0, 100, OPTIONAL, board<&B::temperature_points_pct>, "the sensor's reading at each of them, of the converter's full scale, rising or falling"},
@@ -101,17 +102,17 @@ const std::vector<Field> FIELDS = {
     {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
     {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
-    {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample"},
-    {"observer", "kappa_p", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law"},
-    {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)"},
+    {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample", WITH_OBSERVER},
+    {"observer", "kappa_p", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law", WITH_OBSERVER},
+    {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)", WITH_OBSERVER},
     {"observer", "rho_max", "", 0, 3.9, OPTIONAL, tuning<&T::observer_rho_max>, "largest ρ = R/(ωL) by which the error is turned; 0 is the published law"},
-    {"startup", "current_pct", "%", 0, 200, OPTIONAL, tuning<&T::startup_current_pct>, "imposed at low speed, of motor.continuous_current_a; 0: no start-up"},
-    {"startup", "handover_speed_pct", "%", 1, 50, OPTIONAL, tuning<&T::handover_speed_pct>, "of motor.rated_speed_rpm: the observer takes over"},
-    {"adaptation", "resistance_pct", "%", 0, 90, OPTIONAL, tuning<&T::adapt_resistance_pct>, "how far R may be corrected by what is measured; 0: not at all"},
-    {"adaptation", "inductance_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_inductance_pct>, "likewise L"},
+    {"startup", "current_pct", "%", 0, 200, OPTIONAL, tuning<&T::startup_current_pct>, "imposed at low speed, of motor.continuous_current_a; 0: no start-up", WITH_OBSERVER},
+    {"startup", "handover_speed_pct", "%", 1, 50, OPTIONAL, tuning<&T::handover_speed_pct>, "of motor.rated_speed_rpm: the observer takes over", WITH_HANDOVER},
+    {"adaptation", "resistance_pct", "%", 0, 90, OPTIONAL, tuning<&T::adapt_resistance_pct>, "how far R may be corrected by what is measured; 0: not at all", WITH_STARTUP},
+    {"adaptation", "inductance_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_inductance_pct>, "likewise L", WITH_STARTUP},
     {"adaptation", "flux_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_flux_pct>, "likewise φ"},
     {"current_loop", "bandwidth_hz", "Hz", 1, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop"},
-    {"current_loop", "floor_pct", "%", 0, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a, where dead time is compensated"},
+    {"current_loop", "floor_pct", "%", 0, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a", WITH_DEAD_TIME},
     {"speed_loop", "bandwidth_hz", "Hz", 0, 1000, OPTIONAL, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop; 0: by the motor"},
     {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},
     {"speed_loop", "ramp_rpm_s", "rpm/s", 0, 1e7, OPTIONAL, tuning<&T::speed_ramp_rpm_s>, "how fast the speed reference changes; 0: by the motor"},
@@ -122,14 +123,14 @@ const std::vector<Field> FIELDS = {
     {"position_loop", "acceleration_rad_s2", "rad/s²", 0, 1e7, OPTIONAL, tuning<&T::position_acceleration_rad_s2>, "acceleration limit of the profile, mechanical; 0: by the motor"},
     {"position_loop", "softness_s", "s", 0, 10, OPTIONAL, tuning<&T::position_softness_s>, "time constant with which the profile settles; 0: by the motor"},
 
-    {"voltage_loop", "kp_v_s_per_rad", "V·s/rad", 0, 1000, OPTIONAL, tuning<&T::voltage_kp_v_s_per_rad>, "voltage for an electrical speed error; 0: by the motor"},
-    {"voltage_loop", "ki_v_per_rad", "V/rad", 0, 1e5, OPTIONAL, tuning<&T::voltage_ki_v_per_rad>, "voltage a second for an electrical speed error; 0: by the motor"},
-    {"voltage_loop", "speed_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::voltage_speed_pct>, "of motor.rated_speed_rpm: current control below it"},
-    {"voltage_loop", "settle_s", "s", 0.001, 10, OPTIONAL, tuning<&T::voltage_settle_s>, "for which speed and currents have to be calm before the change from current control"},
-    {"phase_compensator", "gain", "", 0, 0.1, OPTIONAL, tuning<&T::compensator_gain>, "g of paper B (43), a sample; 0: the lead stays as it was"},
-    {"phase_compensator", "lead_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::lead_max_deg>, "largest lead of the voltage, electrical"},
-    {"phase_compensator", "brake_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::brake_max_deg>, "largest lag of the voltage; 0: by the motor"},
-    {"phase_compensator", "current_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::compensator_current_pct>, "of motor.continuous_current_a: a vector small against it has no angle"},
+    {"voltage_loop", "kp_v_s_per_rad", "V·s/rad", 0, 1000, OPTIONAL, tuning<&T::voltage_kp_v_s_per_rad>, "voltage for an electrical speed error; 0: by the motor", WITH_VOLTAGE_DRIVE},
+    {"voltage_loop", "ki_v_per_rad", "V/rad", 0, 1e5, OPTIONAL, tuning<&T::voltage_ki_v_per_rad>, "voltage a second for an electrical speed error; 0: by the motor", WITH_VOLTAGE_DRIVE},
+    {"voltage_loop", "speed_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::voltage_speed_pct>, "of motor.rated_speed_rpm: current control below it", WITH_VOLTAGE_SPEED},
+    {"voltage_loop", "settle_s", "s", 0.001, 10, OPTIONAL, tuning<&T::voltage_settle_s>, "for which speed and currents have to be calm before the change from current control", WITH_VOLTAGE_DRIVE},
+    {"phase_compensator", "gain", "", 0, 0.1, OPTIONAL, tuning<&T::compensator_gain>, "g of paper B (43), a sample; 0: the lead stays as it was", WITH_VOLTAGE_DRIVE},
+    {"phase_compensator", "lead_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::lead_max_deg>, "largest lead of the voltage, electrical", WITH_VOLTAGE_DRIVE},
+    {"phase_compensator", "brake_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::brake_max_deg>, "largest lag of the voltage; 0: by the motor", WITH_VOLTAGE_DRIVE},
+    {"phase_compensator", "current_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::compensator_current_pct>, "of motor.continuous_current_a: a vector small against it has no angle", WITH_VOLTAGE_DRIVE},
 
     {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},
     {"model", "inductance", "", 0.1, 10, OPTIONAL, model<&ModelScales::inductance>, "controller's belief / motor file"},
@@ -147,13 +148,13 @@ const std::vector<Field> FIELDS = {
     {"plant", "dead_time_s", "s", -1, 1e-5, OPTIONAL, plant<&P::dead_time_s>, "that of the real board; -1: board.dead_time_s"},
     {"plant", "device_drop_v", "V", -1, 10, OPTIONAL, plant<&P::device_drop_v>, "that of the real board; -1: board.device_drop_v"},
     {"plant", "bus_ripple_pct", "%", 0, 50, OPTIONAL, plant<&P::bus_ripple_pct>, "peak of the bus ripple, of the nominal voltage"},
-    {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple"},
+    {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple", WITH_RIPPLE},
     {"plant", "bus_capacitance_f", "F", 0, 1, OPTIONAL, plant<&P::bus_capacitance_f>, "capacitor of the bus behind a rectifier; 0: a stiff bus that takes current back"},
-    {"plant", "bus_source_resistance_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::bus_source_resistance_ohm>, "between rectifier and capacitor"},
+    {"plant", "bus_source_resistance_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::bus_source_resistance_ohm>, "between rectifier and capacitor", WITH_CAPACITOR},
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
-    {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536"},
+    {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
 
     {"scenario", "title", "", 1, NAME_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
     {"scenario", "paper_figure", "", 0, NAME_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
@@ -161,10 +162,10 @@ const std::vector<Field> FIELDS = {
     {"scenario", "duration_s", "s", 0.001, 3600, NEEDED, scenario<&S::duration_s>, "from t = 0 to the end"},
     {"scenario", "prelude_s", "s", 0, 60, OPTIONAL, scenario<&S::prelude_s>, "simulated before t = 0, not in the metrics; 0: as long as the calibration"},
     {"scenario", "evaluate_from_s", "s", 0, 3600, OPTIONAL, scenario<&S::evaluate_from_s>, "the metrics start here"},
-    {"scenario", "seed", "", 0, SEED_MAX, OPTIONAL, scenario<&S::seed>, "of the random numbers"},
+    {"scenario", "seed", "", 0, SEED_MAX, OPTIONAL, scenario<&S::seed>, "of the random numbers", WITH_NOISE},
     {"scenario", "initial_angle_el_deg", "°", -360, 360, OPTIONAL, scenario<&S::initial_angle_el_deg>, "electrical rotor angle at the start of the prelude"},
     {"scenario", "initial_speed_rpm", "rpm", -200000, 200000, OPTIONAL, scenario<&S::initial_speed_rpm>, "speed at the start of the prelude"},
-    {"scenario", "load_scale", "", -10, 10, OPTIONAL, scenario<&S::load_scale>, "factor on every torque of the load"},
+    {"scenario", "load_scale", "", -10, 10, OPTIONAL, scenario<&S::load_scale>, "factor on every torque of the load", WITH_LOAD},
     {"scenario", "inherit_limits", "", 0, 1, OPTIONAL, scenario<&S::inherit_limits>, "false: the limits of [accept] that the base states do not count"},
 };
 // clang-format on
@@ -361,6 +362,25 @@ std::string Field::allowed() const
                           [&](const AngleSource *any) { return choice_text(words_of(any)); },
                       },
                       type_of(*this));
+}
+
+std::string Field::meaning() const
+{
+    const std::string when = acting.when;
+    return when.empty() ? help : fmt::format("{}; acts {}", help, when);
+}
+
+std::string Field::number_text(const Config &config) const
+{
+    Config copy = config;
+    return std::visit(
+        [](const auto *value) -> std::string {
+            if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(*value)>>) {
+                return fmt::format("{}", *value);
+            }
+            return "";
+        },
+        target(copy));
 }
 
 std::string Field::default_text() const

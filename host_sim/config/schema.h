@@ -1,7 +1,8 @@
-// The table of every setting: section, key, unit, range, default, place in Config and help.
+// The table of every setting: section, key, unit, range, default, place in Config, help and when it acts.
 // Reading, range checks, messages and the list of keys all work from it.
 #pragma once
 
+#include "acts.h"
 #include "config.h"
 #include "document.h"
 
@@ -36,10 +37,13 @@ struct Field {
     bool required; // without a default
     Target (*target)(Config &config);
     const char *help;
+    Acting acting = {};
 
-    std::string name() const;         // "section.key"
-    std::string allowed() const;      // "0.001 to 50 Ω"
-    std::string default_text() const; // "required", or the default as in a file
+    std::string name() const;                            // "section.key"
+    std::string allowed() const;                         // "0.001 to 50 Ω"
+    std::string default_text() const;                    // "required", or the default as in a file
+    std::string meaning() const;                         // the help, and when the key acts
+    std::string number_text(const Config &config) const; // as in a file; "" where it is no number
 };
 
 const std::vector<Field> &schema();

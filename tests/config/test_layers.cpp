@@ -213,7 +213,6 @@ void a_scenario_overrides_its_base_key_by_key()
     TEST_ASSERT_EQUAL_STRING("derived", nf::list_scenarios()[0].title.c_str());
 }
 
-// 2^8 samples and the tick before them, at 10 kHz.
 void a_scenario_can_do_without_the_limits_of_its_base()
 {
     const Folder folder;
@@ -232,6 +231,7 @@ void a_scenario_can_do_without_the_limits_of_its_base()
     TEST_ASSERT_TRUE(all.limits("ideal")->must_lock);
 }
 
+// 2^8 samples and the tick before them, at 10 kHz.
 void without_a_prelude_the_drive_calibrates_before_t_0()
 {
     const Folder folder;

@@ -1,0 +1,92 @@
+#include "acts.h"
+
+#include "layer.h"
+#include "numbers.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace nf
+{
+
+bool has_observer(const Config &config)
+{
+    return config.tuning.angle_source == AngleSource::observer;
+}
+
+bool has_startup(const Config &config)
+{
+    return has_observer(config) && config.tuning.startup_current_pct > 0;
+}
+
+bool has_handover(const Config &config)
+{
+    return has_startup(config) || config.tuning.observer_rho_max > 0 ||
+           (has_voltage_drive(config) && !has_voltage_speed(config));
+}
+
+bool has_dead_time(const Config &config)
+{
+    return config.model.dead_time_s > 0 || config.model.device_drop_v > 0;
+}
+
+bool has_voltage_drive(const Config &config)
+{
+    return config.tuning.method == ControlMethod::voltage_phase;
+}
+
+bool has_voltage_speed(const Config &config)
+{
+    return has_voltage_drive(config) &&
+           config.tuning.voltage_speed_pct >= ABOVE_HANDOVER * config.tuning.handover_speed_pct;
+}
+
+bool has_angle_sensor(const Config &config)
+{
+    return !has_observer(config);
+}
+
+bool has_noise(const Config &config)
+{
+    return config.plant.adc_noise_lsb > 0;
+}
+
+bool has_ripple(const Config &config)
+{
+    return config.plant.bus_ripple_pct > 0;
+}
+
+bool has_capacitor(const Config &config)
+{
+    return config.plant.bus_capacitance_f > 0;
+}
+
+bool has_load(const Config &config)
+{
+    const std::vector<TimedValue> &load = config.scenario.load;
+    return std::any_of(load.begin(), load.end(),
+                       [](const TimedValue &step) { return step.value != 0; });
+}
+
+void note_idle(const std::vector<const Layer *> &layers, Config &config)
+{
+    std::set<const Field *> written;
+    for (const Layer *layer : layers) {
+        for (const Setting &setting : layer->settings) {
+            written.insert(setting.field);
+        }
+    }
+    for (const Field &field : schema()) {
+        const auto origin = config.origins.find(field.name());
+        if (written.count(&field) != 0 && origin != config.origins.end() &&
+            !field.acting.holds(config)) {
+            config.scenario.notes.push_back(
+                fmt::format("{}: {} = {}: acts {}", origin->second.text(), field.name(),
+                            field.number_text(config), field.acting.when));
+        }
+    }
+}
+
+} // namespace nf

@@ -1,0 +1,59 @@
+// Where a key acts: some do only together with another one.
+#pragma once
+
+#include <vector>
+
+namespace nf
+{
+
+struct Config;
+struct Layer;
+
+// Of a complete configuration, see load_scenario().
+struct Acting {
+    const char *when = ""; // "only …", for a person; "": everywhere
+    bool (*in)(const Config &config) = nullptr;
+
+    bool holds(const Config &config) const
+    {
+        return in == nullptr || in(config);
+    }
+};
+
+bool has_observer(const Config &config);
+bool has_startup(const Config &config);
+bool has_handover(const Config &config);
+bool has_dead_time(const Config &config);
+bool has_voltage_drive(const Config &config);
+bool has_voltage_speed(const Config &config);
+bool has_angle_sensor(const Config &config);
+bool has_noise(const Config &config);
+bool has_ripple(const Config &config);
+bool has_capacitor(const Config &config);
+bool has_load(const Config &config);
+
+constexpr Acting WITH_OBSERVER = {"only with drive.angle_source = \"observer\"", has_observer};
+constexpr Acting WITH_STARTUP = {
+    "only with drive.angle_source = \"observer\" and startup.current_pct above 0", has_startup};
+constexpr Acting WITH_HANDOVER = {
+    "only with a start-up, observer.rho_max above 0 or a voltage drive that it keeps from starting",
+    has_handover};
+constexpr Acting WITH_DEAD_TIME = {
+    "only with model.dead_time_s or model.device_drop_v above 0, each by default that of the board",
+    has_dead_time};
+constexpr Acting WITH_VOLTAGE_DRIVE = {"only with drive.method = \"voltage_phase\"",
+                                       has_voltage_drive};
+constexpr Acting WITH_VOLTAGE_SPEED = {"only with drive.method = \"voltage_phase\" and from 1.5 "
+                                       "times startup.handover_speed_pct on",
+                                       has_voltage_speed};
+constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source = \"sensor\"",
+                                      has_angle_sensor};
+constexpr Acting WITH_NOISE = {"only with plant.adc_noise_lsb above 0", has_noise};
+constexpr Acting WITH_RIPPLE = {"only with plant.bus_ripple_pct above 0", has_ripple};
+constexpr Acting WITH_CAPACITOR = {"only with plant.bus_capacitance_f above 0", has_capacitor};
+constexpr Acting WITH_LOAD = {"only with a load other than 0", has_load};
+
+// Notes a line in config.scenario.notes for each key of these layers that is in force and does not act.
+void note_idle(const std::vector<const Layer *> &layers, Config &config);
+
+} // namespace nf
