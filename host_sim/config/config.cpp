@@ -308,7 +308,9 @@ Config assemble(const Sources &sources)
     check_temperature(config);
     pass_on_dead_time(config);
     note_ratings(config);
-    note_idle(scenario_layers(sources), config);
+    std::vector<const Layer *> own = scenario_layers(sources);
+    own.push_back(&homes[FileKind::board]);
+    note_idle(own, config);
     return config;
 }
 

@@ -73,18 +73,6 @@ void note_kappa(Config &config)
     }
 }
 
-// Without a start-up nothing comes before the first high side.
-void note_charge(Config &config)
-{
-    const double charge_s = config.board.bootstrap_charge_s;
-    if (charge_s > 0 && !(for_sensor(config.tuning).startup_current_pct > 0)) {
-        note(config, "board.bootstrap_charge_s", charge_s,
-             config.tuning.angle_source == AngleSource::sensor
-                 ? "does not act, for with drive.angle_source = \"sensor\" there is no start-up"
-                 : "does not act, for with startup.current_pct = 0 there is no start-up");
-    }
-}
-
 } // namespace
 
 void note_ratings(Config &config)
@@ -92,7 +80,6 @@ void note_ratings(Config &config)
     note_torque(config);
     note_rated_point(config);
     note_kappa(config);
-    note_charge(config);
 }
 
 } // namespace nf

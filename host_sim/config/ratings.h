@@ -7,8 +7,7 @@ namespace nf
 {
 
 // Notes a line each in config.scenario.notes: a rated torque that motor.max_current_a does not make, a rated point that
-// the bus does not reach, a κ too small at the highest speed for the published law, which has no proportional path, and a
-// charge of the bootstrap supplies where there is no start-up to do it in.
+// the bus does not reach, and a κ too small at the highest speed for the published law, which has no proportional path.
 void note_ratings(Config &config);
 
 } // namespace nf

@@ -399,16 +399,15 @@ private:
         if (std::string(field.section) == "hal") {
             nf::make_hal_header(config);
         }
-        const std::string problem = told(field, config);
-        const bool acts = field.acting.holds(config) && is_seen(field, mode);
-        if (!problem.empty() || !acts) {
+        std::string problem = told(field, config);
+        if (!problem.empty() || !field.acting.holds(config)) {
             return problem;
         }
         if (differ(before, after, run_before_, mode.is_run) || is_a_limit(field, mode)) {
             seen_.insert(field.name());
             return "";
         }
-        return "changes nothing";
+        return is_seen(field, mode) ? "changes nothing" : "";
     }
 
     std::string run_before_;

@@ -313,21 +313,14 @@ void charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up()
         TEST_ASSERT_EQUAL_UINT32(ticks, nf::build(config).startup.catch_spin.charge_ticks);
         TEST_ASSERT_TRUE(config.scenario.notes.empty());
     }
-    const struct {
-        const char *set;
-        const char *note;
-    } without[] = {
-        {"startup.current_pct=0", "--set: board.bootstrap_charge_s = 0.01: does not act, for with "
-                                  "startup.current_pct = 0 there is no start-up"},
-        {"drive.angle_source=sensor",
-         "--set: board.bootstrap_charge_s = 0.01: does not act, for with drive.angle_source = "
-         "\"sensor\" there is no start-up"},
-    };
-    for (const auto &[set, note] : without) {
+    for (const char *without : {"startup.current_pct=0", "drive.angle_source=sensor"}) {
         const nf::Config config =
-            nf::load_scenario("s", {}, {"board.bootstrap_charge_s=0.01", set});
+            nf::load_scenario("s", {}, {"board.bootstrap_charge_s=0.01", without});
         TEST_ASSERT_EQUAL_size_t(1, config.scenario.notes.size());
-        TEST_ASSERT_EQUAL_STRING(note, config.scenario.notes[0].c_str());
+        TEST_ASSERT_EQUAL_STRING(
+            "--set: board.bootstrap_charge_s = 0.01: acts only with "
+            "drive.angle_source = \"observer\" and startup.current_pct above 0",
+            config.scenario.notes[0].c_str());
     }
 }
 
