@@ -266,7 +266,9 @@ class Console(unittest.TestCase):
             made.tick(20)
         made.said()
         made.type("run")
-        self.assertCountEqual(console.lines(made.said()), ["ok", "CATCH_SPIN", "ALIGN"])  # while it is sent the drive goes on
+        # While it is sent the drive goes on; a charge of the bootstrap supplies takes longer than that.
+        charges = BOARD_FILE["board"].get("bootstrap_charge_s", 0) > 0
+        self.assertCountEqual(console.lines(made.said()), ["ok", "CATCH_SPIN"] + ([] if charges else ["ALIGN"]))
         made.tick(3)
         self.assertTrue(made.chip.timer.gates_on())
 

@@ -118,7 +118,7 @@ void near(double wanted, double found, double share, const std::string &text)
     TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(share * std::fabs(wanted), wanted, found, text.c_str());
 }
 
-void test_the_bus_current_stays_at_its_limit_while_the_motor_takes_power_and_while_it_brakes()
+void test_the_bus_current_stays_at_its_limits_motoring_and_braking()
 {
     const Run runs[] = {{"s1_robust", 1800, 0, 4, 1.2, 0.5},
                         {"s1_odrive_d5065", 5000, 2500, 0.5, 6, 2}};
@@ -160,7 +160,6 @@ void tearDown()
 int main()
 {
     UNITY_BEGIN();
-    RUN_TEST(
-        test_the_bus_current_stays_at_its_limit_while_the_motor_takes_power_and_while_it_brakes);
+    RUN_TEST(test_the_bus_current_stays_at_its_limits_motoring_and_braking);
     return UNITY_END();
 }

@@ -14,8 +14,8 @@ import sys
 import tomllib
 from pathlib import Path
 
+import ctested
 import part
-import traceability
 
 sys.path.insert(0, str(part.ROOT / "tools" / "gates"))
 
@@ -185,8 +185,7 @@ def main():
     if not args.checked.is_file():
         sys.exit(f"{args.checked}: no such file; gate.misra writes it")
     checked = json.loads(args.checked.read_text(encoding="utf-8"))
-    names = {name for name, _, _ in traceability.registered(args.build)}
-    table = Table(args.root, Guidelines(part.ROOT / RULES), checked, names)
+    table = Table(args.root, Guidelines(part.ROOT / RULES), checked, set(ctested.listed(args.build)))
     rows = list(table.rows())
     return part.end(args.out, "misra", "MISRA C:2012", SAYS, *result(rows, table.bad), table.bad)
 
