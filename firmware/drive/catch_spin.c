@@ -91,6 +91,33 @@ static catch_spin_result_t judge_then_charge(catch_spin_t *spin, const catch_spi
     return result;
 }
 
+/* Until what flows from before has ended. */
+static catch_spin_result_t preload(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
+{
+    catch_spin_result_t result = CATCH_SPIN_BUSY;
+
+    if (magnitude(current) <= fx_asr(cfg->current, CATCH_SPIN_QUIET_LOG2)) {
+        next_spin_phase(spin);
+        spin->gates = true;
+    } else if (spin->tick >= cfg->wait_ticks) {
+        result = CATCH_SPIN_LIVE;
+    } else {
+        /* it decays */
+    }
+    return result;
+}
+
+/* Until the current can be measured well. */
+static void pulse(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
+{
+    if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {
+        spin->first = current;
+        spin->length = (spin->tick < cfg->pulse_ticks) ? spin->tick : cfg->pulse_ticks;
+        spin->gates = false;
+        next_spin_phase(spin);
+    }
+}
+
 catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
 {
     catch_spin_result_t result = CATCH_SPIN_BUSY;
@@ -98,22 +125,10 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
     spin->tick++;
     switch (spin->phase) {
     case PRELOAD:
-        if (magnitude(current) <= fx_asr(cfg->current, CATCH_SPIN_QUIET_LOG2)) {
-            next_spin_phase(spin);
-            spin->gates = true;
-        } else if (spin->tick >= cfg->wait_ticks) {
-            result = CATCH_SPIN_LIVE;
-        } else {
-            /* it decays */
-        }
+        result = preload(spin, cfg, current);
         break;
     case FIRST_PULSE:
-        if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {
-            spin->first = current;
-            spin->length = (spin->tick < cfg->pulse_ticks) ? spin->tick : cfg->pulse_ticks;
-            spin->gates = false;
-            next_spin_phase(spin);
-        }
+        pulse(spin, cfg, current);
         break;
     case PAUSE:
         if (spin->tick >= pause_ticks(spin, cfg)) {
