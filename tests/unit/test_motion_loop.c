@@ -145,6 +145,44 @@ static void test_both_ends_of_any_range_are_reached(void)
     }
 }
 
+/* The integral ends where the demand does: what lies beyond would have to be unwound before the demand moves. */
+static void test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once(void)
+{
+    static const torque_range_t ranges[] = {{0, 1000}, {-1000, 0}, {200, 1000}};
+
+    speed_cfg.pi = (pi_cfg_t){.ki = 32767, .kp_shift = 1U, .ki_shift = 14U};
+    speed_cfg.speed_max = 0x20000000;
+    for (uint32_t k = 0U; k < (sizeof(ranges) / sizeof(ranges[0])); k++) {
+        torque = ranges[k];
+        for (int32_t way = -1; way <= 1; way += 2) {
+            const int32_t end = (way > 0) ? torque.upper : torque.lower;
+            int32_t demand = 0;
+
+            speed_loop_reset(&speed_loop, 0);
+            for (uint32_t period = 0U; period < 1000U; period++) {
+                demand = speed_loop_step(&speed_loop, &speed_cfg, way * 0x1000000, -way * 0x1000000,
+                                         torque);
+            }
+            TEST_ASSERT_EQUAL_INT32(end, demand);
+            demand =
+                speed_loop_step(&speed_loop, &speed_cfg, -way * 0x1000000, way * 0x1000000, torque);
+            TEST_ASSERT_TRUE((way > 0) ? (demand < end) : (demand > end));
+        }
+    }
+}
+
+/* 2^16 steps lifted by 2^14 are the 2^30 at which a change ends: 2^30 / 2^16 = 16384, one step less would be 16383. */
+static void test_a_lifted_change_ends_at_two_to_the_thirtieth(void)
+{
+    torque = (torque_range_t){-16384, 16384};
+    speed_cfg.inertia = 1;
+    speed_cfg.inertia_shift = 0U;
+    speed_cfg.inertia_lift = 14U;
+    speed_cfg.speed_max = 0x20000000;
+    speed_loop_reset(&speed_loop, 0);
+    TEST_ASSERT_EQUAL_INT32(16384, speed_loop_accelerate(&speed_loop, &speed_cfg, 0x10000, torque));
+}
+
 /* The limits of the two directions are unequal: that is no torque by itself. */
 static void test_feed_forward_alone_is_the_demand_between_unequal_limits(void)
 {
@@ -704,6 +742,8 @@ int main(void)
     RUN_TEST(test_too_slow_a_motor_gets_torque_forwards_and_too_fast_a_one_backwards);
     RUN_TEST(test_each_direction_has_its_own_current_limit);
     RUN_TEST(test_both_ends_of_any_range_are_reached);
+    RUN_TEST(test_an_integral_held_at_either_end_of_an_uneven_range_leaves_it_at_once);
+    RUN_TEST(test_a_lifted_change_ends_at_two_to_the_thirtieth);
     RUN_TEST(test_feed_forward_alone_is_the_demand_between_unequal_limits);
     RUN_TEST(test_a_change_is_lifted_where_a_step_takes_more_than_half_an_lsb);
     RUN_TEST(test_speed_error_saturates_to_16_bits_on_both_sides);
