@@ -114,6 +114,16 @@ class LostTicks(unittest.TestCase):
         made.tick(5)
         self.assertFalse(made.chip.timer.gates_on())
 
+    def test_one_in_the_tick_that_asks_for_the_gates_keeps_them_open(self):
+        """That tick hangs for longer than its guard waits, and then goes on."""
+        made = ready()
+        made.type("run")
+        guard = made.chip.system
+        once(made.chip.converters[0].register("JDR1"), lambda: made.chip.advance(guard.due - made.chip.now))
+        self.assertEqual(made.handle_next(), guard.ADC1_2)
+        self.assertIn(guard.SYSTICK, made.core.taken)
+        self.assertFalse(made.chip.timer.gates_on())
+
 
 class LateTicks(unittest.TestCase):
     def test_the_drive_hears_of_each(self):

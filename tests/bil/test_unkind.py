@@ -50,6 +50,16 @@ def tripping(made, phase=0):
     return pin, level + (5 if above else -5)
 
 
+def lasting(made):
+    """A break that the filter lets through."""
+    made.chip.spike(*tripping(made), 2 * SPIKE_S)
+
+
+def hang(made):
+    """The tick goes on only when its guard has come."""
+    made.chip.advance(made.chip.system.due - made.chip.now)
+
+
 class Parts(unittest.TestCase):
     def test_any_of_many_boards_comes_to_ready_without_a_fault(self):
         for seed in SEEDS:
@@ -79,24 +89,34 @@ class Break(unittest.TestCase):
 
     def test_what_lasts_twice_as_long_opens_the_gates(self):
         made = running()
-        made.chip.spike(*tripping(made), 2 * SPIKE_S)
+        lasting(made)
         self.assertFalse(made.chip.timer.gates_on())
 
-    def test_at_each_access_of_the_tick_to_the_timer_it_leaves_the_gates_open_and_reaches_the_drive(self):
-        """Also while the gates are being enabled. Between two accesses it does the same as right before the second one."""
-        def enabling():
-            made = ready()
-            made.said()
-            made.chip.usart.instant = True
-            made.type("run")
-            made.said()
-            return made
 
-        for start in (enabling, self.on):
+class EachAccess(unittest.TestCase):
+    """Of the tick to the timer, also while the gates are being enabled: what comes there leaves them open and reaches the
+    drive. Between two accesses it does the same as right before the second one."""
+
+    def test_a_break(self):
+        self.assert_stops_at_each(lasting)
+
+    def test_the_tick_guard(self):
+        self.assert_stops_at_each(hang)
+
+    def assert_stops_at_each(self, disturb):
+        for start in (self.enabling, self.on):
             with self.subTest(start.__name__):
-                seen = self.broken_at_each_access(start())
+                seen = self.disturbed_at_each(start(), disturb)
                 self.assertGreater(len(seen), LEAST_ACCESSES)
                 self.assertEqual(set(seen), {"open, FAULT by BREAK"})
+
+    def enabling(self):
+        made = ready()
+        made.said()
+        made.chip.usart.instant = True
+        made.type("run")
+        made.said()
+        return made
 
     def on(self):
         made = running()
@@ -104,18 +124,18 @@ class Break(unittest.TestCase):
         made.chip.usart.instant = True
         return made
 
-    def broken_at_each_access(self, made):
-        """What came of a break before each of them, and of one behind the last."""
+    def disturbed_at_each(self, made, disturb):
+        """What came of it before each of them, and behind the last."""
         seen = []
         made.chip.wait_for_exception()
         while True:
-            how, _, said = in_a_copy(lambda: self.broken(made, len(seen))).partition("\n")
+            how, _, said = in_a_copy(lambda: self.disturbed(made, disturb, len(seen))).partition("\n")
             seen.append(said)
             if how == "behind":
                 return seen
 
-    def broken(self, made, access):
-        """By a spike before that access of the next tick, or behind the last one if there are no more."""
+    def disturbed(self, made, disturb, access):
+        """Before that access of the next tick, or behind the last one if there are no more."""
         left = access
 
         def counted(act):
@@ -123,7 +143,7 @@ class Break(unittest.TestCase):
                 nonlocal left
                 if address in made.chip.timer.by_address:
                     if left == 0:
-                        made.chip.spike(*tripping(made), 2 * SPIKE_S)
+                        disturb(made)
                     left -= 1
                 return act(address, *what)
             return at
@@ -134,7 +154,9 @@ class Break(unittest.TestCase):
         behind = left >= 0
         left = -1  # of this tick
         if behind:
-            made.chip.spike(*tripping(made), 2 * SPIKE_S)
+            disturb(made)
+            if made.chip.system.pending:
+                made.core.handle(made.chip.system.take(board.THREAD))
         open_then = not made.chip.timer.gates_on()
         made.tick(3)
         open_now = not made.chip.timer.gates_on()
