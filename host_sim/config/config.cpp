@@ -6,6 +6,7 @@
 #include "low_speed_units.h"
 #include "numbers.h"
 #include "ratings.h"
+#include "refusal.h"
 #include "scenario_file.h"
 
 #include <algorithm>
@@ -125,44 +126,6 @@ void check_complete(FileKind kind, const Layer &home, const Config &config)
     }
 }
 
-// Two settings of which the first may not exceed the second.
-struct Order {
-    const char *smaller;
-    const char *larger;
-};
-constexpr Order ORDERS[] = {
-    {"board.bus_min_v", "board.bus_nominal_v"},
-    {"board.bus_nominal_v", "board.bus_max_v"},
-    {"board.bus_max_v", "board.bus_full_scale_v"},
-    {"board.overcurrent_a", "board.current_full_scale_a"},
-    {"motor.max_current_a", "board.overcurrent_a"},
-    {"position_loop.speed_rpm", "motor.max_speed_rpm"},
-    {"scenario.evaluate_from_s", "scenario.duration_s"},
-};
-
-double value_of(const Field &field, Config &config)
-{
-    return *std::get<double *>(field.target(config));
-}
-
-void check_orders(Config &config)
-{
-    for (const Order &order : ORDERS) {
-        const auto smaller = config.origins.find(order.smaller);
-        const auto larger = config.origins.find(order.larger);
-        if (smaller == config.origins.end() || larger == config.origins.end()) {
-            continue;
-        }
-        const Field &a = *find_field(order.smaller);
-        const Field &b = *find_field(order.larger);
-        if (value_of(a, config) > value_of(b, config)) {
-            fail(smaller->second, a.name(), fmt::format("{}", value_of(a, config)), "is too large",
-                 fmt::format("at most {} {}, which is {} ({})", value_of(b, config), b.unit,
-                             b.name(), larger->second.text()));
-        }
-    }
-}
-
 bool each_above(const std::vector<double> &values)
 {
     return std::adjacent_find(values.begin(), values.end(), std::greater_equal<>()) == values.end();
@@ -241,9 +204,32 @@ std::string &source_name(SourceFiles &files, FileKind kind)
     return kind == FileKind::board ? files.board : files.tuning;
 }
 
+Author author_of(const Layer &layer)
+{
+    if (layer.path.empty() || is_own(layer.path)) {
+        return Author::user;
+    }
+    switch (layer.kind) {
+    case FileKind::motor:
+        return Author::motor;
+    case FileKind::board:
+        return Author::board;
+    case FileKind::scenario:
+        return Author::scenario;
+    case FileKind::imperfection:
+        return Author::imperfection;
+    case FileKind::tuning:
+        break;
+    }
+    return Author::tuning;
+}
+
 void take(const Layer &layer, Config &config)
 {
     apply_layer(layer, config);
+    for (const Setting &setting : layer.settings) {
+        config.origins.at(setting.field->name()).author = author_of(layer);
+    }
     if (!layer.path.empty()) {
         config.sources.read.push_back(layer.path);
     }
@@ -347,50 +333,6 @@ Reference part_of(const std::vector<Layer> &scenario, FileKind kind)
     }
     const Node &found = layer->top.at(key);
     return {found.text, found.origin, layer->path.parent_path()};
-}
-
-// The key in a file that a value of the model is from.
-std::string written_key(const Config &config, const std::string &key)
-{
-    const std::string model = "model.";
-    if (key.rfind(model, 0) == 0 && config.origins.count(key) == 0) {
-        for (const char *from : {"plant.", "board."}) {
-            const std::string name = from + key.substr(model.size());
-            if (config.origins.count(name) != 0) {
-                return name;
-            }
-        }
-    }
-    return key;
-}
-
-// The limit with four digits, rounded to where it is still allowed.
-std::string limit_text(const SettingError &error)
-{
-    const auto &[at_most, value] = error.limit;
-    const double digit = std::pow(10.0, std::floor(std::log10(value)) - 3);
-    const double rounded = (at_most ? std::floor(value / digit) : std::ceil(value / digit)) * digit;
-    const std::string unit = find_field(error.key)->unit;
-    return fmt::format("at {} {:.10g}{}{}", at_most ? "most" : "least", rounded,
-                       unit.empty() ? "" : " ", unit);
-}
-
-// A setting that does not fit: by the line that holds it, or by the one that a rule made it from.
-[[noreturn]] void refuse(const Config &config, const SettingError &error)
-{
-    if (const char *from = rule_source(error.key, config.tuning)) {
-        fail(config.origins.at(from), from, find_field(from)->number_text(config),
-             error.key + " follows from it by rule and does not fit the firmware",
-             "another motor, or write " + error.key);
-    }
-    const std::string key = written_key(config, error.key);
-    const auto found = config.origins.find(key);
-    if (found == config.origins.end()) {
-        fail({config.sources.tuning, 0}, key, "", "its default does not fit the firmware",
-             fmt::format("{}: {}", limit_text(error), error.reason));
-    }
-    fail(found->second, key, fmt::format("{}", error.value), "does not fit the firmware",
-         fmt::format("{}: {}", limit_text(error), error.reason));
 }
 
 } // namespace

@@ -88,6 +88,12 @@ void check_chosen(const fs::path &folder)
     }
 }
 
+// `path` relative to the data folder, or empty when it is not inside.
+std::string in_data_folder(const fs::path &path)
+{
+    return inside(made_absolute(path), made_absolute(data_folder()));
+}
+
 } // namespace
 
 fs::path data_folder()
@@ -163,9 +169,14 @@ std::string display_name(const fs::path &path)
     return relative.empty() ? path.lexically_normal().string() : relative;
 }
 
+bool is_own(const fs::path &path)
+{
+    return in_data_folder(path).empty();
+}
+
 std::string provenance_name(const fs::path &path)
 {
-    const std::string relative = inside(made_absolute(path), made_absolute(data_folder()));
+    const std::string relative = in_data_folder(path);
     return relative.empty() ? path.filename().string() : relative;
 }
 

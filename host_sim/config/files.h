@@ -41,6 +41,9 @@ std::string read_bytes(const std::filesystem::path &path);
 // A path as the user should see it: relative to the working folder when it is inside.
 std::string display_name(const std::filesystem::path &path);
 
+// Whether a file lies outside the data folder.
+bool is_own(const std::filesystem::path &path);
+
 // A path that says the same on every machine: relative to the data folder, else the bare name.
 std::string provenance_name(const std::filesystem::path &path);
 

@@ -143,6 +143,7 @@ void read_member(FileKind kind, const std::string &key, const Node &value, Layer
 Layer read_layer(FileKind kind, const std::string &file, const std::string &text)
 {
     Layer layer;
+    layer.kind = kind;
     layer.file = file;
     const Node document = parse_document(file, text);
     for (const auto &[key, value] : document.members) {

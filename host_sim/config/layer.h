@@ -18,9 +18,10 @@ struct Setting {
 };
 
 struct Layer {
-    std::string file;                // as shown to the user
-    std::filesystem::path path;      // empty for an override
-    std::vector<Setting> settings;   // checked
+    FileKind kind = FileKind::scenario; // of a file
+    std::string file;                   // as shown to the user
+    std::filesystem::path path;         // empty for an override
+    std::vector<Setting> settings;      // checked
     std::map<std::string, Node> top; // of a scenario `base`, `motor`, `board`, `tuning`; `include`
     std::map<std::string, Node> extra;    // of a scenario: its lists, "accept"
     std::map<std::string, Origin> tables; // where each section starts

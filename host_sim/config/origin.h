@@ -7,10 +7,22 @@
 namespace nf
 {
 
+// Who chose a value, from what serves every drive to what somebody wrote for this one. The files of the data folder are
+// by kind; a file elsewhere and an option are the user's own.
+enum class Author {
+    tuning,
+    imperfection,
+    board,
+    scenario,
+    motor,
+    user
+};
+
 // A line of a file. Line 0 means a place without lines: the whole file, or an option such as --set.
 struct Origin {
     std::string file; // as it is shown to the user
     unsigned line = 0;
+    Author author = Author::user;
 
     std::string text() const; // "FILE:LINE" or "FILE"
 };

@@ -105,6 +105,21 @@ void a_real_motor_is_accepted()
     }
 }
 
+// All that the shipped board and tunings write stays: what does not go with it is refused by what the user wrote.
+void a_real_motor_is_never_refused_by_a_line_of_a_shipped_file()
+{
+    test::Draw draw(4);
+    int refused = 0;
+    for (int k = 0; k < MOTORS; k++) {
+        const std::string refusal = refusal_of(TUNINGS[k % 3], test::any_motor(draw));
+        refused += refusal.empty() ? 0 : 1;
+        if (!refusal.empty() && refusal.rfind("--set: ", 0) != 0) {
+            TEST_FAIL_MESSAGE(refusal.c_str());
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(MOTORS / 10, refused);
+}
+
 // Beside the range of each key, from the schema, the values of combinations: not-so-real motors.
 void every_key_at_both_ends_is_accepted_or_refused_as_written()
 {
@@ -183,6 +198,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(a_real_motor_is_accepted);
+    RUN_TEST(a_real_motor_is_never_refused_by_a_line_of_a_shipped_file);
     RUN_TEST(every_key_at_both_ends_is_accepted_or_refused_as_written);
     RUN_TEST(any_combination_of_ends_is_accepted_or_refused_as_written);
     RUN_TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted);

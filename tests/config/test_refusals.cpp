@@ -279,8 +279,55 @@ void a_gain_beyond_the_observer_is_named_with_what_it_can_be()
     folder.edit("motors/m.toml", "flux_linkage_wb = 0.387", "flux_linkage_wb = 0.00406");
     folder.edit("tunings/t.toml", "kappa_p = 0", "kappa_p = 0.4");
     TEST_ASSERT_EQUAL_STRING(
-        "tunings/t.toml:2: observer.kappa_p = 0.4: does not fit the firmware; allowed: at most 0.2462",
+        "motors/m.toml:7: motor.flux_linkage_wb = 0.00406: observer.kappa_p = 0.4 (tunings/t.toml:2) does not "
+        "fit the firmware with it; allowed: write observer.kappa_p in a scenario or tuning of your own or with "
+        "--set, at most 0.2462",
         without_reason(refusal({}, {"observer.kappa=0.01", "motor.rated_torque_nm=0.05"})).c_str());
+}
+
+// A file outside the data folder is the user's; what serves every drive is not blamed for it.
+void a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board()
+{
+    const auto own = [](const char *old, const char *text) {
+        const Folder folder;
+        folder.edit("motors/m.toml", old, text);
+        const std::filesystem::path path = folder.path().string() + "_own.toml";
+        std::filesystem::rename(folder.path() / "motors/m.toml", path);
+        const std::string message = refusal({}, {"motor=" + path.string()});
+        std::filesystem::remove(path);
+        return message.substr(std::min(message.size(), path.string().size()));
+    };
+    TEST_ASSERT_EQUAL_STRING(
+        ":10: motor.max_speed_rpm = 880: is too small; allowed: at least 900 rpm, which is "
+        "position_loop.speed_rpm (tunings/t.toml:12); or write position_loop.speed_rpm in a scenario or tuning "
+        "of your own or with --set, at most 880 rpm, or 0, which leaves it to the motor",
+        own("2000", "880").c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        ":12: motor.inertia_kg_m2 = 0.3: speed_loop.bandwidth_hz = 20 (tunings/t.toml:5) does not fit the firmware "
+        "with it; allowed: write speed_loop.bandwidth_hz in a scenario or tuning of your own or with --set, at most "
+        "5.652 Hz, or 0, which leaves it to the motor: more is beyond the firmware's gains",
+        own("0.003", "0.3").c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        ":5: motor.inductance_d_h = 2e-05: board.pwm_frequency_hz = 10000 (boards/b.toml:3) does not fit",
+        before(own("inductance_d_h = 0.0116\ninductance_q_h = 0.0116\nflux_linkage_wb = 0.387",
+                   "inductance_d_h = 2e-5\ninductance_q_h = 2e-5\nflux_linkage_wb = 0.008"),
+               " the firmware")
+            .c_str());
+}
+
+// The other way round: a board of one's own for a shipped motor.
+void a_board_of_ones_own_is_blamed_before_a_shipped_motor()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: board.overcurrent_a = 5: is too small; allowed: at least 10 A, which is motor.max_current_a "
+        "(motors/m.toml:11); or write motor.max_current_a in a file of your own or with --set, at most 5 A",
+        refusal({}, {"board.overcurrent_a=5"}).c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "--set: board.bus_nominal_v = 201: motor.max_speed_rpm = 2000 (motors/m.toml:10) does not fit the firmware "
+        "with it",
+        before(refusal({}, {"board.bus_nominal_v=201", "motor.flux_linkage_wb=0.387"}), "; allowed")
+            .c_str());
 }
 
 // A servo of 100 W on a board for ±15 A, with the gains of the robust tuning.
@@ -716,6 +763,8 @@ int main()
     RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_line);
     RUN_TEST(what_the_firmware_cannot_hold_is_named_with_its_limit);
     RUN_TEST(a_gain_beyond_the_observer_is_named_with_what_it_can_be);
+    RUN_TEST(a_motor_of_ones_own_is_blamed_before_a_shipped_tuning_or_board);
+    RUN_TEST(a_board_of_ones_own_is_blamed_before_a_shipped_motor);
     RUN_TEST(a_motor_of_little_flux_takes_the_usual_gains);
     RUN_TEST(a_speed_with_too_large_a_turn_in_a_period_is_named_with_what_is_allowed);
     RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
