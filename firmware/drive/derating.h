@@ -10,12 +10,11 @@
  * The smallest holds. Heat is the square of the current vector through the winding's time constant:
  * 1 is what the continuous current makes in the end.
  *
- * Bus current is that of the motor's power, bus·i_bus = 1.5·(v_d·i_d + v_q·i_q); losses of the inverter are
- * not in it. v is the voltage demand through a low-pass of four slow periods: as i_q makes a part of v_q
- * that is below one half while it motors or brakes with more power for more current, limit and
- * voltage settle. Without v_q there is no limit, for i_q then takes no power. Only i_q gives way: i_d, and with it
- * an imposed current, is what it is asked to be and leaves i_q the rest. A frame that is turned at a
- * hand-over has its own voltage after the low-pass; the power is small there.
+ * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the inverter come on top.
+ * The limit of i_q follows from it. v is the voltage demand behind a low-pass of four slow periods: i_q changes v_q, v_q
+ * changes the limit, and without the low-pass the two would ring. Where v_q is 0, i_q takes no power and there is no
+ * limit. i_d stays what is asked for, also that of an imposed current; i_q gets what i_d leaves. When a hand-over turns
+ * the frame, the low-pass still holds the voltage of the frame before. The power is small there.
  *
  * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges; control interrupt
  * only: the limits once a slow period, the heat once a supervision period (supervision.h).
@@ -60,7 +59,7 @@ typedef struct {
     int32_t bus_regeneration_max; /* braking, likewise */
 } derating_cfg_t;
 
-#define DERATING_HEAT (0x01U) /* which derating acts */
+#define DERATING_HEAT (0x01U) /* which limits narrow the torque, for motoring, braking or both */
 #define DERATING_TEMPERATURE (0x02U)
 #define DERATING_BUS_HIGH (0x04U)
 #define DERATING_BUS_LOW (0x08U)

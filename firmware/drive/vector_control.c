@@ -205,13 +205,33 @@ static void watch_speed(drive_t *drive)
     }
 }
 
+/*
+ * While derating narrows the torque, ramp and profile wait at the narrowed limit. If they went on, the rotor would fall
+ * further behind in each period. It would then be braked with the whole current as soon as the limit ends.
+ */
+static void wait_at_limit(drive_t *drive, step_t before)
+{
+    const bool faster = drive->speed_loop.reference > before;
+    const int32_t torque = drive->signals.current_ref.q;
+    const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
+    const int32_t towards = faster ? torque : -torque;
+
+    if ((towards >= end) && (end < drive->cfg->derating.current_max)) {
+        drive->speed_loop.reference = before;
+        position_loop_reset(&drive->position_loop, measured_position(drive), before);
+    }
+}
+
 /* The torque current, and i_d*. */
 static void control_motion(drive_t *drive)
 {
+    const step_t before = drive->speed_loop.reference;
+
     drive->signals.current_ref.d = next_current_d(drive);
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
+    wait_at_limit(drive, before);
     watch_speed(drive);
 }
 

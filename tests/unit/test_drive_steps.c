@@ -235,6 +235,57 @@ static void test_the_hand_back_turns_the_currents_into_its_frame(void)
     TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
 
+/* ---- ramp and profile under a torque that derating narrows ---- */
+
+static void control_speed(void)
+{
+    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+}
+
+/* One slow period in RUN, `change` of the reference asked for, the torque limited to `range`, the profile elsewhere. */
+static void ramp_under(torque_range_t range, step_t change)
+{
+    enter(DRIVE_STATE_RUN);
+    speed_loop_start(&drive.speed_loop, 0, 0);
+    position_loop_reset(&drive.position_loop, 0, 0);
+    drive.position.turns_q32 = QUARTER;
+    drive.speed_reference = change;
+    drive.torque_range = range;
+    control_speed();
+}
+
+static void assert_waits(torque_range_t range, step_t change)
+{
+    ramp_under(range, change);
+    TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.position_loop.profile_q32 == QUARTER);
+}
+
+static void assert_goes_on(torque_range_t range, step_t change)
+{
+    ramp_under(range, change);
+    TEST_ASSERT_EQUAL_INT32(change, drive.speed_loop.reference);
+    TEST_ASSERT_TRUE(drive.position_loop.profile_q32 == 0);
+}
+
+static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there(void)
+{
+    const int32_t full = cfg.derating.current_max;
+    const torque_range_t no_braking = {0, full};
+    const torque_range_t no_motoring = {-full, 0};
+    const torque_range_t whole = {-full, full};
+    const step_t ramp = cfg.speed_loop.ramp;
+    const step_t beyond = cfg.speed_loop.speed_max; /* in one period: more than the whole torque */
+
+    assert_waits(no_motoring, ramp);
+    assert_waits(no_braking, -ramp);
+    assert_goes_on(no_braking, ramp);
+    assert_goes_on(no_motoring, -ramp);
+    assert_goes_on(whole, beyond);
+    assert_goes_on(whole, -beyond);
+    TEST_ASSERT_EQUAL_INT32(-full, drive.signals.current_ref.q);
+}
+
 /* ---- the voltage drive's periods ---- */
 
 static void offer_voltage_drive(void)
@@ -250,11 +301,6 @@ static void offer_voltage_drive(void)
     drive.signals.current_ref = (dq_t){0, 1000};
     drive.signals.voltage = (dq_t){0, 8000};
     drive.signals.voltage_limit = 12000;
-}
-
-static void control_speed(void)
-{
-    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
 }
 
 static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(void)
@@ -454,6 +500,7 @@ int main(void)
     RUN_TEST(test_a_rotor_is_lost_after_its_periods_in_a_row_only);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
+    RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
