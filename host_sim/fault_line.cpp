@@ -25,6 +25,8 @@ std::string quantity(fault_unit_t unit, int32_t value, const Bases &bases)
         return fmt::format("{:.5g} rpm", bases.rpm_from_step(value));
     case FAULT_UNIT_HEAT:
         return fmt::format("{:.4g} %", value / Q14 * 100);
+    case FAULT_UNIT_TEMPERATURE:
+        return fmt::format("{} counts", value);
     case FAULT_UNIT_WORD:
         return fmt::format("0x{:08X}", static_cast<uint32_t>(value));
     case FAULT_UNIT_NONE:
@@ -45,6 +47,16 @@ std::string fault_measure(const fault_t &fault, const Bases &bases)
     const fault_text_t &text = *fault_text(fault.id);
     return fmt::format("{}: {}, limit {}", text.name, quantity(text.unit, fault.value, bases),
                        quantity(text.unit, fault.limit, bases));
+}
+
+std::string fault_measure(const fault_t &fault, const Bases &bases, const BoardSettings &board)
+{
+    const fault_text_t &text = *fault_text(fault.id);
+    if (text.unit != FAULT_UNIT_TEMPERATURE) {
+        return fault_measure(fault, bases);
+    }
+    return fmt::format("{}: {:.1f} °C, limit {:.1f} °C", text.name,
+                       temperature_at(board, fault.value), temperature_at(board, fault.limit));
 }
 
 } // namespace nf

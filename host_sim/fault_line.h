@@ -15,7 +15,11 @@ namespace nf
 // "OVERCURRENT@1234 (0.1034 s)": name, tick since the first and the scenario's time.
 std::string fault_mark(const fault_t &fault, double time_s);
 
-// "OVERVOLTAGE: 401.2 V, limit 400 V", values in SI units.
+// "OVERVOLTAGE: 401.2 V, limit 400 V", values in SI units. The bases do not know the sensor of temperature: its counts are
+// said as such.
 std::string fault_measure(const fault_t &fault, const Bases &bases);
+
+// The same, with a temperature in °C by the board's line.
+std::string fault_measure(const fault_t &fault, const Bases &bases, const BoardSettings &board);
 
 } // namespace nf

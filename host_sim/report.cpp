@@ -127,9 +127,10 @@ std::string table_text(const Config &config, const RunResult &result)
     text += saturation_lines(result.saturations);
     for (const fault_t &fault : result.faults) {
         text += line("fault", fault_mark(fault, result.time_s(fault)), "", true);
-        text += fmt::format("    {}\n    {}\n",
-                            fault_measure(fault, make_bases(config.motor, config.board)),
-                            fault_text(fault.id)->advice);
+        text +=
+            fmt::format("    {}\n    {}\n",
+                        fault_measure(fault, make_bases(config.motor, config.board), config.board),
+                        fault_text(fault.id)->advice);
     }
     text += fmt::format("\n  {:<28}{:>10}  {:>10}  {:>10}\n", "motor", "estimated", "actual",
                         "configured");

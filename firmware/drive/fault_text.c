@@ -34,7 +34,7 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
         [FAULT_OVERLOAD] = {"OVERLOAD", FAULT_UNIT_HEAT,
                             "more than continuous current for too long; check the load, then "
                             "motor.continuous_current_a"},
-        [FAULT_OVERTEMPERATURE] = {"OVERTEMPERATURE", FAULT_UNIT_NONE,
+        [FAULT_OVERTEMPERATURE] = {"OVERTEMPERATURE", FAULT_UNIT_TEMPERATURE,
                                    "power stage too hot or sensor open; check cooling, then the "
                                    "sensor's reading when cold"},
         [FAULT_OBSERVER_LOST] = {"OBSERVER_LOST", FAULT_UNIT_CURRENT,

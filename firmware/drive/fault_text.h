@@ -11,12 +11,13 @@
 
 /* What value and limit of a record count. */
 typedef enum {
-    FAULT_UNIT_NONE = 0, /* a plain number: raw counts, ticks */
-    FAULT_UNIT_CURRENT,  /* Q15 of I_b */
-    FAULT_UNIT_VOLTAGE,  /* Q15 of U_b */
-    FAULT_UNIT_SPEED,    /* step_t */
-    FAULT_UNIT_HEAT,     /* Q14 of what the continuous current makes */
-    FAULT_UNIT_WORD      /* 32 bits */
+    FAULT_UNIT_NONE = 0,    /* a plain number: ticks, attempts */
+    FAULT_UNIT_CURRENT,     /* Q15 of I_b */
+    FAULT_UNIT_VOLTAGE,     /* Q15 of U_b */
+    FAULT_UNIT_SPEED,       /* step_t */
+    FAULT_UNIT_HEAT,        /* Q14 of what the continuous current makes */
+    FAULT_UNIT_TEMPERATURE, /* raw count of the sensor, which the board's line turns into °C */
+    FAULT_UNIT_WORD         /* 32 bits */
 } fault_unit_t;
 
 typedef struct {

@@ -5,6 +5,7 @@
 #include "fault_text.h"
 #include "reset.h"
 #include "sensing.h"
+#include "temperature.h"
 #include "uart.h"
 #include "units.h"
 
@@ -69,6 +70,10 @@ static void add_measure(text_t *text, const char *name, fault_unit_t unit, int32
     case FAULT_UNIT_HEAT:
         add_quantity(text, name, units_thousandths(value, Q14_ONE, HEAT_BASE), 1U);
         text_add(text, " %");
+        break;
+    case FAULT_UNIT_TEMPERATURE:
+        add_quantity(text, name, temperature_celsius(&BOARD.temperature, (uint16_t)value), 0U);
+        text_add(text, " C");
         break;
     default: /* NONE, WORD */
         add_quantity(text, name, value, 0U);

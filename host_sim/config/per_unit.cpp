@@ -192,21 +192,6 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
     c.bus_high = make_fade(brake * steps, end * steps);
 }
 
-// The temperature at a count of its sensor.
-double temperature_at(const BoardSettings &board, double count)
-{
-    const std::vector<double> &pct = board.temperature_points_pct;
-    const double wanted = 100 * std::ldexp(count, -board.adc_bits);
-    const bool rises = pct.back() > pct.front();
-    std::size_t k = 1;
-    while (k + 1 < pct.size() && (rises ? pct[k] < wanted : pct[k] > wanted)) {
-        k++;
-    }
-    const std::vector<double> &points = board.temperature_points_c;
-    const double share = (wanted - pct[k - 1]) / (pct[k] - pct[k - 1]);
-    return points[k - 1] + share * (points[k] - points[k - 1]);
-}
-
 // The fault needs the share to be gone for a while: the sensor is slow, its converter noisy.
 void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, double period_s)
 {
@@ -657,6 +642,20 @@ double temperature_count(const BoardSettings &board, double temperature_c)
     const auto k = static_cast<std::size_t>(above - points.begin());
     const double share = (temperature_c - points[k - 1]) / (points[k] - points[k - 1]);
     return std::ldexp((pct[k - 1] + share * (pct[k] - pct[k - 1])) / 100, board.adc_bits);
+}
+
+double temperature_at(const BoardSettings &board, double count)
+{
+    const std::vector<double> &pct = board.temperature_points_pct;
+    const double wanted = 100 * std::ldexp(count, -board.adc_bits);
+    const bool rises = pct.back() > pct.front();
+    std::size_t k = 1;
+    while (k + 1 < pct.size() && (rises ? pct[k] < wanted : pct[k] > wanted)) {
+        k++;
+    }
+    const std::vector<double> &points = board.temperature_points_c;
+    const double share = (wanted - pct[k - 1]) / (pct[k] - pct[k - 1]);
+    return points[k - 1] + share * (points[k] - points[k - 1]);
 }
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board)

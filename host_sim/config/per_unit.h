@@ -55,6 +55,9 @@ double calibration_time(const BoardSettings &board);
 // temperature is.
 double temperature_count(const BoardSettings &board, double temperature_c);
 
+// The other way: °C at a count; beyond the first and the last point their line goes on.
+double temperature_at(const BoardSettings &board, double count);
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
 // The tuning that acts: settings that are left to the motor (0) are filled in by rule, as far as the firmware's numbers

@@ -23,6 +23,7 @@ const board_t BOARD = {
     .bus_full_scale_uv = 450000000U,
     .rotation = {.pole_pairs = 2U, .tick_ps = 100000000U},
     .speed_max_rpm = SPEED_MAX_RPM,
+    .temperature = {.points = 2U, .at = {{0, -50000}, {4096, 150000}}},
 };
 const char *const BOARD_NAME = "a board";
 const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
@@ -256,6 +257,7 @@ static void test_a_fault_has_value_and_limit_in_its_unit(void)
     assert_fault(" by OVERVOLTAGE 449.986 V, limit 225.000 V (", FAULT_OVERVOLTAGE, 32767, 16384);
     assert_fault(" by OVERSPEED -2000 rpm, limit 1 rpm (", FAULT_OVERSPEED, -28633115, 14317);
     assert_fault(" by OVERLOAD 120.0 %, limit 50.0 % (", FAULT_OVERLOAD, 19661, 8192);
+    assert_fault(" by OVERTEMPERATURE 105 C, limit 100 C (", FAULT_OVERTEMPERATURE, 3174, 3072);
     assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
 }
 

@@ -132,6 +132,16 @@ void test_the_drive_runs_from_t_0_on()
     TEST_ASSERT_TRUE(nf::run_scenario(config).metrics.locked);
 }
 
+// By the board's line of its sensor: 0 to 4096 counts are -50 to 150 °C here.
+void test_a_fault_of_temperature_is_said_in_degrees()
+{
+    const Config config = load({"board.temperature_points_c=[-50, 150]"});
+    const fault_t fault = {FAULT_OVERTEMPERATURE, 3174, 3072, 0};
+    TEST_ASSERT_EQUAL_STRING(
+        "OVERTEMPERATURE: 105.0 °C, limit 100.0 °C",
+        nf::fault_measure(fault, nf::make_bases(config.motor, config.board), config.board).c_str());
+}
+
 // Opening the measuring range's protection: the fault is named with its tick, and lock is lost.
 void test_faults_are_listed()
 {
@@ -196,6 +206,7 @@ int main()
     RUN_TEST(test_angle_error_wraps);
     RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);
     RUN_TEST(test_the_drive_runs_from_t_0_on);
+    RUN_TEST(test_a_fault_of_temperature_is_said_in_degrees);
     RUN_TEST(test_faults_are_listed);
     RUN_TEST(test_a_fault_has_the_time_that_the_scenario_gives_it);
     RUN_TEST(test_limits_name_what_does_not_hold);
