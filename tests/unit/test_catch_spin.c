@@ -348,6 +348,19 @@ static void test_a_current_that_the_speed_explains_within_a_factor_of_two_is_bel
     }
 }
 
+/* A quarter of a turn in 9 ticks: 119304647 steps, for which φ/L·ω·T is 4769 LSB, rounded down. */
+static void test_half_and_twice_the_current_that_the_speed_explains_are_not_believed(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const double turned = sign * TWO_PI / 4.0;
+
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(2384.0, turned));
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(2385.0, turned));
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(9537.0, turned));
+        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(9538.0, turned));
+    }
+}
+
 static void test_a_current_that_rests_in_space_is_no_turning_rotor(void)
 {
     TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, 0.0));
@@ -410,6 +423,7 @@ int main(void)
     RUN_TEST(test_a_turning_rotor_is_not_braked_by_a_charge);
     RUN_TEST(test_reset_forgets_what_was_there_before);
     RUN_TEST(test_a_current_that_the_speed_explains_within_a_factor_of_two_is_believed);
+    RUN_TEST(test_half_and_twice_the_current_that_the_speed_explains_are_not_believed);
     RUN_TEST(test_a_current_that_rests_in_space_is_no_turning_rotor);
     RUN_TEST(test_too_fast_a_turn_for_its_current_is_no_turning_rotor);
     RUN_TEST(test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter_turn_a_tick);

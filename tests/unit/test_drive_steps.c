@@ -71,6 +71,20 @@ static void test_a_reset_forgets_all_that_a_run_has_left(void)
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
 }
 
+static void test_a_reset_is_at_rest_at_angle_0(void)
+{
+    TEST_ASSERT_EQUAL_INT64(0, drive.position.turns_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.frame.turns_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32);
+    TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
+    TEST_ASSERT_EQUAL_INT32(0, drive.frame_speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+}
+
 static void test_a_run_begins_without_failed_attempts(void)
 {
     enter(DRIVE_STATE_READY);
@@ -492,6 +506,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_reset_forgets_all_that_a_run_has_left);
+    RUN_TEST(test_a_reset_is_at_rest_at_angle_0);
     RUN_TEST(test_a_run_begins_without_failed_attempts);
     RUN_TEST(test_derating_holds_for_an_imposed_current_too);
     RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);

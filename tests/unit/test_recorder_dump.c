@@ -144,12 +144,16 @@ static void test_header_says_how_it_ended(void)
 static void test_without_a_fault_the_header_has_none(void)
 {
     recorded_run_start(&run);
-    run.drive.fault.id = FAULT_BREAK; /* of a fault that was cleared */
+    /* Of one that was cleared. */
+    run.drive.fault = (fault_t){.id = FAULT_BREAK, .value = 1, .limit = 2, .tick = 3U};
     recorded_run_ticks(&run, 100U);
     recorder_hold(&run.recorder, &run.drive);
     recorded_run_ticks(&run, 2U);
     recorder_dump_start(&dump, &run.recorder, &run.cfg, &about);
     TEST_ASSERT_EQUAL_UINT32(FAULT_NONE, dump.header.fault_id);
+    TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_value);
+    TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_limit);
+    TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_tick);
     TEST_ASSERT_GREATER_THAN_UINT32(0U, dump.header.entries);
 }
 

@@ -430,6 +430,9 @@ static void test_a_current_error_of_a_turning_rotor_is_excused(void)
     for (int32_t k = 0; k < 10000; k++) {
         TEST_ASSERT_EQUAL_INT(FAULT_NONE, follow(16384, 16384, true));
     }
+    /* Nor is any of it kept for later. */
+    TEST_ASSERT_EQUAL_INT32(0, state.off_current.d);
+    TEST_ASSERT_EQUAL_INT32(0, state.off_current.q);
 }
 
 static void test_a_jittering_reference_is_no_lost_phase(void)
