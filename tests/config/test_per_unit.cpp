@@ -1,8 +1,12 @@
-// Motor A on its bench, per unit: every field against a number that was worked out by hand, most of them in example_cfg.h of
-// the firmware's own tests, with their way of getting there.
+// The firmware's numbers from SI units by hand, none with the code's own constants: motor A every field, most of them in
+// example_cfg.h of the firmware's own tests with their way of getting there; of motor B what another motor, another tuning
+// and the ends of a range make otherwise.
 #include "config.h"
 #include "describe.h"
+#include "low_speed_units.h"
+#include "numbers.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
@@ -101,6 +105,458 @@ void the_observers_base_holds_the_longest_vector_that_protection_lets_through()
     TEST_ASSERT_EQUAL_UINT32(1U, observer_shift("0.2240"));
 }
 
+constexpr double ROUNDING = 0.5 + 1e-6;
+constexpr double MANTISSA =
+    1e-4; // relative: half a step of a mantissa of 14 bits at least, and counters rounded up
+
+// R 0.405 Ω, L_d 13.5 mH, L_q 23.5 mH, φ 0.375 Wb, P 2, 3.98 N·m, 1200 and 1800 rpm, 6.3 A, J 0.011; 10 kHz, ±20 A,
+// 450 V, 310 V (200…400), over-current 18 A. I_b = 40 A, U_b = 450 V, T = 100 µs, slow 1 ms, supervision every 4 ms.
+// I_c = 3.98/(1.5·2·0.375) = 3.53778 A. A rpm is 2/60/10000·2^32 = 14316.5577 steps.
+constexpr double CONTINUOUS_Q15 = 3.53778 / 40 * 32768; // 2898.15
+constexpr double STEPS_PER_RPM = 14316.5577;
+
+drive_cfg_t motor_b(const std::vector<std::string> &set = {}, const char *tuning = "robust")
+{
+    return nf::build(nf::load_parts("motor_b", "bench_310v", tuning, {}, set));
+}
+
+void expect(double by_hand, double found)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, by_hand, found);
+}
+
+void expect_mantissa(double by_hand, double mantissa, unsigned shift)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(MANTISSA * by_hand, by_hand,
+                              std::ldexp(mantissa, -static_cast<int>(shift)));
+}
+
+// The start of the line with which it is refused, behind the place.
+void expect_refusal(const std::string &whole, const std::vector<std::string> &set,
+                    const char *tuning)
+{
+    std::string refused = "accepted";
+    try {
+        motor_b(set, tuning);
+    } catch (const nf::ConfigError &error) {
+        refused = error.what();
+        refused = refused.substr(refused.find(": ") + 2);
+    }
+    TEST_ASSERT_EQUAL_STRING(whole.c_str(), refused.substr(0, whole.size()).c_str());
+}
+
+void protection()
+{
+    const protection_cfg_t c = motor_b().protection;
+    expect(18.0 / 40 * 32768, c.current_max);
+    expect(400.0 / 450 * 32768, c.bus_max);
+    expect(200.0 / 450 * 32768, c.bus_min);
+    expect(1.0 / 40 * 32768, c.offset_max);
+}
+
+// 4 ms of 20 s; the fault at 1.2 times the heat, derating from 0.9 on; standing is 1/64 of 1800 rpm.
+void derating()
+{
+    const derating_cfg_t c = motor_b().derating;
+    expect(6.3 / 40 * 32768, c.current_max);
+    expect(CONTINUOUS_Q15, c.current_continuous);
+    expect_mantissa(0.004 / 20 * 65536, c.heat_rate, c.heat_rate_shift);
+    expect(1.2 * 16384, c.heat_max_q14);
+    expect(16384, c.heat.zero);
+    expect_mantissa(32768 / (0.1 * 16384), c.heat.gain, c.heat.shift);
+    expect(25, c.temperature_periods); // 0.1 s
+    expect(200.0 / 450 * 32768, c.bus_low.zero);
+    expect_mantissa(-32768 / (0.25 * 110.0 / 450 * 32768), c.bus_low.gain, c.bus_low.shift);
+    expect((355 + 0.75 * 45) / 450 * 32768, c.bus_high.zero);
+    expect_mantissa(32768 / (0.75 * 45.0 / 450 * 32768), c.bus_high.gain, c.bus_high.shift);
+    expect(1800 * STEPS_PER_RPM / 64, c.regeneration_speed);
+    expect(0, c.bus_current_max);
+    expect(0, c.bus_regeneration_max);
+}
+
+// 6 A and 1.5 A of 1.5·40 A; 100 A is beyond three times the full scale of 20 A, which never flows.
+void bus_currents()
+{
+    const derating_cfg_t c =
+        motor_b({"board.bus_current_max_a=6", "board.bus_regeneration_max_a=1.5"}).derating;
+    expect(6.0 / 60 * 32768, c.bus_current_max);
+    expect(1.5 / 60 * 32768, c.bus_regeneration_max);
+    const derating_cfg_t none =
+        motor_b({"board.bus_current_max_a=100", "board.bus_regeneration_max_a=100"}).derating;
+    expect(32767, none.bus_current_max);
+    expect(32767, none.bus_regeneration_max);
+}
+
+// Over 4 ms: 10 ms, 20 ms, 0.5 s (above 5/bandwidth), 1 s are 3, 5, 125, 250.
+void supervision()
+{
+    const supervision_cfg_t c = motor_b().supervision;
+    expect(0.2 * CONTINUOUS_Q15, c.phase_range_min);
+    expect(0.2 * CONTINUOUS_Q15, c.follow_error_max);
+    expect(0.75 * CONTINUOUS_Q15, c.residual_max);
+    expect(0.5 * CONTINUOUS_Q15, c.stall_current);
+    expect(0.25 * 1800 * STEPS_PER_RPM, c.speed_error_max);
+    expect(1.15 * 1800 * STEPS_PER_RPM, c.overspeed);
+    expect(1800 * STEPS_PER_RPM / 64, c.stall_speed);
+    expect(0.4 * 4294967296.0 / 10, c.phase_speed_max);
+    expect(3, c.runaway_periods);
+    expect(5, c.overspeed_periods);
+    expect(250, c.stall_periods);
+    expect(250, c.late_window);
+    expect(10, c.late_max);
+    expect(4, c.mean_shift); // 4 ms·2^4 is the first above 50 ms
+    expect((0.4 * 0.405 * 6.3 + 0.03 * 310) / 450 * 32768, c.voltage_max);
+}
+
+// φ/L_d = 27.7778 A; with L −40 %, φ +25 %: 57.87 A; three phases at 18 A make 2/√3·18 = 20.785 A: 78.66 A < 2·40 A.
+void observer_base_and_weights()
+{
+    const nn_observer_cfg_t c = motor_b().observer;
+    expect(1, c.current_shift);
+    // One shift for both: that of the larger weight.
+    expect(std::ldexp(1e-4 * 0.405 / 0.0135 / 2 * 4096, static_cast<int>(c.weight_shift)), c.decay);
+    expect_mantissa(1e-4 / 0.0135 * 450 / 80 * 4096, c.volt_gain, c.weight_shift);
+    expect(27.7777778 / 80 * 134217728, c.flux_q27);
+    expect(13.5 / 23.5 * 16384, c.iq_gain_q14);
+    expect(23.5 / 13.5 * 8192, c.saliency_q13);
+    expect(1.25 * 1800 * STEPS_PER_RPM, c.speed_limit);
+    expect(30 * 1e-4 / 6.283185307 * 4294967296.0, c.corner);
+    expect(2 * 8192, c.rho_max_q13);
+    expect(60 * STEPS_PER_RPM, c.rho_speed_min); // half of a tenth of 1200 rpm
+}
+
+// κ·I_b·I_x/(φ/L_d)²·4/2π·2^12 steps.
+void observer_gains()
+{
+    const nn_observer_cfg_t c = motor_b().observer;
+    const double one = 40.0 * 80 / (27.7777778 * 27.7777778) * 4 / 6.283185307 * 4096;
+    expect(12, c.descent_shift);
+    expect_mantissa(0.025 * one, c.rate, c.rate_shift);
+    expect_mantissa(0.45 * one, c.proportional, c.proportional_shift);
+}
+
+// Ω_b = 2^15·2^10 steps, the first above 2250 rpm: 2^25/2^32·2π·10 kHz = 490.874 rad/s.
+void loops()
+{
+    const drive_cfg_t c = motor_b();
+    expect(10, c.speed_shift);
+    expect(490.873852 * 0.0135 * 40 / 450 * 8192, c.current_loop.reactance_d_q13);
+    expect(490.873852 * 0.0235 * 40 / 450 * 8192, c.current_loop.reactance_q_q13);
+    expect(490.873852 * 0.375 / 450 * 8192, c.current_loop.emf_q13);
+    expect(0.405 * 40 / 450 * 8192, c.current_loop.resistance_q13);
+    const double omega = 6.283185307 * 500;
+    expect_mantissa(omega * 0.0135 * 40 / 450, c.current_loop.pi_d.kp,
+                    c.current_loop.pi_d.kp_shift);
+    expect_mantissa(omega * 0.0135 * 40 / 450 * omega / 10 * 1e-4 * 2048, c.current_loop.pi_d.ki,
+                    c.current_loop.pi_d.ki_shift);
+    // a = 1.5·2·0.375·6.3/0.011 rad/s²; 0.27 of it in a millisecond.
+    const double acceleration = 1.125 * 6.3 / 0.011;
+    expect(0.27 * acceleration * 1e-3 * 30 / 3.141592654 * STEPS_PER_RPM, c.speed_loop.ramp);
+    expect(0.20 * acceleration * 1e-3 * 30 / 3.141592654 * STEPS_PER_RPM, c.position_loop.ramp);
+    expect(1800 * STEPS_PER_RPM, c.speed_loop.speed_max);
+    expect(600 * STEPS_PER_RPM, c.position_loop.speed_max);
+}
+
+// The integral's corner is R/L where that is the faster one: 30/s and 17.2/s beside 20 Hz, a tenth of which is 12.6/s.
+void a_slow_current_loop_integrates_as_fast_as_the_winding()
+{
+    const current_loop_cfg_t c = motor_b({"current_loop.bandwidth_hz=20"}).current_loop;
+    const double kp_per_henry = 6.283185307 * 20 * 40 / 450;
+    expect_mantissa(kp_per_henry * 0.405 * 1e-4 * 2048, c.pi_d.ki, c.pi_d.ki_shift);
+    expect_mantissa(kp_per_henry * 0.405 * 1e-4 * 2048, c.pi_q.ki, c.pi_q.ki_shift);
+    expect_mantissa(kp_per_henry * 0.0235, c.pi_q.kp, c.pi_q.kp_shift);
+}
+
+// By rule ω = 4.3·a/(1200 rpm) = 4.3·644.318/125.6637 = 22.0474 rad/s. An ampere makes 1.5·2²·0.375/0.011 = 204.545 rad/s²
+// electrical; 1 rad/s² is 1e-3·1e-4/2π·2^32 = 68.35653 steps a millisecond.
+constexpr double SPEED_RAD_S = 22.0474;
+constexpr double STEPS_PER_RAD_S2 = 68.35653;
+
+void motion()
+{
+    const drive_cfg_t c = motor_b();
+    const double per_unit = 2 * 490.873852 / 40 / 204.54545;
+    expect_mantissa(2 * SPEED_RAD_S * per_unit, c.speed_loop.pi.kp, c.speed_loop.pi.kp_shift);
+    expect_mantissa(SPEED_RAD_S * SPEED_RAD_S * per_unit * 1e-3 * 2048, c.speed_loop.pi.ki,
+                    c.speed_loop.pi.ki_shift);
+    const double inertia = 32768 / (STEPS_PER_RAD_S2 * 204.54545 * 40);
+    expect_mantissa(inertia * 65536, c.speed_loop.inertia, c.speed_loop.inertia_shift);
+    expect(0, c.speed_loop.inertia_lift);
+    expect(11, c.speed_loop.error_shift);
+    expect_mantissa(SPEED_RAD_S / 2.8 * 1e-4 * 65536, c.position_loop.gain,
+                    c.position_loop.gain_shift);
+    // 600 rpm are 62.83185 rad/s; braking takes 0.9·0.2·644.318 = 115.977 rad/s².
+    const double turns = 62.83185 * 62.83185 / (2 * 115.97727) * 2 / 6.283185307;
+    expect(21, c.position_loop.distance_shift); // 11095 units
+    TEST_ASSERT_DOUBLE_WITHIN(1, 1073741824 / (turns * 2048), c.position_loop.braking_inverse);
+    expect(115.97727 * 0.3 / (SPEED_RAD_S / 2.8) / 62.83185 * 32768, c.position_loop.softness_q15);
+}
+
+// J of 0.3 kg·m² takes 1.598 LSB a step of speed, and of these 2^14 are a mantissa.
+void a_heavy_rotor_lifts_its_inertia()
+{
+    const speed_loop_cfg_t c = motor_b({"motor.inertia_kg_m2=0.3"}).speed_loop;
+    const double inertia = 32768 / (STEPS_PER_RAD_S2 * 1.5 * 4 * 0.375 / 0.3 * 40);
+    expect(0, c.inertia_shift);
+    expect(2, c.inertia_lift);
+    expect_mantissa(inertia * 65536 / 4, c.inertia, 0);
+}
+
+// 310 V·T/(6·(L_d + L_q)); 5 counts of 12 bits.
+void modulator()
+{
+    const modulator_cfg_t c =
+        motor_b({"board.dead_time_s=1e-6", "board.device_drop_v=0.9"}).modulator;
+    expect(8500, c.timer_counts);
+    TEST_ASSERT_EQUAL_INT32(17972, c.ratio_max_q15); // 0.95/√3 is 17972.7: rounded down
+    const modulator_cfg_t close = motor_b({"board.duty_margin_pct=1.05"}).modulator;
+    TEST_ASSERT_EQUAL_INT32(18719, close.ratio_max_q15); // 18719.97
+    expect(450 / (0.8 * 200) * 4096, c.inverse_max_q12);
+    expect(310 * 1e-4 / (6 * 0.037) / 40 * 32768, c.ripple_q15);
+    expect(4096.0 / 5, c.edge_slope);
+    expect(0.01 * 32768, c.dead_time_q15);
+    expect(0.9 / 450 * 32768, c.drop_q15);
+}
+
+// α halves what a sample adds.
+void momentum()
+{
+    const nn_observer_cfg_t none = motor_b().observer;
+    const nn_observer_cfg_t c = motor_b({"observer.momentum=0.5"}).observer;
+    TEST_ASSERT_EQUAL_INT32(16384, c.momentum_q15);
+    const double rate = std::ldexp(none.rate, -static_cast<int>(none.rate_shift));
+    expect_mantissa(rate / 2, c.rate, c.rate_shift);
+}
+
+void the_angle_of_a_sensor_is_counted_in_pole_pairs()
+{
+    TEST_ASSERT_EQUAL_UINT32(0, motor_b().sampling.sensor_pole_pairs);
+    TEST_ASSERT_EQUAL_UINT32(2, motor_b({"drive.angle_source=sensor"}).sampling.sensor_pole_pairs);
+}
+
+// 0.5 A: what the converter's noise makes is more than the shares. 5 over 2 Hz are 625 periods of 4 ms.
+void a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late()
+{
+    const supervision_cfg_t c =
+        motor_b({"motor.continuous_current_a=0.5", "speed_loop.bandwidth_hz=2"}).supervision;
+    expect(65 * 8, c.phase_range_min);
+    expect(65 * 2, c.phase_zero_max);
+    expect(16 * 8, c.follow_error_max);
+    expect(0.75 * 0.5 / 40 * 32768, c.residual_max);
+    expect(625, c.speed_error_periods);
+}
+
+// K_p = φ and K_i = 8·φ of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current; −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°.
+void voltage_drive()
+{
+    const voltage_drive_cfg_t c = motor_b({}, "voltage_phase").voltage_drive;
+    const double base = 2 * 490.873852 / 450;
+    expect(1, c.enabled);
+    expect_mantissa(0.375 * base, c.pi.kp, c.pi.kp_shift);
+    expect_mantissa(8 * 0.375 * base * 1e-3 * 2048, c.pi.ki, c.pi.ki_shift);
+    expect(240 * STEPS_PER_RPM, c.speed_min);
+    expect(100, c.settle_periods);
+    expect_mantissa(0.001 * 65536, c.compensator.gain, c.compensator.gain_shift);
+    expect(40.0 / 360 * 4294967296.0, c.compensator.lead_max);
+    const double brake = 0.8 * std::atan(0.405 / (125.6637061 * 2 * 0.0135)) / 6.283185307;
+    TEST_ASSERT_DOUBLE_WITHIN(2, brake * 4294967296.0, c.compensator.brake_max);
+    expect(0.25 * CONTINUOUS_Q15, c.compensator.current_min);
+    // One and a half hand-over speeds of 15 % are more than 20 %.
+    expect(270 * STEPS_PER_RPM,
+           motor_b({"startup.handover_speed_pct=15"}, "voltage_phase").voltage_drive.speed_min);
+}
+
+// The lowest voltage drive is above the highest speed: the rated one may be at most 1800/0.9.
+void a_voltage_drive_that_never_begins_is_refused()
+{
+    const char *const whole =
+        "motor.rated_speed_rpm = 1200: does not fit the firmware; allowed: at "
+        "most 1111 rpm: the share voltage_loop.speed_min_pct";
+    const std::vector<std::string> set = {"motor.max_speed_rpm=1000",
+                                          "voltage_loop.speed_min_pct=90"};
+    expect_refusal(whole, set, "voltage_phase");
+}
+
+// In the field of 3.53778 A the rotor swings with √(204.545·3.53778) = 26.9005 rad/s.
+constexpr double SWING = 26.9005;
+
+void start()
+{
+    const startup_cfg_t c = motor_b().startup;
+    expect(CONTINUOUS_Q15, c.align.current_high);
+    expect(0.6 * CONTINUOUS_Q15, c.align.current_low);
+    expect(10, c.align.slope); // 0.8/ω_n are 298 ticks
+    expect(2974, c.align.sweep_ticks);
+    expect(2147483648.0 / 2974, c.align.sweep_speed);
+    expect(8922, c.align.pull_ticks);
+    expect(2231, c.align.settle_ticks);
+    expect(11, c.align.measure_log2); // 1487 ticks
+    // L·1.41511 A at 93 V takes 2.05 ticks; in 3 it takes 63.68 V, and R·3·T/(2·L) = 0.0045 more.
+    expect(3, c.align.step_ticks);
+    const double volts = 0.0135 * 0.4 * 3.53778 / 3e-4 * 1.0045;
+    expect(volts / 450 * 32768, c.align.step_voltage);
+    expect(volts * 3e-4 / 0.0135 / 40 * 32768, c.align.step_fall);
+    expect(0.0045 * 16384, c.align.step_drop_q14);
+    expect(6.3 / 40 * 32768, c.current_move);
+    expect(120 * STEPS_PER_RPM, c.handover_speed);
+    expect(60 * STEPS_PER_RPM, c.track_speed);
+    expect(84 * STEPS_PER_RPM, c.hold_speed);
+    expect(0.25 * CONTINUOUS_Q15, c.residual_max);
+    expect(0.75 * CONTINUOUS_Q15, c.residual_lost);
+    TEST_ASSERT_DOUBLE_WITHIN(1, 0.07 * 204.54545 * 6.3 * STEPS_PER_RAD_S2 + 0.5, c.ramp);
+    expect(224, motor_b().supervision.swing_periods); // 6/ω_n
+}
+
+// Of twice the continuous current what the motor bears, and 1/1.8 of what the board does.
+void a_start_imposes_what_motor_and_board_bear()
+{
+    expect(6.3 / 40 * 32768, motor_b({"startup.current_pct=200"}).startup.current_hold);
+    expect(5.0 / 40 * 32768,
+           motor_b({"startup.current_pct=200", "board.overcurrent_a=9", "board.trip_a=10"})
+               .startup.current_hold);
+}
+
+// 0.05·6.3 A, or 25 counts of 20 A/2048; 1800 rpm are 0.006 turn in a tick, 24000 rpm 0.08.
+void catching()
+{
+    const catch_spin_cfg_t c = motor_b({"board.bootstrap_charge_s=0.00205"}).startup.catch_spin;
+    expect(0.315 / 40 * 32768, c.current);
+    expect(16, c.gap_factor);
+    expect(21, c.charge_ticks);
+    expect_mantissa(27.7777778 / 40 * 32768 / 683565275.6 * 65536, c.emf_current, c.emf_shift);
+    expect(25.0 * 20 / 2048 / 40 * 32768,
+           motor_b({"motor.max_current_a=4"}).startup.catch_spin.current);
+    const std::vector<std::string> fast = {
+        "motor.max_speed_rpm=24000", "motor.flux_linkage_wb=0.03", "motor.rated_torque_nm=0.3"};
+    expect(4, motor_b(fast).startup.catch_spin.gap_factor);
+}
+
+// Without a start of its own the run's current changes as with one of 100 %.
+void run()
+{
+    expect(0, motor_b().run.current_floor);
+    expect(0.18 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).run.current_floor);
+    expect(10, motor_b({"drive.angle_source=sensor"}).run.current_slope);
+    // A hundredth of the inertia: 0.8/ω_n are 30 ticks of 96.6.
+    expect(97,
+           motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"}).run.current_slope);
+}
+
+// 0.7 of critical damping beside R, 0.2·ω_n of integral.
+void hold_loop()
+{
+    const pi_cfg_t c = motor_b().hold_loop.pi_d;
+    const double ohms = SWING * 0.375 / (2 * 0.7 * 3.53778);
+    expect_mantissa((ohms - 0.405) / 11.25, c.kp, c.kp_shift);
+    expect_mantissa(ohms * 0.2 * SWING * 1e-4 / 11.25 * 2048, c.ki, c.ki_shift);
+}
+
+void model()
+{
+    const model_cfg_t c = motor_b().model;
+    expect(0.9 * 16384, c.resistance_limit_q14);
+    expect(0.4 * 16384, c.inductance_limit_q14);
+    expect(0.25 * 16384, c.flux_limit_q14);
+    expect(1e-3 / 0.05 * 40 / 27.7777778 * 32768, c.flux_rate);
+    expect(240 * STEPS_PER_RPM, c.flux_speed_min);
+}
+
+// With 1 % of the current ω_n is a tenth. Catching 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top.
+void the_time_of_a_start()
+{
+    constexpr double swing_error_s = 1e-5; // four digits of ω_n
+    const nf::Config c =
+        nf::load_parts("motor_b", "bench_310v", "robust", {}, {"board.bootstrap_charge_s=0.01"});
+    TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (50 + 4096 + 16) * 1e-4 + 30 / SWING + 0.01,
+                              nf::startup_time(c.motor, c.board, c.tuning));
+    const nf::Config least =
+        nf::load_parts("motor_b", "bench_310v", "robust", {}, {"startup.current_pct=1"});
+    TEST_ASSERT_TRUE(nf::startup_time(least.motor, least.board, least.tuning) > 10 * 30 / SWING);
+}
+
+// A sensor that falls: 90 °C are 18 %, the warning 20 °C below 34 %.
+void temperature()
+{
+    const fade_t c =
+        motor_b({"board.temperature_points_c=[0, 50, 100]",
+                 "board.temperature_points_pct=[80, 50, 10]", "board.temperature_max_c=90"})
+            .derating.temperature;
+    expect(0.18 * 4096, c.zero);
+    expect_mantissa(-32768 / (0.16 * 4096), c.gain, c.shift);
+}
+
+// A count from one end is 0.0244 % at 80/50 °C per %, two from the other 0.0488 % at 20/50.
+void a_sensor_measures_up_to_a_count_from_its_ends()
+{
+    std::vector<std::string> set = {"board.temperature_points_c=[0, 20, 100]",
+                                    "board.temperature_points_pct=[100, 50, 0]",
+                                    "board.temperature_max_c=99.97"};
+    expect_refusal("board.temperature_max_c = 99.97: does not fit the firmware; allowed: at most "
+                   "99.96 °C: what the sensor can measure",
+                   set, "robust");
+    set.back() = "board.temperature_max_c=0.0195";
+    expect_refusal("board.temperature_max_c = 0.0195: does not fit the firmware; allowed: at least "
+                   "0.01954 °C: what the sensor can measure",
+                   set, "robust");
+}
+
+// 1.5·R·(6.3 A)² of 310 V is 0.07778 A.
+void the_supply_gives_what_a_start_imposes()
+{
+    expect_refusal("board.bus_current_max_a = 0.0777: does not fit the firmware; allowed: at least "
+                   "0.07779 A: what the current that a start imposes",
+                   {"board.bus_current_max_a=0.0777"}, "robust");
+    expect(0.0778 / 60 * 32768,
+           motor_b({"board.bus_current_max_a=0.0778"}).derating.bus_current_max);
+}
+
+// Four swings are 77654 ticks of measuring, 24 of them 465925: of a rotor of 0.3 kg·m² in 1 % of the current. One of 10 kg·m²
+// takes more than the counters hold.
+void a_slow_rotor_takes_what_the_counters_hold()
+{
+    const std::vector<std::string> slow = {"startup.current_pct=1", "motor.inertia_kg_m2=0.3"};
+    TEST_ASSERT_EQUAL_UINT32(16, motor_b(slow).startup.align.measure_log2);
+    TEST_ASSERT_EQUAL_UINT32(465925, motor_b(slow).startup.align.pull_ticks);
+    const std::vector<std::string> slower = {"startup.current_pct=1", "motor.inertia_kg_m2=10"};
+    TEST_ASSERT_EQUAL_UINT32(1048576, motor_b(slower).startup.align.pull_ticks);
+    TEST_ASSERT_EQUAL_UINT32(60000, motor_b(slower).supervision.swing_periods);
+}
+
+// 1 to 30 bits behind the point, 15 before it at most: above 16383.5 there is none, and below 2^-15 they stay 30.
+void a_gain_has_1_to_30_bits_behind_the_point()
+{
+    const pi_cfg_t largest = nf::make_pi(16383.5, 16383.5 / 2048, 1, "key", 1);
+    TEST_ASSERT_EQUAL_INT32(32767, largest.kp);
+    TEST_ASSERT_EQUAL_UINT32(1, largest.kp_shift);
+    TEST_ASSERT_EQUAL_INT32(32767, largest.ki);
+    TEST_ASSERT_EQUAL_UINT32(1, largest.ki_shift);
+    const pi_cfg_t least = nf::make_pi(1.0 / 1048576, 1.0 / 1048576 / 2048, 1, "key", 1);
+    TEST_ASSERT_EQUAL_INT32(1024, least.kp);
+    TEST_ASSERT_EQUAL_UINT32(30, least.kp_shift);
+    TEST_ASSERT_EQUAL_INT32(1024, least.ki);
+    TEST_ASSERT_EQUAL_UINT32(30, least.ki_shift);
+    try {
+        nf::make_pi(20000, 0, 1, "key", 2);
+        TEST_FAIL_MESSAGE("a gain of 20000 is accepted");
+    } catch (const nf::SettingError &error) {
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2 * 16383.5 / 20000, error.limit.value);
+    }
+}
+
+// A step of current is 40 A/2^15 = 1.2207 mA, that of 1.5·2·0.375 N·m/A 1.3733 mN·m.
+void what_a_field_cannot_hold_is_refused_with_what_it_can()
+{
+    const char *const current = "the firmware's steps of current";
+    expect_refusal(std::string("motor.continuous_current_a = 0.001: does not fit the firmware; "
+                               "allowed: at least 0.001221 A: ") +
+                       current,
+                   {"motor.continuous_current_a=0.001"}, "robust");
+    expect_refusal(std::string("motor.rated_torque_nm = 0.001: does not fit the firmware; allowed: "
+                               "at least 0.001374 N·m: ") +
+                       current,
+                   {"motor.rated_torque_nm=0.001"}, "robust");
+}
+
 } // namespace
 
 void setUp()
@@ -116,5 +572,34 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(every_field_is_what_was_worked_out_by_hand);
     RUN_TEST(the_observers_base_holds_the_longest_vector_that_protection_lets_through);
+    RUN_TEST(protection);
+    RUN_TEST(derating);
+    RUN_TEST(bus_currents);
+    RUN_TEST(supervision);
+    RUN_TEST(observer_base_and_weights);
+    RUN_TEST(observer_gains);
+    RUN_TEST(loops);
+    RUN_TEST(a_slow_current_loop_integrates_as_fast_as_the_winding);
+    RUN_TEST(motion);
+    RUN_TEST(a_heavy_rotor_lifts_its_inertia);
+    RUN_TEST(modulator);
+    RUN_TEST(momentum);
+    RUN_TEST(the_angle_of_a_sensor_is_counted_in_pole_pairs);
+    RUN_TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late);
+    RUN_TEST(voltage_drive);
+    RUN_TEST(a_voltage_drive_that_never_begins_is_refused);
+    RUN_TEST(start);
+    RUN_TEST(a_start_imposes_what_motor_and_board_bear);
+    RUN_TEST(catching);
+    RUN_TEST(run);
+    RUN_TEST(hold_loop);
+    RUN_TEST(model);
+    RUN_TEST(the_time_of_a_start);
+    RUN_TEST(temperature);
+    RUN_TEST(a_sensor_measures_up_to_a_count_from_its_ends);
+    RUN_TEST(the_supply_gives_what_a_start_imposes);
+    RUN_TEST(a_slow_rotor_takes_what_the_counters_hold);
+    RUN_TEST(a_gain_has_1_to_30_bits_behind_the_point);
+    RUN_TEST(what_a_field_cannot_hold_is_refused_with_what_it_can);
     return UNITY_END();
 }

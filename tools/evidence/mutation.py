@@ -84,11 +84,14 @@ AREAS = (
                               "firmware/math/port/generic/*.h"), CORE, (95, 100),
          left_out=("firmware/math/port/fx_armv7.h",  # of other cores
                    "firmware/math/barrier.h")),  # computes nothing
-    Area("drive", ("firmware/drive/*.c",), DRIVE, (79, 93), sample=60,
+    Area("drive", ("firmware/drive/*.c",), DRIVE, (90, 100), sample=60,
          tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed")),
     Area("app", ("firmware/app/*.c",), APP, (93, 100), sample=60, tests=("test_control_isr",)),
     Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")),
          ("hal/stm32g431", "hal/cortex_m", *APP), (83, 97), sample=60, tests=("test_console",)),
+    Area("configuration", tuple(f"host_sim/config/{name}.cpp" for name in ("low_speed_units", "numbers", "per_unit")),
+         ("host_sim/config", *DRIVE), (90, 100), sample=24,
+         tests=("test_per_unit", "test_rules", "test_refusals")),
 )
 
 
