@@ -25,6 +25,14 @@ constexpr double SCALE_TOLERANCE = 0.02;
 constexpr const char *ACTIVE_HIGH = "active_high";
 constexpr const char *ACTIVE_LOW = "active_low";
 
+constexpr const char *STM32G431 = "stm32g431";
+constexpr const char *OTHER_CHIP = "other";
+// What the binding of hal/stm32g431 can set its chip to; its board.c asserts the same.
+constexpr double G431_CLOCK_HZ = 170e6;
+constexpr int G431_ADC_BITS = 12;
+constexpr double G431_DEAD_TIME_TICKS = 1008;
+constexpr double G431_SAMPLING_NS = 1100;
+
 // Half of the shortest time for which a low side is commanded on, around the instant of sampling: the
 // largest duty is 1 − margin/2.
 double half_low_side_s(const BoardSettings &board)
@@ -53,8 +61,8 @@ void need(bool holds, const Config &config, const std::string &key, double value
 // the warning follows from its limit.
 bool is_needed(const Field &field)
 {
-    return std::strcmp(field.section, "hal") == 0 || field.name() == "board.dead_time_s" ||
-           field.name() == "board.trip_a" ||
+    return (std::strcmp(field.section, "hal") == 0 && field.name() != "hal.chip") ||
+           field.name() == "board.dead_time_s" || field.name() == "board.trip_a" ||
            (field.name().rfind("board.temperature_", 0) == 0 &&
             field.name() != "board.temperature_warn_c");
 }
@@ -82,6 +90,35 @@ void check_choices(const Config &config)
          "is no gain of the amplifier", "1, 2, 4, 8, 16, 32 or 64");
     need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
          "a positive or negative number");
+}
+
+double dead_time_ticks(const BoardSettings &board)
+{
+    return std::ceil(board.dead_time_s * board.timer_clock_hz * (1 - PRODUCT_ERROR));
+}
+
+void check_chip(const Config &config)
+{
+    const BoardSettings &board = config.board;
+    const HalSettings &hal = config.hal;
+    if (hal.chip == OTHER_CHIP) {
+        return;
+    }
+    if (hal.chip != STM32G431) {
+        refuse(config, "hal.chip", '"' + hal.chip + '"', "is no chip that is known",
+               fmt::format("\"{}\" or \"{}\"", STM32G431, OTHER_CHIP));
+    }
+    need(std::round(board.timer_clock_hz) == G431_CLOCK_HZ, config, "board.timer_clock_hz",
+         board.timer_clock_hz, "is not the clock of this chip's timer",
+         fmt::format("{:.0f} Hz", G431_CLOCK_HZ));
+    need(board.adc_bits == G431_ADC_BITS, config, "board.adc_bits", board.adc_bits,
+         "is not what this chip's converters have", fmt::format("{} bit", G431_ADC_BITS));
+    need(dead_time_ticks(board) <= G431_DEAD_TIME_TICKS, config, "board.dead_time_s",
+         board.dead_time_s, "is longer than this chip's timer makes",
+         fmt::format("at most {:.4g} s", G431_DEAD_TIME_TICKS / G431_CLOCK_HZ));
+    need(std::ceil(hal.adc_sampling_ns) <= G431_SAMPLING_NS, config, "hal.adc_sampling_ns",
+         hal.adc_sampling_ns, "is longer than this chip samples",
+         fmt::format("at most {:g} ns, 47.5 cycles of its converters", G431_SAMPLING_NS));
 }
 
 void check_timing(const Config &config)
@@ -184,8 +221,8 @@ std::string timer_lines(const Config &config)
     return define("TIMER_CLOCK_HZ", clock, "U", "board.timer_clock_hz") +
            define("TIMER_COUNTS", clock / (2 * board.pwm_frequency_hz), "U",
                   fmt::format("half a period at {:g} Hz", board.pwm_frequency_hz)) +
-           define("DEAD_TIME_TICKS", std::ceil(board.dead_time_s * clock * (1 - PRODUCT_ERROR)),
-                  "U", fmt::format("{:g} ns, rounded up", board.dead_time_s / NS));
+           define("DEAD_TIME_TICKS", dead_time_ticks(board), "U",
+                  fmt::format("{:g} ns, rounded up", board.dead_time_s / NS));
 }
 
 std::string sensing_lines(const Config &config)
@@ -253,6 +290,7 @@ std::string make_hal_header(const Config &config)
     check_complete(config);
     check_choices(config);
     check_timing(config);
+    check_chip(config);
     check_scales(config);
     check_trip(config);
     (void)build(config); // a binding is for a drive that the firmware takes

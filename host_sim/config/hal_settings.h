@@ -8,9 +8,10 @@ namespace nf
 {
 
 struct HalSettings {
-    double adc_settling_ns = 0; // low side on before its shunt can be sampled
-    double adc_sampling_ns = 0; // sample switch closed
-    std::string break_polarity; // level of the over-current comparators that opens the gates
+    std::string chip = "stm32g431"; // whose limits a binding has; or "other"
+    double adc_settling_ns = 0;     // low side on before its shunt can be sampled
+    double adc_sampling_ns = 0;     // sample switch closed
+    std::string break_polarity;     // level of the over-current comparators that opens the gates
     double shunt_ohm = 0;
     double amplifier_gain = 0;   // shunt to converter; negative: current into the motor counts down
     double amplifier_zero_v = 0; // at the converter, without current

@@ -89,6 +89,7 @@ const std::vector<Field> FIELDS = {
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
     {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
 
+    {"hal", "chip", "", 0, NAME_MAX, OPTIONAL, hal<&H::chip>, "whose timer and converters a binding has: stm32g431; with other nothing is checked against them"},
     {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
     {"hal", "adc_sampling_ns", "ns", 10, 100000, OPTIONAL, hal<&H::adc_sampling_ns>, "the converter's sample switch closed at least as long"},
     {"hal", "break_polarity", "", 0, NAME_MAX, OPTIONAL, hal<&H::break_polarity>, "comparators trip above (active_high) or below (active_low) their level"},

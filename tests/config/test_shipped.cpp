@@ -6,6 +6,8 @@
 #include "header.h"
 #include "schema.h"
 
+#include <fmt/format.h>
+
 #include "unity.h"
 
 #include <cmath>
@@ -95,14 +97,71 @@ void imperfections_of_the_plant_leave_the_firmware_alone()
     TEST_ASSERT_NOT_EQUAL_INT(plain.observer.flux_q27, imp.observer.flux_q27);
 }
 
-// HAL_DEAD_TIME_TICKS of a hardware binding's header, in s.
+// The number behind `name` in a hardware binding's header.
+double defined(const std::string &header, const std::string &name)
+{
+    const std::size_t found = header.find(name + " (");
+    TEST_ASSERT_TRUE(found != std::string::npos);
+    return std::stod(header.substr(found + name.size() + 2));
+}
+
 double dead_time_of_the_timer(const nf::Config &config)
 {
-    const std::string header = nf::make_hal_header(config);
-    const std::string name = "HAL_DEAD_TIME_TICKS (";
-    const std::size_t found = header.find(name);
-    TEST_ASSERT_TRUE(found != std::string::npos);
-    return std::stod(header.substr(found + name.size())) / config.board.timer_clock_hz;
+    return defined(nf::make_hal_header(config), "HAL_DEAD_TIME_TICKS") /
+           config.board.timer_clock_hz;
+}
+
+// A slow PWM with a wide margin: the chip's limits come before those of the period.
+const std::vector<std::string> SLOW = {"board.pwm_frequency_hz=6000", "board.duty_margin_pct=25",
+                                       "motor.max_speed_rpm=1800", "board.bus_nominal_v=380"};
+
+// "" or the refusal, after what hal/stm32g431/board.c asserts has held.
+std::string refused_for_the_chip(std::vector<std::string> set)
+{
+    set.insert(set.begin(), SLOW.begin(), SLOW.end());
+    try {
+        const std::string header =
+            nf::make_hal_header(nf::load_parts("motor_a", "g431_bench", "robust", {}, set));
+        TEST_ASSERT_EQUAL_DOUBLE(170e6, defined(header, "HAL_TIMER_CLOCK_HZ"));
+        TEST_ASSERT_EQUAL_DOUBLE(12, defined(header, "HAL_ADC_BITS"));
+        TEST_ASSERT_TRUE(defined(header, "HAL_DEAD_TIME_TICKS") <= 1008);
+        TEST_ASSERT_TRUE(defined(header, "HAL_ADC_SAMPLING_NS") <= 1100);
+    } catch (const nf::ConfigError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+void a_header_that_is_made_is_one_that_the_chips_binding_compiles()
+{
+    TEST_ASSERT_EQUAL_STRING("", refused_for_the_chip({}).c_str());
+    for (const nf::Field &field : nf::schema()) {
+        nf::Config any;
+        const nf::Target target = field.target(any);
+        const std::string section = field.section;
+        if ((section != "hal" && section != "board") ||
+            (!std::holds_alternative<double *>(target) && !std::holds_alternative<int *>(target))) {
+            continue;
+        }
+        for (const double end : {field.min, field.max}) {
+            (void)refused_for_the_chip({fmt::format("{}={:.12g}", field.name(), end)});
+        }
+    }
+}
+
+void what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not()
+{
+    for (const char *fits : {"board.dead_time_s=5.929e-6", "hal.adc_sampling_ns=1100"}) {
+        TEST_ASSERT_EQUAL_STRING("", refused_for_the_chip({fits}).c_str());
+    }
+    for (const char *misfit : {"board.dead_time_s=5.935e-06", "hal.adc_sampling_ns=1100.5",
+                               "board.timer_clock_hz=160000000", "board.adc_bits=11"}) {
+        const std::string key(misfit, std::strchr(misfit, '='));
+        const std::string refusal = refused_for_the_chip({misfit});
+        TEST_ASSERT_EQUAL_STRING(("--set: " + key + " = ").c_str(),
+                                 refusal.substr(0, key.size() + 10).c_str());
+        TEST_ASSERT_TRUE(refusal.find("this chip") != std::string::npos);
+    }
 }
 
 // The timer rounds up to a tick of its clock, the drive to 2^-15 of the PWM period.
@@ -287,6 +346,8 @@ int main()
     RUN_TEST(every_shipped_scenario_fits_the_firmware);
     RUN_TEST(the_set_all_is_the_sum_of_its_parts);
     RUN_TEST(imperfections_of_the_plant_leave_the_firmware_alone);
+    RUN_TEST(a_header_that_is_made_is_one_that_the_chips_binding_compiles);
+    RUN_TEST(what_the_chip_cannot_do_is_refused_where_it_is_written_and_its_ends_are_not);
     RUN_TEST(an_image_gives_back_the_dead_time_that_its_timer_makes);
     RUN_TEST(the_temperature_of_the_board_as_sold_is_right_within_a_degree_from_0_to_100);
     RUN_TEST(a_line_of_two_points_is_straight);
