@@ -372,7 +372,7 @@ void a_voltage_drive_that_never_begins_is_refused()
     const char *const whole =
         "motor.rated_speed_rpm = 1200: does not fit the firmware; allowed: at "
         "most 1111 rpm: the share voltage_loop.speed_min_pct";
-    const std::vector<std::string> set = {"motor.max_speed_rpm=1000",
+    const std::vector<std::string> set = {"motor.rated_speed_rpm=1200", "motor.max_speed_rpm=1000",
                                           "voltage_loop.speed_min_pct=90"};
     expect_refusal(whole, set, "voltage_phase");
 }
@@ -461,7 +461,8 @@ void model()
     expect(240 * STEPS_PER_RPM, c.flux_speed_min);
 }
 
-// With 1 % of the current ω_n is a tenth. Catching 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top.
+// Catching 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top. With
+// 1 % of the current ω_n is a tenth.
 void the_time_of_a_start()
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
