@@ -177,6 +177,9 @@ void check_scales(const Config &config)
 
 // What hysteresis and offset of the comparator together may come to, with a margin of two.
 constexpr double RISE_MIN_V = 0.025;
+// A comparator trips within this distance of its level: DS12589, offset.
+constexpr double TRIP_EARLY_V = 0.003;
+constexpr double TRIP_LATE_V = 0.009;
 
 // The comparators look at the pin before the programmable amplifier.
 double trip_level_v(const Config &config)
@@ -187,15 +190,27 @@ double trip_level_v(const Config &config)
     return output / hal.pga_gain;
 }
 
+double rise_per_ampere_v(const HalSettings &hal)
+{
+    return volts_per_ampere(hal) / hal.pga_gain;
+}
+
 void check_trip(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double level = trip_level_v(config);
     const double trip_a = config.board.trip_a;
-    const double rise_per_ampere = volts_per_ampere(hal) / hal.pga_gain;
+    const double rise_per_ampere = rise_per_ampere_v(hal);
     need(trip_a * rise_per_ampere >= RISE_MIN_V, config, "board.trip_a", trip_a,
          "is within offset and hysteresis of the comparator",
          fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
+    const double early_a = TRIP_EARLY_V / rise_per_ampere;
+    const double max_a = config.motor.max_current_a;
+    need(trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
+         "lets a comparator trip while the motor takes what it may",
+         fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
+                     "comparator's offset",
+                     max_a + early_a, max_a, early_a));
     const double largest = hal.adc_reference_v * (DAC_COUNTS - 1) / DAC_COUNTS;
     need(level > 0 && level <= largest, config, "board.trip_a", trip_a,
          fmt::format("needs a comparator level of {:.4g} V", level),
@@ -246,9 +261,13 @@ std::string trip_lines(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double level = trip_level_v(config);
+    const double trip_a = config.board.trip_a;
+    const double rise_per_ampere = rise_per_ampere_v(hal);
     return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
-                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator", config.board.trip_a,
-                              level)) +
+                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator, which trips from "
+                              "{:.3g} to {:.3g} A",
+                              trip_a, level, trip_a - TRIP_EARLY_V / rise_per_ampere,
+                              trip_a + TRIP_LATE_V / rise_per_ampere)) +
            flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
 }
 
