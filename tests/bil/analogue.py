@@ -25,28 +25,43 @@ AMPLIFIER_START = cycles(6e-6)   # table 74, high-speed mode
 LEVEL_START = cycles(3.5e-6)     # table 70: DAC3 is one of 15 MSPS
 COMPARATOR_START = cycles(5e-6)  # table 73
 
-# The same, the least and the most.
+# The same: the least, the ideal one, the most.
 COUNTS_PER_MV = 4096 / 3300
-COMPARATOR_OFFSET_MV = (-9, 3)  # table 73
-AMPLIFIER_OFFSET_MV = (-3, 3)   # table 74
-AMPLIFIER_GAIN = (0.98, 1.02)   # table 74: 1 % for gains up to 16; the other one is assumed for resistors around
+COMPARATOR_OFFSET_MV = (-9, 0, 3)  # table 73
+AMPLIFIER_OFFSET_MV = (-3, 0, 3)   # table 74
+AMPLIFIER_GAIN = (0.98, 1, 1.02)   # table 74: 1 % for gains up to 16; the other one is assumed for resistors around
+BIAS = (0.98, 1, 1.02)             # of a pin without current: a divider of resistors of 1 %
 
 
 class Parts:
-    """What the comparators and amplifiers of one chip of many do: drawn from `seed`, ideal without."""
+    """What the comparators and amplifiers of one chip of many do, and the resistors before them. `choose` takes a value
+    out of a tolerance: ideal, least, most or drawn()."""
 
-    def __init__(self, seed):
-        drawn = random.Random(seed)
+    def __init__(self, choose):
+        def of(tolerance, scale=1):
+            return {number: choose(tolerance) * scale for number in (1, 2, 3, 4)}
 
-        def draw(span, ideal):
-            return {number: ideal if seed is None else drawn.uniform(*span) for number in (1, 2, 3, 4)}
+        self.comparator = of(COMPARATOR_OFFSET_MV, COUNTS_PER_MV)  # most: it trips early
+        self.amplifier = of(AMPLIFIER_OFFSET_MV, COUNTS_PER_MV)
+        self.gain = of(AMPLIFIER_GAIN)
+        self.bias = of(BIAS)
 
-        def counts(span):
-            return {number: value * COUNTS_PER_MV for number, value in draw(span, 0.0).items()}
 
-        self.comparator = counts(COMPARATOR_OFFSET_MV)
-        self.amplifier = counts(AMPLIFIER_OFFSET_MV)
-        self.gain = draw(AMPLIFIER_GAIN, 1.0)
+def least(tolerance):
+    return tolerance[0]
+
+
+def ideal(tolerance):
+    return tolerance[1]
+
+
+def most(tolerance):
+    return tolerance[2]
+
+
+def drawn(seed):
+    source = random.Random(seed)
+    return lambda tolerance: source.uniform(tolerance[0], tolerance[2])
 
 
 class Amplifiers(Block):

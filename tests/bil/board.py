@@ -128,17 +128,19 @@ class Chip:
 class Board:
     """The image from its reset vector on. Analogue values are set in counts as the drive takes them.
 
-    `clock_library` is core_clock.c. Without a `seed` all parts are ideal, and a count is measured as it was set.
+    `clock_library` is core_clock.c. `choose` takes the parts out of their tolerances (analogue.Parts). With ideal ones a
+    count is measured as it was set.
     """
 
-    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, seed=None):
+    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal):
         board = tomllib.loads(board_file.read_text(encoding="utf-8"))
         hal = board["hal"]
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
         self.sign = -1 if hal["amplifier_gain"] < 0 else 1
         self.gain = hal["pga_gain"]
         self.trip_a = board["board"]["trip_a"]
-        self.chip = Chip(reset_flags, analogue.Parts(seed))
+        self.parts = analogue.Parts(choose)
+        self.chip = Chip(reset_flags, self.parts)
         self.core = Core(image, self.chip, clock_library)
         self._stays = False  # the background, where it is
 
@@ -149,9 +151,25 @@ class Board:
     def set_inputs(self, phase_a, phase_b, bus, temperature=COLD_ROOM_COUNT):
         """What flows into phases a and b comes back out of phase c."""
         phases = (phase_a, phase_b, 3 * 2048 - phase_a - phase_b)
-        volts = [(self.zero + self.sign * (count - 2048)) / self.gain for count in phases]
+        volts = [(self.zero * self.parts.bias[number] + self.sign * (count - 2048)) / self.gain
+                 for number, count in zip(analogue.SHUNT_PINS, phases)]
         self.chip.set_pins(**dict(zip(analogue.SHUNT_PINS.values(), volts)), PA0=bus,
                            PB14=temperature)
+
+    def sensor_errors(self):
+        """(offset, gain) of phases a and b: a count c is measured as 2048 + offset + gain · (c − 2048)."""
+        return [self._sensor_error(number) for number in (1, 2)]
+
+    def _sensor_error(self, number):
+        gain = self.parts.gain[number] if self.gain > 1 else 1
+        rest = gain * (self.zero * self.parts.bias[number] + self.parts.amplifier[number] * self.gain)
+        return self.sign * (rest - self.zero), gain
+
+    def set_measured(self, phase_a, phase_b, bus, temperature):
+        """Currents that are measured so."""
+        currents = [2048 + (count - 2048 - offset) / gain
+                    for count, (offset, gain) in zip((phase_a, phase_b), self.sensor_errors())]
+        self.set_inputs(*currents, bus, temperature)
 
     @property
     def ticks(self):

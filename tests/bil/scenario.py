@@ -1,23 +1,51 @@
 """A scenario of the simulator with the image in the loop.
 
-scenario.py IMAGE BOARD CLOCK BIL_PLANT SCENARIO IMPERFECTIONS: the image runs from its reset vector on the board of
-the file BOARD, its time is kept by the library CLOCK (core_clock.c); the plant, and the judgement, are those of BIL_PLANT. Exit status as that program's.
+scenario.py IMAGE BOARD CLOCK BIL_PLANT SCENARIO PARTS: the image runs from its reset vector on the board of
+the file BOARD, its time is kept by the library CLOCK (core_clock.c); the plant, and the judgement, are those of BIL_PLANT. PARTS
+says which the board has of many, see below; with others than ideal ones its switches make spikes, and the plant's sensors
+have the errors of its amplifiers. Exit status as that program's.
 """
 
 import struct
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
+import analogue
 from board import Board
 
 ASKED = struct.Struct("<HHHHii")  # bil_plant.cpp
 MEASURED = 4  # of what is asked
 DONE = struct.Struct("<HHHH")
+SPIKE_S = 100e-9  # as the switches make when they turn on
+SPIKE = 4095  # counts of a pin, beyond every level
+# That trips late, or early, or lies anywhere.
+PARTS = {"ideal": analogue.ideal, "least": analogue.least, "most": analogue.most, "drawn": analogue.drawn(1)}
 
 
-def answer(plant, board, asked):
-    board.set_inputs(*asked[:MEASURED])
+def imperfections(board, parts, folder):
+    """Of the plant's sensors, for bil_plant: those that the simulator knows, or a file of the board's own."""
+    if parts == "ideal":
+        return "adc"
+    offsets, gains = zip(*board.sensor_errors())
+    path = Path(folder) / "parts.toml"
+    path.write_text("[plant]\nadc_noise_lsb = 1\n"
+                    f"adc_offset_lsb = {list(offsets)}\n"
+                    f"adc_gain_error_pct = {[100 * (gain - 1) for gain in gains]}\n", encoding="utf-8")
+    return path
+
+
+def turn_on(board):
+    """The spikes of all three phases, right behind the tick's update."""
+    for pin in analogue.SHUNT_PINS.values():
+        board.chip.spike(pin, SPIKE, SPIKE_S)
+
+
+def answer(plant, board, asked, spikes):
+    board.set_measured(*asked[:MEASURED])
+    if spikes:
+        turn_on(board)
     board.tick()
     timer = board.chip.timer
     plant.stdin.write(DONE.pack(*timer.preloaded(), timer.gates_on()))
@@ -32,35 +60,51 @@ def type_changes(board, before, asked):
         board.type("run" if run else "stop")
 
 
-def loop(plant, board):
+def loop(plant, board, spikes):
     before, ticks = None, 0
     while record := plant.stdout.read(ASKED.size):
         asked = ASKED.unpack(record)
         if before is None:
-            board.set_inputs(*asked[:MEASURED])
+            board.set_measured(*asked[:MEASURED])
             board.boot()
             before = (0,) * len(asked)
         type_changes(board, before, asked)
         if board.ticks != ticks:
             sys.exit(f"a tick came upon the command before tick {ticks}: it was not the plant's")
-        answer(plant, board, asked)
+        answer(plant, board, asked, spikes)
         before = asked
         ticks += 1
 
 
-def main(image, board_file, clock, program, scenario, imperfections):
-    board = Board(Path(image), Path(board_file), Path(clock))
-    with subprocess.Popen([program, scenario, imperfections, f"board={board_file}"],
-                          stdin=subprocess.PIPE, stdout=subprocess.PIPE) as plant:
-        loop(plant, board)
+def judge_console(board):
     board.type("status")
     said = board.said()
-    if " late 0," not in said.splitlines()[-1] or "error" in said:
+    last = said.splitlines()[-1]
+    if not last.startswith("RUN, ") or " late 0," not in last or "error" in said:
         sys.exit(f"the console said:\n{said}")
+
+
+def judge_stop(board):
+    """Out of full speed and load."""
+    running = board.chip.timer.gates_on()
+    board.type("stop")
+    board.tick()
+    if not running or board.chip.timer.gates_on():
+        sys.exit("`stop` does not open the gates, or they were open before")
+
+
+def main(image, board_file, clock, program, scenario, parts):
+    board = Board(Path(image), Path(board_file), Path(clock), choose=PARTS[parts])
+    with tempfile.TemporaryDirectory() as folder, \
+            subprocess.Popen([program, scenario, imperfections(board, parts, folder), f"board={board_file}"],
+                             stdin=subprocess.PIPE, stdout=subprocess.PIPE) as plant:
+        loop(plant, board, spikes=parts != "ideal")
+    judge_console(board)
+    judge_stop(board)
     sys.exit(plant.returncode)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 7:
+    if len(sys.argv) != 7 or sys.argv[6] not in PARTS:
         sys.exit(__doc__)
     main(*sys.argv[1:])
