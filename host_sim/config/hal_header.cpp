@@ -177,9 +177,9 @@ void check_scales(const Config &config)
 
 // What hysteresis and offset of the comparator together may come to, with a margin of two.
 constexpr double RISE_MIN_V = 0.025;
-// A comparator trips within this distance of its level: DS12589, offset.
-constexpr double TRIP_EARLY_V = 0.003;
-constexpr double TRIP_LATE_V = 0.009;
+// A comparator of the STM32G431 trips within this distance of its level: DS12589, offset.
+constexpr double G431_TRIP_EARLY_V = 0.003;
+constexpr double G431_TRIP_LATE_V = 0.009;
 
 // The comparators look at the pin before the programmable amplifier.
 double trip_level_v(const Config &config)
@@ -204,17 +204,33 @@ void check_trip(const Config &config)
     need(trip_a * rise_per_ampere >= RISE_MIN_V, config, "board.trip_a", trip_a,
          "is within offset and hysteresis of the comparator",
          fmt::format("at least {:.3g} A", RISE_MIN_V / rise_per_ampere));
-    const double early_a = TRIP_EARLY_V / rise_per_ampere;
-    const double max_a = config.motor.max_current_a;
-    need(trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
-         "lets a comparator trip while the motor takes what it may",
-         fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
-                     "comparator's offset",
-                     max_a + early_a, max_a, early_a));
     const double largest = hal.adc_reference_v * (DAC_COUNTS - 1) / DAC_COUNTS;
     need(level > 0 && level <= largest, config, "board.trip_a", trip_a,
          fmt::format("needs a comparator level of {:.4g} V", level),
          fmt::format("a current for which it is within 0 to {:.4g} V", largest));
+}
+
+void check_early_trip(const Config &config)
+{
+    const double trip_a = config.board.trip_a;
+    const double max_a = config.motor.max_current_a;
+    const double early_a = G431_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
+    need(config.hal.chip == OTHER_CHIP || trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
+         "lets a comparator trip while the motor takes what it may",
+         fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
+                     "comparator's offset",
+                     max_a + early_a, max_a, early_a));
+}
+
+// Where one of many chips trips.
+std::string trip_range(const Config &config)
+{
+    const double trip_a = config.board.trip_a;
+    const double rise_per_ampere = rise_per_ampere_v(config.hal);
+    return config.hal.chip == OTHER_CHIP ? ""
+                                         : fmt::format(", which trips from {:.3g} to {:.3g} A",
+                                                       trip_a - G431_TRIP_EARLY_V / rise_per_ampere,
+                                                       trip_a + G431_TRIP_LATE_V / rise_per_ampere);
 }
 
 // One line `#define HAL_NAME (value) /* meaning */`.
@@ -261,13 +277,9 @@ std::string trip_lines(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double level = trip_level_v(config);
-    const double trip_a = config.board.trip_a;
-    const double rise_per_ampere = rise_per_ampere_v(hal);
     return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
-                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator, which trips from "
-                              "{:.3g} to {:.3g} A",
-                              trip_a, level, trip_a - TRIP_EARLY_V / rise_per_ampere,
-                              trip_a + TRIP_LATE_V / rise_per_ampere)) +
+                  fmt::format("of 4096: {:g} A is {:.4g} V at the comparator{}",
+                              config.board.trip_a, level, trip_range(config))) +
            flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
 }
 
@@ -312,6 +324,7 @@ std::string make_hal_header(const Config &config)
     check_chip(config);
     check_scales(config);
     check_trip(config);
+    check_early_trip(config);
     (void)build(config); // a binding is for a drive that the firmware takes
     return fmt::format(
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
