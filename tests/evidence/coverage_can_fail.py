@@ -5,6 +5,7 @@ test, which covers all of it as it is.
 """
 
 import os
+import re
 import shutil
 import tempfile
 import unittest
@@ -33,6 +34,25 @@ int main(void)
     return (pi_output(&pi) + sum) == 12345;
 }
 """
+UNITY_TEST = """
+#include "pi.h"
+#include "unity.h"
+
+static const pi_cfg_t cfg = {.kp = 1, .ki = 1, .kp_shift = 1U, .ki_shift = 1U};
+static pi_t pi;
+
+void setUp(void) { pi_reset(&pi, 0); }
+void tearDown(void) { (void)pi_output(&pi); }
+static void test_steps(void) { (void)pi_step(&pi, &cfg, 2, 0, 100); }
+static void test_unwinds(void) { pi_unwind(&pi, 1); }
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_steps);
+    RUN_TEST(test_unwinds);
+    return UNITY_END();
+}
+"""
 ONE = ctested.Test("one", (), Path(), {}, ())
 COUNTED = ("-fprofile-instr-generate", "-fcoverage-mapping", "-fcoverage-mcdc")
 
@@ -59,13 +79,13 @@ class CoverageCanFail(unittest.TestCase):
         self.register.write_text(f'[[justified]]\nfile = "{MODULE}"\nfunction = "pi_step"\ntext = "{text}"\n'
                                  f'kind = "{kind}"\nreason = "of the test"\n', encoding="utf-8")
 
-    def findings(self):
+    def findings(self, *of_program):
         """Of the module and of the register; the headers have more than the module calls."""
         counted, program = self.root / "pi.o", self.root / "test"
         folders = [f"-I{self.root / 'firmware' / name}"
                    for name in ("math", "math/port", "math/port/generic", "control")]
         coverage.quietly(["clang-19", *COUNTED, *folders, "-c", self.source, "-o", counted])
-        coverage.quietly(["clang-19", *COUNTED[:1], *folders, self.test, counted, "-o", program])
+        coverage.quietly(["clang-19", *COUNTED[:1], *folders, self.test, counted, *of_program, "-o", program])
         coverage.quietly([program], env={**os.environ, "LLVM_PROFILE_FILE": str(self.root / "one.%p.profraw")})
         measured = coverage.measure(coverage.export([counted], coverage.merged(self.root, [ONE], "all", "-sparse")), self.root)
         bad, _, _ = coverage.judge(measured, self.root, self.register)
@@ -119,9 +139,21 @@ class CoverageCanFail(unittest.TestCase):
         self.replace(self.test, "    pi_unwind(&pi, 1);\n", "")
         self.findings()
         ran = coverage.what_ran(self.root, {"unit": [ONE]})
-        self.assertIn("pi_step", ran["tests"]["one"])
+        self.assertIn("pi_step", ran["tests"]["one"][""])
         self.assertIn("pi_unwind", ran["counted"])
-        self.assertNotIn("pi_unwind", ran["tests"]["one"])
+        self.assertNotIn("pi_unwind", ran["tests"]["one"][""])
+
+    def test_what_one_unity_test_runs_is_told_from_what_another_of_its_program_does(self):
+        self.test.write_text(UNITY_TEST, encoding="utf-8")
+        cache = (part.ROOT / "build" / "host" / "CMakeCache.txt").read_text(encoding="utf-8")
+        unity = Path(re.search(r"^UNITY_ROOT:PATH=(.*)$", cache, re.MULTILINE)[1])
+        self.findings("-Wl,--wrap=UnityDefaultTestRun", f"-I{unity}", unity / "unity.c",
+                      part.ROOT / "tests/evidence/each_test.c")
+        ran = coverage.what_ran(self.root, {"unit": [ONE]})["tests"]["one"]
+        self.assertEqual({name: [function for function in functions if function.startswith("pi_")]
+                          for name, functions in ran.items()},
+                         {"": ["pi_output", "pi_reset", "pi_step", "pi_unwind"],
+                          "test_steps": ["pi_output", "pi_reset", "pi_step"], "test_unwinds": ["pi_output", "pi_reset", "pi_unwind"]})
 
 
 if __name__ == "__main__":

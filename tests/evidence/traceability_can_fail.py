@@ -67,20 +67,35 @@ class TraceabilityCanFail(unittest.TestCase):
                 bad = self.findings(path, text, fault)
                 self.assertTrue([line for line in bad if said in line], bad)
 
-    def test_a_test_that_does_not_run_the_function_is_found(self):
-        tests = {name for names in traceability.tests(BUILD).values() for name in names}
+    def found_of_runs(self, own=("rotor_position_step",), whole=("rotor_position_step",), programs=None, tests=None):
+        """What is said of A (23) if each of its Unity tests runs the functions `own`, its programs `whole`, and `tests` stand
+        there in place of its own."""
+        named = next(entry["tests"] for entry in traceability.entries(part.ROOT / REGISTER) if entry["id"] == "A (23)")
+        of = traceability.tests(BUILD)
+        ran = {program: {"": list(whole), "test_of_another": list(whole), **dict.fromkeys(named, list(own))}
+               for test in named for program in of[test] if programs is None or program in programs}
+        shown = {"counted": ["rotor_position_step", "drive_step"], "tests": ran}
+        text = "tests = [" + ", ".join(f'"{test}"' for test in named) + "]"
+        new = "tests = [" + ", ".join(f'"{test}"' for test in tests or named) + "]"
+        return [line for line in self.findings(REGISTER, text, new, shown) if "A (23): rotor_position_step is run" in line]
 
-        def ran(functions):
-            return {"counted": ["rotor_position_step", "drive_step"], "tests": dict.fromkeys(tests, functions)}
+    def test_a_test_that_runs_the_function_is_no_finding(self):
+        self.assertEqual(self.found_of_runs(), [])
 
-        def found(ran):
-            return [line for line in self.findings(ran=ran) if "A (23): rotor_position_step is run by none" in line]
+    def test_a_program_that_does_not_run_the_function_is_found(self):
+        self.assertTrue(self.found_of_runs(own=["drive_step"], whole=["drive_step"]))
 
-        self.assertFalse(found(ran(["rotor_position_step"])))
-        self.assertTrue(found(ran(["drive_step"])))
-        unknown = ran(["drive_step"])
-        del unknown["tests"]["test_rotor_position"]
-        self.assertFalse(found(unknown))
+    def test_a_test_that_does_not_run_what_others_of_its_program_do_is_found(self):
+        self.assertTrue(self.found_of_runs(own=["drive_step"]))
+
+    def test_a_test_that_is_not_counted_does_not_excuse_those_that_are(self):
+        counted = ["test_rotor_position"]
+        tests = ["test_constant_speed_of_one_unit_neither_rounds_nor_drifts", "gate.no_float"]
+        self.assertTrue(self.found_of_runs(own=["drive_step"], programs=counted, tests=tests))
+        self.assertEqual(self.found_of_runs(programs=counted, tests=tests), [])
+
+    def test_an_entry_without_a_counted_test_is_not_asked(self):
+        self.assertEqual(self.found_of_runs(own=["drive_step"], whole=["drive_step"], programs=[]), [])
 
 
 if __name__ == "__main__":

@@ -11,6 +11,10 @@ endif()
 add_library(unity STATIC ${UNITY_SOURCE_DIR}/unity.c)
 target_include_directories(unity SYSTEM PUBLIC ${UNITY_SOURCE_DIR})
 target_compile_definitions(unity PUBLIC UNITY_SUPPORT_64 UNITY_INCLUDE_DOUBLE)
+if(NF_COVERAGE)
+    target_sources(unity PRIVATE ${CMAKE_SOURCE_DIR}/tests/evidence/each_test.c)
+    target_link_options(unity INTERFACE -Wl,--wrap=UnityDefaultTestRun -fprofile-instr-generate)
+endif()
 
 # nf_add_unit_test(<name> SOURCES <file>... [LINK <target>...])
 #

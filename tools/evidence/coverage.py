@@ -31,7 +31,7 @@ PRESET = "host-coverage"
 COUNTED = ("firmware/math", "firmware/control", "firmware/drive", "firmware/app",
            *(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")))
 TESTS = ("unit", "board", "scenario")  # that have to cover it
-OTHERS = ("config", "reference")  # of which only the functions that they run are asked
+OTHERS = ("config", "reference", "debug")  # of which only the functions that they run are asked
 TARGETS = ("motorsim", *(f"tests/{folder}/all" for folder in TESTS + OTHERS))
 REGISTER = Path("tests/evidence/justified.toml")
 KEYS = {"file", "function", "text", "kind", "reason"}
@@ -63,7 +63,7 @@ def objects_of(build):
 
 
 def run_test(test, profiles):
-    """Runs it; its counts are <name>.<process>.profraw."""
+    """Runs it; its counts are <name>.<process>.profraw, those of a Unity test in it <name>.<test>.profraw."""
     environment = {**os.environ, **test.environment, "LLVM_PROFILE_FILE": str(profiles / f"{test.title}.%p.profraw")}
     run = subprocess.run(test.command, cwd=test.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                          text=True, errors="replace", check=False)
@@ -86,9 +86,14 @@ def run_tests(root, definitions):
     return objects_of(build), profiles, tests
 
 
+def raw_of(profiles, test):
+    """Its counts: of each process, and of each Unity test in it (tests/evidence/each_test.c)."""
+    return sorted(profiles.glob(f"{glob.escape(test.title)}.*.profraw"))
+
+
 def merged(profiles, tests, name, *options):
     """The counts of these tests as one file."""
-    raw = sorted(path for test in tests for path in profiles.glob(f"{glob.escape(test.title)}.*.profraw"))
+    raw = [path for test in tests for path in raw_of(profiles, test)]
     target = profiles / f"{name}.profdata"
     quietly(["llvm-profdata-19", "merge", *options, *raw, "-o", target])
     return target
@@ -100,7 +105,9 @@ COUNT = re.compile(r"^  (\S.*):\n    Hash: .*\n(?:    (?!Function).*\n)*    Func
 def functions_in(counts):
     """Names of the functions that these counts have, without their scope and file, and whether each has run."""
     shown = COUNT.findall(quietly(["llvm-profdata-19", "show", "--all-functions", counts]))
-    names = quietly(["c++filt", "-p"], input="\n".join(re.split("[;:]", name)[-1] for name, _ in shown)).splitlines()
+    names = [re.split("[;:]", name)[-1] for name, _ in shown]
+    if any(name.startswith("_Z") for name in names):
+        names = quietly(["c++filt", "-p"], input="\n".join(names)).splitlines()
     ran = {}
     for name, (_, count) in zip(names, shown, strict=True):
         bare = re.sub(r"<.*>|\[.*\]", "", name).rsplit("::", 1)[-1]
@@ -109,14 +116,21 @@ def functions_in(counts):
 
 
 def what_ran(profiles, tests):
-    """{"counted": functions that can be seen to run, "tests": {test: those that it runs}}."""
+    """{"counted": functions that can be seen to run, "tests": {test: {"": those that it runs, and each Unity test in it by
+    its name: those that this runs}}}."""
     counted, ran = set(), {}
     for test in sum(tests.values(), []):
-        if any(profiles.glob(f"{glob.escape(test.title)}.*.profraw")):
-            functions = functions_in(merged(profiles, [test], test.title))
-            counted |= set(functions)
-            ran[test.title] = sorted(name for name, has_run in functions.items() if has_run)
+        parts = {path.name.split(".")[-2]: path for path in raw_of(profiles, test)}
+        whole = functions_in(merged(profiles, [test], test.title)) if parts else {}
+        counted |= set(whole)
+        if parts:
+            ran[test.title] = {"": names_of(whole)} | {name: names_of(functions_in(path)) for name, path in parts.items()
+                                                       if not name.isdigit()}
     return {"counted": sorted(counted), "tests": ran}
+
+
+def names_of(functions):
+    return sorted(name for name, has_run in functions.items() if has_run)
 
 
 def export(objects, counts):

@@ -3,11 +3,13 @@
 tests/evidence/requirements.toml says which, and whether it is met: what departs from its wording or is not met says why.
 It holds when every equation of both papers and every requirement has a function (where all of the code is meant, the
 folders with it) and a test, every function that is named is defined in the sources, every test is one that ctest runs
-(its own name, or that of a Unity or Python test in it), one of the tests of an entry runs each of its functions (where
-evidence.coverage has counted the function and all of the tests: not those of tools/design, of targets and gates), each
-equation's number stands in a comment beside one of its
-functions, no comment cites an equation that there is not, and every public function of the firmware is there for one of
-them.
+(its own name, or that of a Unity or Python test in it), one of the tests of an entry runs each of its functions, each
+equation's number stands in a comment beside one of its functions, no comment cites an equation that there is not, and
+every public function of the firmware is there for one of them.
+
+What a test runs evidence.coverage has counted: of each Unity test alone, with its setUp(). It counts no functions of
+tools/design and of what of the board no PC runs, and no tests of these, of targets and of gates: an entry with none but
+such tests is not asked. Where an entry has others too, one of these has to run each function that is counted.
 """
 
 import argparse
@@ -224,16 +226,27 @@ class Finder:
         if equation(entry["id"]):
             self.check_citation(entry)
 
-    def counted_tests(self, entry):
-        """The tests of ctest that run its tests; none if what one of them runs is not known: it may run anything."""
-        tests = {name for test in entry["tests"] for name in self.tests.get(test, ())}
-        return tests if tests <= set(self.ran["tests"]) else set()
+    def runs(self, entry):
+        """Each of its tests of which the coverage has counted what it runs, with these functions: a Unity test by itself, a
+        Python test as all of the test of ctest that it belongs to."""
+        for test in entry["tests"]:
+            for program in sorted(self.tests.get(test, set()) & set(self.ran["tests"])):
+                ran = self.ran["tests"][program]
+                alone = len(ran) > 1 and test != program
+                yield test, set(ran.get(test, ()) if alone else ran[""])
+
+    def links(self, entry):
+        """(function, whether one of its counted tests runs it) of all that are counted; none where no test is."""
+        runs = [functions for _, functions in self.runs(entry)]
+        for name in entry["functions"] if runs else ():
+            if name in self.ran["counted"]:
+                yield name, any(name in functions for functions in runs)
 
     def check_runs(self, entry):
-        tests = self.counted_tests(entry)
-        for name in entry["functions"]:
-            if tests and name in self.ran["counted"] and not any(name in self.ran["tests"][test] for test in tests):
-                self.say(entry, f"{name} is run by none of {', '.join(sorted(tests))}")
+        for name, is_run in self.links(entry):
+            if not is_run:
+                tests = sorted({test for test, _ in self.runs(entry)})
+                self.say(entry, f"{name} is run by none of {', '.join(tests)}")
 
     def check_citation(self, entry):
         units = {unit(path) for name in entry["functions"] for path in self.functions.get(name, ())}
@@ -283,13 +296,9 @@ def statuses(listed):
 
 def seen_to_run(found):
     """Figures of the links between functions and tests that the coverage has counted."""
-    links = {(entry["id"], name) for entry in found.entries for name in entry["functions"]
-             if found.counted_tests(entry) and name in found.ran["counted"]}
-    kept = {(entry["id"], name) for entry in found.entries for name in entry["functions"]
-            if (entry["id"], name) in links
-            and any(name in found.ran["tests"][test] for test in found.counted_tests(entry))}
+    links = [is_run for entry in found.entries for _, is_run in found.links(entry)]
     every = sum(len(entry["functions"]) for entry in found.entries)
-    return f"{len(kept)} of {len(links)} ({every} in all)", "all that are counted", bool(links) and kept == links
+    return f"{sum(links)} of {len(links)} ({every} in all)", "all that are counted", bool(links) and all(links)
 
 
 def result(found, bad):
@@ -328,7 +337,7 @@ SAYS = ("Each equation of both papers and each requirement, with the functions t
         "whether it is met, met in another way than it is worded (departs) or not met; and "
         "each public function of the firmware with what it is there for. "
         "Functions are looked up in the sources, tests among those that ctest runs; that a test runs the function is "
-        "seen in the coverage, where it counts both; and each equation's number in the "
+        "seen in the coverage, of each Unity test alone, where it counts both; and each equation's number in the "
         "comments beside its functions.")
 
 
