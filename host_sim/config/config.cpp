@@ -100,15 +100,7 @@ void read_overrides(const std::vector<std::string> &set, Sources &sources)
 {
     const auto table = home.tables.find(fields.front()->section);
     const Origin origin = table == home.tables.end() ? Origin{home.file, 1} : table->second;
-    std::vector<std::string> names;
-    std::vector<std::string> allowed;
-    for (const Field *field : fields) {
-        names.push_back(field->name());
-        allowed.push_back(field->allowed());
-    }
-    fail(origin, fmt::format("{}", fmt::join(names, ", ")), "",
-         fields.size() == 1 ? "is missing" : "are missing",
-         fmt::format("{}", fmt::join(allowed, ", ")));
+    refuse_missing(origin, fields);
 }
 
 // Every required setting of the sections that `home` is there for has to be known by now.

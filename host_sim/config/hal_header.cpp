@@ -22,11 +22,6 @@ constexpr double PRODUCT_ERROR = 1e-9;
 constexpr double DAC_COUNTS = 4096.0;
 // Two statements of one scale, each rounded by hand, agree within this share.
 constexpr double SCALE_TOLERANCE = 0.02;
-constexpr const char *ACTIVE_HIGH = "active_high";
-constexpr const char *ACTIVE_LOW = "active_low";
-
-constexpr const char *STM32G431 = "stm32g431";
-constexpr const char *OTHER_CHIP = "other";
 // What the binding of hal/stm32g431 can set its chip to; its board.c asserts the same.
 constexpr double G431_CLOCK_HZ = 170e6;
 constexpr int G431_ADC_BITS = 12;
@@ -40,20 +35,18 @@ double half_low_side_s(const BoardSettings &board)
     return board.duty_margin_pct / 100.0 / 4.0 / board.pwm_frequency_hz;
 }
 
-[[noreturn]] void refuse(const Config &config, const std::string &key, const std::string &value,
-                         const std::string &problem, const std::string &allowed)
+Origin board_file(const Config &config)
 {
-    const Origin board_file = {config.origins.at("board.name").file, 0};
-    const auto origin = config.origins.find(key);
-    fail(origin == config.origins.end() ? board_file : origin->second, key, value, problem,
-         allowed);
+    return {config.origins.at("board.name").file, 0};
 }
 
 void need(bool holds, const Config &config, const std::string &key, double value,
           const std::string &problem, const std::string &allowed)
 {
     if (!holds) {
-        refuse(config, key, fmt::format("{:.6g}", value), problem, allowed);
+        const auto origin = config.origins.find(key);
+        fail(origin == config.origins.end() ? board_file(config) : origin->second, key,
+             fmt::format("{:.6g}", value), problem, allowed);
     }
 }
 
@@ -69,23 +62,20 @@ bool is_needed(const Field &field)
 
 void check_complete(const Config &config)
 {
+    std::vector<const Field *> lacking;
     for (const Field &field : schema()) {
         if (is_needed(field) && config.origins.count(field.name()) == 0) {
-            refuse(config, field.name(), "", "is missing, and a hardware binding needs it",
-                   field.name() == "hal.break_polarity"
-                       ? fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW)
-                       : field.allowed());
+            lacking.push_back(&field);
         }
+    }
+    if (!lacking.empty()) {
+        refuse_missing(board_file(config), lacking, ", and a hardware binding needs ");
     }
 }
 
-void check_choices(const Config &config)
+void check_gains(const Config &config)
 {
     const HalSettings &hal = config.hal;
-    if (hal.break_polarity != ACTIVE_HIGH && hal.break_polarity != ACTIVE_LOW) {
-        refuse(config, "hal.break_polarity", '"' + hal.break_polarity + '"', "is no polarity",
-               fmt::format("\"{}\" or \"{}\"", ACTIVE_HIGH, ACTIVE_LOW));
-    }
     need((hal.pga_gain & (hal.pga_gain - 1)) == 0, config, "hal.pga_gain", hal.pga_gain,
          "is no gain of the amplifier", "1, 2, 4, 8, 16, 32 or 64");
     need(hal.amplifier_gain != 0, config, "hal.amplifier_gain", hal.amplifier_gain, "is no gain",
@@ -101,12 +91,8 @@ void check_chip(const Config &config)
 {
     const BoardSettings &board = config.board;
     const HalSettings &hal = config.hal;
-    if (hal.chip == OTHER_CHIP) {
+    if (hal.chip == Chip::other) {
         return;
-    }
-    if (hal.chip != STM32G431) {
-        refuse(config, "hal.chip", '"' + hal.chip + '"', "is no chip that is known",
-               fmt::format("\"{}\" or \"{}\"", STM32G431, OTHER_CHIP));
     }
     need(std::round(board.timer_clock_hz) == G431_CLOCK_HZ, config, "board.timer_clock_hz",
          board.timer_clock_hz, "is not the clock of this chip's timer",
@@ -186,7 +172,7 @@ double trip_level_v(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double rise = volts_per_ampere(hal) * config.board.trip_a;
-    const double output = hal.amplifier_zero_v + (hal.break_polarity == ACTIVE_LOW ? -rise : rise);
+    const double output = hal.amplifier_zero_v + (hal.break_polarity == BreakPolarity::active_low ? -rise : rise);
     return output / hal.pga_gain;
 }
 
@@ -215,7 +201,7 @@ void check_early_trip(const Config &config)
     const double trip_a = config.board.trip_a;
     const double max_a = config.motor.max_current_a;
     const double early_a = G431_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
-    need(config.hal.chip == OTHER_CHIP || trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
+    need(config.hal.chip == Chip::other || trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
          "lets a comparator trip while the motor takes what it may",
          fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
                      "comparator's offset",
@@ -227,7 +213,7 @@ std::string trip_range(const Config &config)
 {
     const double trip_a = config.board.trip_a;
     const double rise_per_ampere = rise_per_ampere_v(config.hal);
-    return config.hal.chip == OTHER_CHIP ? ""
+    return config.hal.chip == Chip::other ? ""
                                          : fmt::format(", which trips from {:.3g} to {:.3g} A",
                                                        trip_a - G431_TRIP_EARLY_V / rise_per_ampere,
                                                        trip_a + G431_TRIP_LATE_V / rise_per_ampere);
@@ -280,7 +266,7 @@ std::string trip_lines(const Config &config)
     return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
                   fmt::format("of 4096: {:g} A is {:.4g} V at the comparator{}",
                               config.board.trip_a, level, trip_range(config))) +
-           flag("TRIP_BELOW", hal.break_polarity == ACTIVE_LOW, "hal.break_polarity");
+           flag("TRIP_BELOW", hal.break_polarity == BreakPolarity::active_low, "hal.break_polarity");
 }
 
 std::string temperature_lines(const BoardSettings &board)
@@ -319,7 +305,7 @@ std::string quoted(const std::string &text)
 std::string make_hal_header(const Config &config)
 {
     check_complete(config);
-    check_choices(config);
+    check_gains(config);
     check_timing(config);
     check_chip(config);
     check_scales(config);

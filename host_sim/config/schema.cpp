@@ -89,10 +89,10 @@ const std::vector<Field> FIELDS = {
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
     {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
 
-    {"hal", "chip", "", 0, NAME_MAX, OPTIONAL, hal<&H::chip>, "whose timer and converters a binding has: stm32g431; with other nothing is checked against them"},
+    {"hal", "chip", "", 0, 0, OPTIONAL, hal<&H::chip>, "whose timer and converters a binding has: stm32g431; with other nothing is checked against them"},
     {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},
     {"hal", "adc_sampling_ns", "ns", 10, 100000, OPTIONAL, hal<&H::adc_sampling_ns>, "the converter's sample switch closed at least as long"},
-    {"hal", "break_polarity", "", 0, NAME_MAX, OPTIONAL, hal<&H::break_polarity>, "comparators trip above (active_high) or below (active_low) their level"},
+    {"hal", "break_polarity", "", 0, 0, OPTIONAL, hal<&H::break_polarity>, "comparators trip above (active_high) or below (active_low) their level"},
     {"hal", "shunt_ohm", "Ω", 1e-5, 1, OPTIONAL, hal<&H::shunt_ohm>, "low-side shunts"},
     {"hal", "amplifier_gain", "", -1000, 1000, OPTIONAL, hal<&H::amplifier_gain>, "shunt to converter; negative where a current into the motor counts down"},
     {"hal", "amplifier_zero_v", "V", 0, 5, OPTIONAL, hal<&H::amplifier_zero_v>, "at the converter without current"},
@@ -214,6 +214,16 @@ constexpr Words words_of(const AngleSource *)
     return {"observer", "sensor"};
 }
 
+constexpr Words words_of(const Chip *)
+{
+    return {"stm32g431", "other"};
+}
+
+constexpr Words words_of(const BreakPolarity *)
+{
+    return {"active_high", "active_low"};
+}
+
 template <typename... Visitors> struct Overloaded : Visitors... {
     using Visitors::operator()...;
 };
@@ -313,9 +323,14 @@ template <typename Choice> void choose(Choice *place, const Node &value)
     *place = static_cast<Choice>(std::find(words.begin(), words.end(), value.text) - words.begin());
 }
 
-template <typename Choice> std::string default_choice(const Choice *place)
+// Of a choice or a number.
+template <typename Value> std::string plain_default(const Value *value)
 {
-    return fmt::format(R"("{}")", words_of(place)[static_cast<std::size_t>(*place)]);
+    if constexpr (std::is_enum_v<Value>) {
+        return fmt::format(R"("{}")", words_of(value)[static_cast<std::size_t>(*value)]);
+    } else {
+        return fmt::format("{}", *value);
+    }
 }
 
 } // namespace
@@ -358,9 +373,7 @@ std::string Field::allowed() const
                               return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX,
                                                  range);
                           },
-                          [&](const DriveMode *any) { return choice_text(words_of(any)); },
-                          [&](const ControlMethod *any) { return choice_text(words_of(any)); },
-                          [&](const AngleSource *any) { return choice_text(words_of(any)); },
+                          [&](const auto *choice) { return choice_text(words_of(choice)); },
                       },
                       type_of(*this));
 }
@@ -398,10 +411,7 @@ std::string Field::default_text() const
                           [](const std::vector<double> *points) {
                               return fmt::format("[{}]", fmt::join(*points, ", "));
                           },
-                          [](const DriveMode *mode) { return default_choice(mode); },
-                          [](const ControlMethod *method) { return default_choice(method); },
-                          [](const AngleSource *source) { return default_choice(source); },
-                          [](const auto *number) { return fmt::format("{}", *number); },
+                          [](const auto *other) { return plain_default(other); },
                       },
                       target(untouched));
 }
@@ -434,6 +444,21 @@ std::vector<std::string> sections_of(FileKind kind)
         }
     }
     return names;
+}
+
+void refuse_missing(const Origin &place, const std::vector<const Field *> &fields,
+                    const std::string &need)
+{
+    if (fields.size() == 1) {
+        fail(place, fields.front()->name(), "",
+             "is missing" + (need.empty() ? need : need + "it"), fields.front()->allowed());
+    }
+    std::vector<std::string> names;
+    for (const Field *field : fields) {
+        names.push_back(fmt::format("{} ({})", field->name(), field->allowed()));
+    }
+    fail(place, fmt::format("{}", fmt::join(names, ", ")), "",
+         "are missing" + (need.empty() ? need : need + "them"), "");
 }
 
 std::string range_text(double min, double max, const std::string &unit)
@@ -469,9 +494,7 @@ void check_value(const Field &field, const Node &value)
                    [&](const std::string *) { check_string(field, value); },
                    [&](const std::array<double, 2> *) { check_list(field, value, 2, 2); },
                    [&](const std::vector<double> *) { check_list(field, value, 2, POINTS_MAX); },
-                   [&](const DriveMode *any) { check_choice(field, value, words_of(any)); },
-                   [&](const ControlMethod *any) { check_choice(field, value, words_of(any)); },
-                   [&](const AngleSource *any) { check_choice(field, value, words_of(any)); },
+                   [&](const auto *choice) { check_choice(field, value, words_of(choice)); },
                },
                type_of(field));
 }
@@ -493,9 +516,7 @@ void apply_value(const Field &field, const Node &value, Config &config)
                            place->push_back(item.number());
                        }
                    },
-                   [&](DriveMode *place) { choose(place, value); },
-                   [&](ControlMethod *place) { choose(place, value); },
-                   [&](AngleSource *place) { choose(place, value); },
+                   [&](auto *place) { choose(place, value); },
                },
                field.target(config));
     config.origins[field.name()] = value.origin;

@@ -26,7 +26,8 @@ const char *kind_name(FileKind kind);
 
 using Target =
     std::variant<double *, int *, unsigned *, bool *, std::string *, std::array<double, 2> *,
-                 std::vector<double> *, DriveMode *, ControlMethod *, AngleSource *>;
+                 std::vector<double> *, DriveMode *, ControlMethod *, AngleSource *, Chip *,
+                 BreakPolarity *>;
 
 struct Field {
     const char *section;
@@ -66,6 +67,11 @@ void apply_value(const Field &field, const Node &value, Config &config);
 // Whether `value` is a finite number within the range; else throws. `key` is for the message.
 void check_number(const std::string &key, const Node &value, double min, double max,
                   const std::string &allowed);
+
+// Throws the ConfigError that `fields`, one or more, are missing at a place, each with its range. `need` says who needs
+// what is missing, "" for everybody: ", and a hardware binding needs ".
+[[noreturn]] void refuse_missing(const Origin &place, const std::vector<const Field *> &fields,
+                                 const std::string &need = "");
 
 // "MIN to MAX UNIT"
 std::string range_text(double min, double max, const std::string &unit);

@@ -288,11 +288,8 @@ Rungs others(const nf::Field &field, const nf::Config &config)
     if (const auto *points = std::get_if<std::vector<double> *>(&target)) {
         return lists_near(**points, field);
     }
-    if (const auto *text = std::get_if<std::string *>(&target)) {
-        if (std::string(field.section) != "hal") {
-            return {};
-        }
-        return {{**text == "active_high" ? "active_low" : "active_high"}};
+    if (std::holds_alternative<std::string *>(target)) {
+        return {};
     }
     return {{other_word(field, target)}};
 }

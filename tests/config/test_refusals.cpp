@@ -89,8 +89,8 @@ void a_missing_setting_is_named_with_its_table()
         {"tunings/t.toml", "damping = 1\n", "",
          "tunings/t.toml:4: speed_loop.damping: is missing; allowed: 0.1 to 10"},
         {"motors/m.toml", "rated_torque_nm = 7.8\nrated_speed_rpm = 1800\n", "",
-         "motors/m.toml:1: motor.rated_torque_nm, motor.rated_speed_rpm: are missing; allowed: "
-         "1e-05 to 10000 N·m, 1 to 200000 rpm"},
+         "motors/m.toml:1: motor.rated_torque_nm (1e-05 to 10000 N·m), motor.rated_speed_rpm (1 to 200000 "
+         "rpm): are missing"},
         {"scenarios/s.toml", "mode = \"speed\"\n", "",
          "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\" or \"position\""},
         {"scenarios/s.toml", "tuning = \"t\"\n", "",
