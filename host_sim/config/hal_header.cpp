@@ -172,7 +172,8 @@ double trip_level_v(const Config &config)
 {
     const HalSettings &hal = config.hal;
     const double rise = volts_per_ampere(hal) * config.board.trip_a;
-    const double output = hal.amplifier_zero_v + (hal.break_polarity == BreakPolarity::active_low ? -rise : rise);
+    const double output =
+        hal.amplifier_zero_v + (hal.break_polarity == BreakPolarity::active_low ? -rise : rise);
     return output / hal.pga_gain;
 }
 
@@ -201,8 +202,8 @@ void check_early_trip(const Config &config)
     const double trip_a = config.board.trip_a;
     const double max_a = config.motor.max_current_a;
     const double early_a = G431_TRIP_EARLY_V / rise_per_ampere_v(config.hal);
-    need(config.hal.chip == Chip::other || trip_a >= max_a + early_a, config, "board.trip_a", trip_a,
-         "lets a comparator trip while the motor takes what it may",
+    need(config.hal.chip == Chip::other || trip_a >= max_a + early_a, config, "board.trip_a",
+         trip_a, "lets a comparator trip while the motor takes what it may",
          fmt::format("at least {:.4g} A: motor.max_current_a = {:g}, and {:.3g} A for the "
                      "comparator's offset",
                      max_a + early_a, max_a, early_a));
@@ -213,10 +214,11 @@ std::string trip_range(const Config &config)
 {
     const double trip_a = config.board.trip_a;
     const double rise_per_ampere = rise_per_ampere_v(config.hal);
-    return config.hal.chip == Chip::other ? ""
-                                         : fmt::format(", which trips from {:.3g} to {:.3g} A",
-                                                       trip_a - G431_TRIP_EARLY_V / rise_per_ampere,
-                                                       trip_a + G431_TRIP_LATE_V / rise_per_ampere);
+    return config.hal.chip == Chip::other
+               ? ""
+               : fmt::format(", which trips from {:.3g} to {:.3g} A",
+                             trip_a - G431_TRIP_EARLY_V / rise_per_ampere,
+                             trip_a + G431_TRIP_LATE_V / rise_per_ampere);
 }
 
 // One line `#define HAL_NAME (value) /* meaning */`.
@@ -266,7 +268,8 @@ std::string trip_lines(const Config &config)
     return define("TRIP_COUNT", level / hal.adc_reference_v * DAC_COUNTS, "U",
                   fmt::format("of 4096: {:g} A is {:.4g} V at the comparator{}",
                               config.board.trip_a, level, trip_range(config))) +
-           flag("TRIP_BELOW", hal.break_polarity == BreakPolarity::active_low, "hal.break_polarity");
+           flag("TRIP_BELOW", hal.break_polarity == BreakPolarity::active_low,
+                "hal.break_polarity");
 }
 
 std::string temperature_lines(const BoardSettings &board)

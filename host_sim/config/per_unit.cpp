@@ -202,7 +202,8 @@ void set_temperature_derating(derating_cfg_t &c, const BoardSettings &board, dou
     const double warn = board.temperature_warn_c > 0 ? board.temperature_warn_c
                                                      : board.temperature_max_c - TEMPERATURE_SPAN_C;
     const double limit = temperature_count(board, board.temperature_max_c);
-    const double steps = limit > temperature_count(board, warn) ? -FADE_STEPS : FADE_STEPS;
+    const bool rises = board.temperature_points_pct.back() > board.temperature_points_pct.front();
+    const double steps = rises ? -FADE_STEPS : FADE_STEPS;
     require({"board.temperature_warn_c", warn}, -TEMPERATURE_SPAN_C,
             std::min(board.temperature_max_c, temperature_at(board, limit + steps)),
             "two counts of the sensor below board.temperature_max_c");

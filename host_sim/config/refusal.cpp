@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -91,33 +93,77 @@ std::string written_key(const Config &config, const std::string &key)
     return key;
 }
 
-// The limit with four digits, rounded to where it is still allowed.
+// With four digits, rounded to where it is still allowed.
+double rounded(const SettingLimit &limit)
+{
+    if (std::abs(limit.value) > 0) {
+        const double digit = std::pow(10.0, std::floor(std::log10(std::abs(limit.value))) - 3);
+        const double digits = limit.value / digit;
+        return (limit.at_most ? std::floor(digits) : std::ceil(digits)) * digit;
+    }
+    return 0;
+}
+
 std::string limit_text(const SettingError &error)
 {
-    const auto &[at_most, value] = error.limit;
-    const double digit = std::pow(10.0, std::floor(std::log10(value)) - 3);
-    const double rounded = (at_most ? std::floor(value / digit) : std::ceil(value / digit)) * digit;
-    return with_unit(fmt::format("at {} {:.10g}", at_most ? "most" : "least", rounded),
-                     *find_field(error.key));
+    return with_unit(
+        fmt::format("at {} {:.10g}", error.limit.at_most ? "most" : "least", rounded(error.limit)),
+        *find_field(error.key));
 }
 
-drive_cfg_t drive_of(const Config &config)
-{
-    return make_drive_cfg(config.motor, config.board, config.tuning, config.model);
-}
+// What keeps a configuration from being the firmware's, after all that limits the same key.
+struct Misfit {
+    SettingError error;
+    bool is_hopeless; // no value of the key fits the others
+};
 
-// By what share of it the limit is another one in another configuration; a limit that is gone moved without end.
-double limit_moved(const Config &other, const SettingError &error)
+std::optional<SettingError> error_of(const Config &config)
 {
     try {
-        drive_of(other);
-    } catch (const SettingError &changed) {
-        const double limit = error.limit.value;
-        return std::string(changed.key) == error.key
-                   ? std::abs(changed.limit.value - limit) / std::abs(limit)
-                   : 0;
+        make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+    } catch (const SettingError &error) {
+        return error;
     }
-    return HUGE_VAL;
+    return {};
+}
+
+// One limit may lie behind another: the key is put on each until it is no longer refused.
+Misfit last_limit(const Config &config, SettingError error)
+{
+    const Field &field = *find_field(error.key);
+    const auto is_allowed = [&](double limit) { return limit >= field.min && limit <= field.max; };
+    Config at_limit = config;
+    double *const place = place_of(field, at_limit);
+    while (place != nullptr && is_allowed(rounded(error.limit))) {
+        *place = rounded(error.limit);
+        const std::optional<SettingError> next = error_of(at_limit);
+        if (!next || next->key != error.key) {
+            return {error, false};
+        }
+        const bool is_further = error.limit.at_most ? next->limit.value < error.limit.value
+                                                    : next->limit.value > error.limit.value;
+        if (next->limit.at_most != error.limit.at_most || !is_further) {
+            return {error, true};
+        }
+        error.limit = next->limit;
+        error.reason = next->reason;
+    }
+    return {error, place != nullptr};
+}
+
+// By what share of it the limit is another one after `moved` was; a limit that is gone, or gives way to one of that key's
+// own, moved without end.
+double limit_moved(const Config &other, const SettingError &error, const Field &moved)
+{
+    const std::optional<SettingError> found = error_of(other);
+    if (!found || found->key == moved.name()) {
+        return HUGE_VAL;
+    }
+    if (found->key != error.key) {
+        return 0;
+    }
+    const double change = std::abs(last_limit(other, *found).error.limit.value - error.limit.value);
+    return change > 0 ? change / std::abs(error.limit.value) : 0;
 }
 
 constexpr double SHARE = 0.01; // by which a key is moved to see what it does
@@ -129,7 +175,7 @@ double weight_of(const Field &field, const Config &config, const SettingError &e
     for (const double factor : {1 - SHARE, 1 + SHARE}) {
         Config other = config;
         *place_of(field, other) *= factor;
-        weight = std::min(weight, limit_moved(other, error));
+        weight = std::min(weight, limit_moved(other, error, field));
     }
     return weight;
 }
@@ -149,16 +195,17 @@ bool is_rather(const Culprit &other, const Culprit &culprit)
                                           : other.author > culprit.author;
 }
 
-// Of the keys that were chosen for this drive rather than `author`'s, the one to blame. Null where none moves the limit.
-const Field *culprit_of(const Config &config, const SettingError &error, Author author)
+// Of the keys beside the refused one that `may_be` lets be blamed, the one to blame. Null where none moves the limit.
+const Field *culprit_of(const Config &config, const SettingError &error,
+                        const std::function<bool(Author)> &may_be)
 {
     constexpr double LEAST = SHARE / 4; // what the fourth root of a key does
     Culprit culprit;
     for (const Field &field : schema()) {
         Config copy = config;
         const auto origin = config.origins.find(field.name());
-        if (origin == config.origins.end() || origin->second.author <= author ||
-            place_of(field, copy) == nullptr) {
+        if (origin == config.origins.end() || !may_be(origin->second.author) ||
+            field.name() == error.key || place_of(field, copy) == nullptr) {
             continue;
         }
         const Culprit other = {&field, origin->second.author, weight_of(field, config, error)};
@@ -169,15 +216,28 @@ const Field *culprit_of(const Config &config, const SettingError &error, Author 
     return culprit.field;
 }
 
-[[noreturn]] void refuse_as_written(const Config &config, const SettingError &error,
+// Of a key that no file writes: the file that may.
+Origin home_of(const Config &config, const Field &field)
+{
+    for (const FileKind kind : {FileKind::motor, FileKind::board}) {
+        if (may_hold(kind, field.section)) {
+            return {config.origins.at(std::string(kind_name(kind)) + ".name").file, 0};
+        }
+    }
+    return {config.origins.at("tuning.name").file, 0};
+}
+
+[[noreturn]] void refuse_as_written(const Config &config, const Misfit &misfit,
                                     const std::string &key)
 {
+    const SettingError &error = misfit.error;
     const auto found = config.origins.find(key);
-    const std::string allowed = fmt::format("{}: {}", limit_text(error), error.reason);
-    if (found == config.origins.end()) {
-        fail({config.sources.tuning, 0}, key, "", "its default does not fit the firmware", allowed);
-    }
-    fail(found->second, key, fmt::format("{}", error.value), "does not fit the firmware", allowed);
+    const bool is_default = found == config.origins.end();
+    fail(is_default ? home_of(config, *find_field(key)) : found->second, key,
+         fmt::format("{}", error.value),
+         is_default ? "its default does not fit the firmware" : "does not fit the firmware",
+         fmt::format("{}: {}", misfit.is_hopeless ? "another motor or board" : limit_text(error),
+                     error.reason));
 }
 
 } // namespace
@@ -198,18 +258,24 @@ void refuse(const Config &config, const SettingError &error)
              std::string(error.key) + " follows from it by rule and does not fit the firmware",
              std::string("another motor, or write ") + error.key);
     }
+    const Misfit misfit = last_limit(config, error);
     const std::string key = written_key(config, error.key);
     const auto found = config.origins.find(key);
     const bool is_default = found == config.origins.end();
-    const Author author = is_default ? Author::tuning : found->second.author;
-    const Field *culprit = culprit_of(config, error, author);
+    const Field *culprit = culprit_of(config, misfit.error, [&](Author author) {
+        return misfit.is_hopeless || is_default || author > found->second.author;
+    });
     if (culprit == nullptr) {
-        refuse_as_written(config, error, key);
+        refuse_as_written(config, misfit, key);
     }
-    fail(config.origins.at(culprit->name()), culprit->name(), culprit->number_text(config),
+    const std::string name = culprit->name();
+    const std::string allowed =
+        misfit.is_hopeless ? fmt::format("another {}, as no {} goes with this one", name, key)
+                           : instead(*find_field(key), limit_text(misfit.error));
+    fail(config.origins.at(name), name, culprit->number_text(config),
          fmt::format("{} = {} ({}) does not fit the firmware with it", key, error.value,
                      is_default ? "its default" : found->second.text()),
-         fmt::format("{}: {}", instead(*find_field(key), limit_text(error)), error.reason));
+         fmt::format("{}: {}", allowed, misfit.error.reason));
 }
 
 } // namespace nf

@@ -450,10 +450,11 @@ void refuse_missing(const Origin &place, const std::vector<const Field *> &field
                     const std::string &need)
 {
     if (fields.size() == 1) {
-        fail(place, fields.front()->name(), "",
-             "is missing" + (need.empty() ? need : need + "it"), fields.front()->allowed());
+        fail(place, fields.front()->name(), "", "is missing" + (need.empty() ? need : need + "it"),
+             fields.front()->allowed());
     }
     std::vector<std::string> names;
+    names.reserve(fields.size());
     for (const Field *field : fields) {
         names.push_back(fmt::format("{} ({})", field->name(), field->allowed()));
     }

@@ -7,6 +7,7 @@
 #include "unity.h"
 
 #include <cstdlib>
+#include <cstring>
 
 namespace
 {
@@ -50,11 +51,11 @@ std::string after(const std::string &text, const std::string &mark)
 }
 
 // Line `number` of a file.
-std::string line_of(const std::string &file, int number)
+std::string line_of(const std::string &file, long number)
 {
     std::ifstream stream(file);
     std::string line;
-    for (int k = 0; k < number; k++) {
+    for (long k = 0; k < number; k++) {
         std::getline(stream, line);
     }
     return line;
@@ -82,15 +83,74 @@ bool names_what_is_written(const std::string &refusal, const Lines &set)
     }
     const std::size_t colon = place.rfind(':');
     const std::string line =
-        line_of(place.substr(0, colon), std::atoi(place.substr(colon + 1).c_str()));
+        line_of(place.substr(0, colon), std::strtol(place.substr(colon + 1).c_str(), nullptr, 10));
     return line.find(after(key, ".")) != std::string::npos && is_number(after(line, "= "), value);
 }
 
-void expect_a_written_line(const std::string &refusal, const Lines &set)
+// The key and the limit of "KEY = VALUE: …; allowed: at most LIMIT UNIT: …", or of "…; allowed: write KEY …, at most LIMIT
+// UNIT: …".
+struct Limit {
+    std::string key;
+    std::string text; // "LIMIT UNIT: …"; empty where none is said
+};
+
+Limit limit_of(const std::string &refusal)
 {
-    if (!refusal.empty() && !names_what_is_written(refusal, set)) {
+    const std::string allowed = after(refusal, "; allowed: ");
+    const std::string write = "write ";
+    const std::string from =
+        allowed.rfind(write, 0) == 0 ? after(allowed, write) : after(refusal, ": ");
+    const std::size_t at = std::min(allowed.find("at most "), allowed.find("at least "));
+    return at == std::string::npos
+               ? Limit{}
+               : Limit{from.substr(0, from.find(' ')), after(allowed.substr(at + 3), " ")};
+}
+
+// A number that the key may have, in its unit; and with it that key is no longer refused.
+void expect_a_limit_that_helps(const std::string &refusal, const std::string &tuning, Lines set)
+{
+    for (const char *none : {" nan", "-nan", " inf", "-inf"}) {
+        TEST_ASSERT_EQUAL_size_t_MESSAGE(std::string::npos, refusal.find(none), refusal.c_str());
+    }
+    const Limit limit = limit_of(refusal);
+    if (limit.text.empty() && refusal.find("does not fit the firmware") == std::string::npos) {
+        return; // the range of the key itself
+    }
+    if (limit.text.empty()) {
+        TEST_ASSERT_NOT_EQUAL_size_t_MESSAGE(std::string::npos, refusal.find("; allowed: another "),
+                                             refusal.c_str());
+        return;
+    }
+    const nf::Field *field = nf::find_field(limit.key);
+    TEST_ASSERT_NOT_NULL_MESSAGE(field, refusal.c_str());
+    char *end = nullptr;
+    const double value = std::strtod(limit.text.c_str(), &end);
+    const std::string unit = *field->unit == '\0' ? "" : std::string(" ") + field->unit;
+    TEST_ASSERT_TRUE_MESSAGE(value >= field->min && value <= field->max, refusal.c_str());
+    TEST_ASSERT_EQUAL_STRING_LEN_MESSAGE(unit.c_str(), end, unit.size(), refusal.c_str());
+    if (refusal.find(", which is ") != std::string::npos) {
+        return; // the limit is what another line says, and that line may be wrong too
+    }
+    const std::string number = limit.text.substr(0, limit.text.find_first_of(" :"));
+    set.push_back(fmt::format("{}={}", limit.key, number));
+    const std::string again = refusal_of(tuning, set);
+    const std::string itself =
+        fmt::format("--set: {} = {}: does not fit the firmware; ", limit.key, number);
+    const bool is_refused_again = again.rfind(itself, 0) == 0 || limit_of(again).key == limit.key;
+    TEST_ASSERT_FALSE_MESSAGE(is_refused_again,
+                              fmt::format("{}\n{}: {}", refusal, set.back(), again).c_str());
+}
+
+void expect_a_written_line(const std::string &tuning, const Lines &set)
+{
+    const std::string refusal = refusal_of(tuning, set);
+    if (refusal.empty()) {
+        return;
+    }
+    if (!names_what_is_written(refusal, set)) {
         TEST_FAIL_MESSAGE(refusal.c_str());
     }
+    expect_a_limit_that_helps(refusal, tuning, set);
 }
 
 constexpr int MOTORS = 1000;
@@ -111,10 +171,12 @@ void a_real_motor_is_never_refused_by_a_line_of_a_shipped_file()
     test::Draw draw(4);
     int refused = 0;
     for (int k = 0; k < MOTORS; k++) {
-        const std::string refusal = refusal_of(TUNINGS[k % 3], test::any_motor(draw));
-        refused += refusal.empty() ? 0 : 1;
-        if (!refusal.empty() && refusal.rfind("--set: ", 0) != 0) {
-            TEST_FAIL_MESSAGE(refusal.c_str());
+        const Lines motor = test::any_motor(draw);
+        const std::string refusal = refusal_of(TUNINGS[k % 3], motor);
+        if (!refusal.empty()) {
+            refused++;
+            TEST_ASSERT_EQUAL_INT_MESSAGE(0, refusal.rfind("--set: ", 0), refusal.c_str());
+            expect_a_limit_that_helps(refusal, TUNINGS[k % 3], motor);
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(MOTORS / 10, refused);
@@ -139,7 +201,7 @@ void every_key_at_both_ends_is_accepted_or_refused_as_written()
                 Lines set = motor;
                 set.push_back(fmt::format("drive.angle_source={}", SOURCES[round % 2]));
                 set.push_back(fmt::format("{}={}", field.name(), end));
-                expect_a_written_line(refusal_of(TUNINGS[round % 3], set), set);
+                expect_a_written_line(TUNINGS[round % 3], set);
             }
         }
     }
@@ -170,8 +232,23 @@ void any_combination_of_ends_is_accepted_or_refused_as_written()
             set.push_back(
                 fmt::format("{}={}", field.name(), std::clamp(value, field.min, field.max)));
         }
-        expect_a_written_line(refusal_of(TUNINGS[draw.below(3)], set), set);
+        expect_a_written_line(TUNINGS[draw.below(3)], set);
     }
+}
+
+// Where the limit of one key leaves another nothing, or takes it below zero.
+void a_limit_that_leaves_another_key_nothing_is_blamed_itself()
+{
+    const Lines none = {"board.overcurrent_a=19.989"};
+    expect_a_written_line("robust", none);
+    TEST_ASSERT_EQUAL_INT(
+        0, refusal_of("robust", none).rfind("--set: board.overcurrent_a = 19.989: ", 0));
+    const Lines cold = {"motor=outrunner_24v", "board=b_g431b_esc1", "board.adc_bits=8",
+                        "board.temperature_points_c=[-50,149,150]",
+                        "board.temperature_points_pct=[0,1,100]"};
+    expect_a_written_line("robust", cold);
+    TEST_ASSERT_NOT_EQUAL_size_t(std::string::npos,
+                                 refusal_of("robust", cold).find("b_g431b_esc1.toml:"));
 }
 
 // 1.25 times the highest speed is a power of two of the speed base's steps: just inside, on it, just outside.
@@ -201,6 +278,7 @@ int main()
     RUN_TEST(a_real_motor_is_never_refused_by_a_line_of_a_shipped_file);
     RUN_TEST(every_key_at_both_ends_is_accepted_or_refused_as_written);
     RUN_TEST(any_combination_of_ends_is_accepted_or_refused_as_written);
+    RUN_TEST(a_limit_that_leaves_another_key_nothing_is_blamed_itself);
     RUN_TEST(a_highest_speed_on_a_step_of_the_speed_base_is_accepted);
     return UNITY_END();
 }

@@ -248,6 +248,7 @@ void what_the_firmware_cannot_hold_is_named_with_its_limit()
         {"position_loop.softness_s=1", "at most 0.04908 s"},
         {"position_loop.acceleration_rad_s2=10000000", "at most 3926000 rad/s²"},
         {"motor.inductance_d_h=1", "at most 0.02319 H"},
+        {"board.temperature_warn_c=100", "at most 99.9 °C"},
     };
     for (const Misfit &misfit : misfits) {
         const Folder folder;
@@ -257,8 +258,8 @@ void what_the_firmware_cannot_hold_is_named_with_its_limit()
                                     ": does not fit the firmware; allowed: " + misfit.allowed;
         TEST_ASSERT_EQUAL_STRING(message.c_str(), without_reason(refusal({}, {set})).c_str());
         const std::string limit = limit_of(misfit.allowed);
-        const std::string at_limit = key + "=" + limit;
-        TEST_ASSERT_NOT_EQUAL_INT(0, refusal({}, {at_limit}).rfind("--set: " + key, 0));
+        const std::string again = "--set: " + key + " = " + limit + ": does not fit the firmware; ";
+        TEST_ASSERT_NOT_EQUAL_INT(0, refusal({}, {key + "=" + limit}).rfind(again, 0));
     }
 }
 
