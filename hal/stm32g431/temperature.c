@@ -4,11 +4,11 @@
 
 #define MC_PER_C (1000)
 
-/* Of counts that rise with the temperature, or fall. */
+/* Of counts that rise with the temperature, or fall: from end to end, for two neighbours may round to one count. */
 static bool is_beyond(const temperature_line_t *line, const temperature_point_t *point,
                       int32_t count)
 {
-    const bool rises = line->at[1].count > line->at[0].count;
+    const bool rises = line->at[line->points - 1U].count > line->at[0].count;
 
     return rises ? (count > point->count) : (count < point->count);
 }

@@ -82,9 +82,49 @@ static void test_the_whole_range_of_a_line(void)
     }
 }
 
-static void test_two_points_of_one_count_divide_nothing_by_zero(void)
+/* A board file may state points whose counts round to one: at either end, or between. The rest of the line is as ever. */
+static void test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is(void)
 {
-    static const temperature_line_t line = {.points = 3U, .at = {{10, 0}, {10, 1000}, {20, 2000}}};
+    static const temperature_line_t first = {.points = 3U,
+                                             .at = {{0, -40000}, {0, -20000}, {4000, 100000}}};
+    static const temperature_line_t middle = {
+        .points = 4U, .at = {{0, -40000}, {1000, 0}, {1000, 10000}, {4000, 100000}}};
+    static const temperature_line_t last = {.points = 3U,
+                                            .at = {{0, -40000}, {4000, 100000}, {4000, 120000}}};
+
+    check(&first, 0U, -40);
+    check(&first, 1000U, 10);
+    check(&first, 4000U, 100);
+    check(&first, 4095U, 100);
+    check(&middle, 500U, -20);
+    check(&middle, 1000U, 0);
+    check(&middle, 2000U, 40);
+    check(&middle, 4095U, 100);
+    check(&last, 2000U, 30);
+    check(&last, 4000U, 100);
+    check(&last, 4095U, 120);
+}
+
+static void test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_is(void)
+{
+    static const temperature_line_t first = {.points = 3U,
+                                             .at = {{4096, -40000}, {4096, -20000}, {96, 100000}}};
+    static const temperature_line_t last = {.points = 3U,
+                                            .at = {{4000, -40000}, {0, 100000}, {0, 120000}}};
+
+    check(&first, 4095U, -20);
+    check(&first, 3096U, 10);
+    check(&first, 96U, 100);
+    check(&first, 0U, 100);
+    check(&last, 4095U, -40);
+    check(&last, 2000U, 30);
+    check(&last, 0U, 100);
+}
+
+/* All that a board file says of its sensor lies below one count: nothing is divided by zero. */
+static void test_a_line_of_one_count_is_within_its_points(void)
+{
+    static const temperature_line_t line = {.points = 2U, .at = {{10, 0}, {10, 2000}}};
 
     for (uint16_t count = 0U; count < COUNTS; count++) {
         const int32_t celsius = temperature_celsius(&line, count);
@@ -100,6 +140,8 @@ int main(void)
     RUN_TEST(test_a_sensor_that_falls_with_the_temperature);
     RUN_TEST(test_halves_are_rounded_away_from_zero);
     RUN_TEST(test_the_whole_range_of_a_line);
-    RUN_TEST(test_two_points_of_one_count_divide_nothing_by_zero);
+    RUN_TEST(test_two_points_of_one_count_leave_the_rest_of_a_rising_line_as_it_is);
+    RUN_TEST(test_two_points_of_one_count_leave_the_rest_of_a_falling_line_as_it_is);
+    RUN_TEST(test_a_line_of_one_count_is_within_its_points);
     return UNITY_END();
 }
