@@ -8,7 +8,8 @@ set(default nfconfig) # the target
 if(CMAKE_CROSSCOMPILING)
     set(default ${CMAKE_SOURCE_DIR}/build/host/nfconfig)
 endif()
-set(NF_NFCONFIG ${default} CACHE STRING "The host's nfconfig, which writes the configuration of an image")
+# The type makes a relative path of the command line absolute, and leaves the target's name.
+set(NF_NFCONFIG ${default} CACHE FILEPATH "The host's nfconfig, which writes the configuration of an image")
 
 # nf_choice(<name> <default> <help>)
 #
