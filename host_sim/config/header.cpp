@@ -7,6 +7,7 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,8 @@ namespace nf
 {
 namespace
 {
+
+constexpr double PS_PER_S = 1e12;
 
 // Text of the user inside a comment: plain ASCII that can neither end the comment nor open another.
 std::string in_comment(std::string text)
@@ -113,13 +116,16 @@ std::string make_header(const Config &config)
         "#include \"params.h\"\n"
         "\n"
         "#define DRIVE_RECORDER_ENTRIES ({}U) /* of a segment: board.recorder_entries */\n"
+        "#define DRIVE_POLE_PAIRS ({}U) /* motor.pole_pairs */\n"
+        "#define DRIVE_TICK_PS ({:.0f}U) /* a control tick: 1 / board.pwm_frequency_hz */\n"
         "\n"
         "static const drive_cfg_t DRIVE_CONFIG = {{\n"
         "{}"
         "}};\n"
         "\n"
         "#endif\n",
-        provenance(config), recorder_segment_entries(config.board), initialiser(rows));
+        provenance(config), recorder_segment_entries(config.board), config.motor.pole_pairs,
+        std::round(PS_PER_S / config.board.pwm_frequency_hz), initialiser(rows));
 }
 
 } // namespace nf

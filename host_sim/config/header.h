@@ -13,7 +13,7 @@ namespace nf
 uint32_t recorder_segment_entries(const BoardSettings &board);
 
 // The whole header: `static const drive_cfg_t DRIVE_CONFIG`, its provenance and the SI meaning of
-// each field, and DRIVE_RECORDER_ENTRIES. The same files give the same text on every machine.
+// each field, and what a binding has to know of its motor and board. The same files give the same text on every machine.
 std::string make_header(const Config &config);
 
 } // namespace nf

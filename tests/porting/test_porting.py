@@ -1,6 +1,6 @@
 """target.porting: a binding outside of the project is built as hal/PORTING.md says, for the PC and for a Cortex-M4.
 
-test_porting.py NFCONFIG
+test_porting.py NFCONFIG [TEST...]
 """
 
 import re
@@ -24,6 +24,24 @@ def blocks():
         yield "".join(line.removeprefix("    ") for line in block.strip("\n").splitlines(keepends=True)) + "\n"
 
 
+COMMANDS = next(block for block in blocks() if block.startswith("build/host/nfconfig header"))
+# In place of the firmware's own.
+UNITS_STEP = """
+#include "units.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+step_t units_step(const units_rotation_t *rotation, int32_t rpm)
+{
+    (void)rpm;
+    printf("%" PRIu32 " %" PRIu32 "\\n", rotation->pole_pairs, rotation->tick_ps);
+    exit(0);
+}
+"""
+
+
 class Porting(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -40,6 +58,14 @@ class Porting(unittest.TestCase):
                          f"-DNF_NFCONFIG={NFCONFIG}", "-DBUILD_TESTING=OFF")
         self.run_command("cmake", "--build", preset, "--target", "mine")
 
+    def compile(self, commands):
+        """Without CMake, in a folder with nothing but what these name."""
+        shutil.copytree(ROOT / "firmware", self.folder / "project/firmware")
+        shutil.copytree(ROOT / "hal", self.folder / "project/hal")
+        (self.folder / "project/build/host").mkdir(parents=True)
+        (self.folder / "project/build/host/nfconfig").symlink_to(NFCONFIG)
+        self.run_command("sh", "-e", "-c", commands, cwd=self.folder / "project")
+
     def test_for_the_pc_it_calibrates_and_enables_the_gates(self):
         self.build("host")
         self.run_command("./mine", cwd=self.folder / "host")
@@ -53,18 +79,39 @@ class Porting(unittest.TestCase):
             self.assertRegex(symbols, rf" \w {name}\n")
 
     def test_the_sources_and_include_paths_of_the_guide_are_all_that_a_compiler_needs(self):
-        commands = next(block for block in blocks() if block.startswith("build/host/nfconfig header"))
-        shutil.copytree(ROOT / "firmware", self.folder / "project/firmware")
-        shutil.copytree(ROOT / "hal", self.folder / "project/hal")
-        (self.folder / "project/build/host").mkdir(parents=True)
-        (self.folder / "project/build/host/nfconfig").symlink_to(NFCONFIG)
-        self.run_command("sh", "-e", "-c", commands, cwd=self.folder / "project")
+        self.compile(COMMANDS)
         self.run_command("./mine", cwd=self.folder / "project")
+
+    def test_for_another_motor_and_board_it_asks_for_their_speed(self):
+        """What makes rpm the firmware's unit gets their pole pairs and control tick, and not those of the example."""
+        (self.folder / "my_binding/units_step.c").write_text(UNITS_STEP, encoding="utf-8")
+        self.compile(COMMANDS.replace("--motor motor_a --board bench_310v", "--motor outrunner_24v --board b_g431b_esc1")
+                     .replace("pretended.c", "pretended.c ../my_binding/units_step.c")
+                     .replace("firmware/app/*.c", "firmware/app/[!u]*.c"))
+        run = subprocess.run(["./mine"], cwd=self.folder / "project", capture_output=True, text=True, check=False)
+        self.assertEqual(run.stdout, "7 50000000\n")
 
     def test_the_guide_quotes_what_is_built(self):
         quoted = list(blocks())
         for name in ("main.c", "CMakeLists.txt"):
             self.assertIn((BINDING / name).read_text(encoding="utf-8"), quoted, name)
+
+    def configure_with(self, nfconfig):
+        """Only configured, by a path relative to the folder in which cmake is called."""
+        return subprocess.run(["cmake", "-S", ROOT, "--preset", "cortex-m4", "-B", "m4", "-DNF_HAL=./my_binding",
+                               f"-DNF_NFCONFIG={nfconfig}"], cwd=self.folder, capture_output=True, text=True, check=False)
+
+    def test_a_relative_path_of_nfconfig_is_of_the_folder_in_which_cmake_is_called(self):
+        (self.folder / "tools").mkdir()
+        (self.folder / "tools/nfconfig").symlink_to(NFCONFIG)
+        run = self.configure_with("tools/nfconfig")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.run_command("cmake", "--build", "m4", "--target", "binding/mine_config/drive_config.h")
+
+    def test_an_nfconfig_that_is_not_there_is_named_with_its_whole_path(self):
+        run = self.configure_with("tools/nowhere")
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn(f"There is no {self.folder.resolve()}/tools/nowhere.", " ".join(run.stderr.split()))
 
     def test_a_folder_that_is_no_binding_is_named(self):
         for given, words in (("./nowhere", "there is no CMakeLists.txt in it"), ("nowhere", "a binding of your own")):
@@ -75,4 +122,4 @@ class Porting(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])

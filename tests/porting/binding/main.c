@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-static const units_rotation_t ROTATION = {.pole_pairs = 2U, .tick_ps = 100000000U};
+static const units_rotation_t ROTATION = {.pole_pairs = DRIVE_POLE_PAIRS, .tick_ps = DRIVE_TICK_PS};
 
 static hal_t hardware;
 static app_t app;

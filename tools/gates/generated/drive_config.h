@@ -3,5 +3,7 @@
 #define DRIVE_CONFIG_H
 
 #define DRIVE_RECORDER_ENTRIES (352U)
+#define DRIVE_POLE_PAIRS (7U)
+#define DRIVE_TICK_PS (50000000U)
 
 #endif
