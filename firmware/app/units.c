@@ -1,8 +1,8 @@
 #include "units.h"
 
 /*
- * rpm = step / 2^32 turns / (pole_pairs · tick), and a minute is 6·10^13 ps. Without the factor 2^14 that both numbers have
- * all products fit: |step| · 3662109375 < 2^63, and pole_pairs · tick_ps · 2^18 < 2^53.
+ * rpm = step / 2^32 turns / (pole_pairs · tick), and a minute is 6·10^13 ps. Both 2^32 and 6·10^13 contain the factor 2^14.
+ * It is divided out here, so that all products fit 64 bits: |step| · 3662109375 < 2^63, pole_pairs · tick_ps · 2^18 < 2^53.
  */
 #define MINUTE (3662109375LL)
 #define TURN (262144LL)

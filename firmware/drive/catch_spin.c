@@ -5,14 +5,6 @@
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
 
-enum {
-    PRELOAD, /* once nothing flows; the compare values of this tick act from the next on */
-    FIRST_PULSE,
-    PAUSE,
-    SECOND_PULSE,
-    CHARGE
-};
-
 /* A long pulse has turned far enough for its angle; the rotor must not be let go for longer than needed. */
 static uint32_t pause_ticks(const catch_spin_t *spin, const catch_spin_cfg_t *cfg)
 {
@@ -23,7 +15,7 @@ static uint32_t pause_ticks(const catch_spin_t *spin, const catch_spin_cfg_t *cf
 
 void catch_spin_reset(catch_spin_t *spin)
 {
-    *spin = (catch_spin_t){.phase = PRELOAD};
+    *spin = (catch_spin_t){.phase = CATCH_SPIN_PRELOAD};
 }
 
 static void next_spin_phase(catch_spin_t *spin)
@@ -124,24 +116,24 @@ catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *
 
     spin->tick++;
     switch (spin->phase) {
-    case PRELOAD:
+    case CATCH_SPIN_PRELOAD:
         result = preload(spin, cfg, current);
         break;
-    case FIRST_PULSE:
+    case CATCH_SPIN_FIRST_PULSE:
         pulse(spin, cfg, current);
         break;
-    case PAUSE:
+    case CATCH_SPIN_PAUSE:
         if (spin->tick >= pause_ticks(spin, cfg)) {
             spin->gates = true;
             next_spin_phase(spin);
         }
         break;
-    case SECOND_PULSE:
+    case CATCH_SPIN_SECOND_PULSE:
         if (spin->tick >= spin->length) {
             result = judge_then_charge(spin, cfg, current);
         }
         break;
-    default: /* CHARGE */
+    default: /* CATCH_SPIN_CHARGE */
         if (spin->tick >= cfg->charge_ticks) {
             result = CATCH_SPIN_STANDING;
         }

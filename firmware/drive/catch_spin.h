@@ -44,9 +44,17 @@ typedef enum {
     CATCH_SPIN_LIVE /* a current does not end */
 } catch_spin_result_t;
 
+typedef enum {
+    CATCH_SPIN_PRELOAD = 0, /* until nothing flows; compare values written now act a tick later */
+    CATCH_SPIN_FIRST_PULSE,
+    CATCH_SPIN_PAUSE,
+    CATCH_SPIN_SECOND_PULSE,
+    CATCH_SPIN_CHARGE /* of the bootstrap supplies */
+} catch_spin_phase_t;
+
 typedef struct {
-    uint32_t tick;   /* of the phase */
-    uint32_t phase;  /* 0 wait and preload, 1 pulse, 2 pause, 3 pulse, 4 charge */
+    uint32_t tick; /* of the phase */
+    catch_spin_phase_t phase;
     uint32_t length; /* of the pulses */
     ab_t first;      /* current at the end of the first pulse */
     bool gates;      /* to be enabled in this tick */
@@ -58,9 +66,12 @@ typedef struct {
 void catch_spin_reset(catch_spin_t *spin);
 
 /*
- * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`. The last tick of the second
- * pulse finds the result, with two arctangents, a square root and a division, and gives it; STANDING only at the end of
- * the charge, with the gates still to be opened.
+ * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`.
+ *
+ * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or STANDING; it computes two
+ * arctangents, a square root and a division. If the rotor stands and there is a charge, the last tick of the charge returns
+ * STANDING instead. `gates` is still set in the tick that returns either. The caller opens the gates in that tick, unless
+ * current control takes a turning rotor over. LIVE comes from the first phase, before the gates are enabled.
  */
 catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current);
 

@@ -334,7 +334,7 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 
     /* RUN reads it without a start-up too. */
     bad = range(bad, "startup.handover_speed", cfg->handover_speed, 0, STEP_MAX);
-    /* Not read without a start-up; the intervals of the proof do not tell that. */
+    /* Without a start-up nothing reads the next two. The proof cannot see that, so their range is checked in any case. */
     bad = range(bad, "startup.current_move", cfg->current_move, 0, CURRENT_MAX);
     bad = range(bad, "startup.current_slope", cfg->current_slope, 0, CURRENT_MAX);
     if (cfg->current_hold != 0) {

@@ -14,7 +14,7 @@
 
 #define Q14_ONE (16384)
 #define Q15_ONE (32768)
-#define HEAT_BASE (1000000U)    /* of which thousandths are tenths of a per cent */
+#define HEAT_BASE (1000000U)    /* makes units_thousandths() give tenths of a per cent */
 #define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
 
 void console_say(console_t *console, const char *line)

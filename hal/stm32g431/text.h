@@ -18,7 +18,7 @@ typedef struct {
 /* Append a string that ends with 0. */
 void text_add(text_t *text, const char *string);
 
-/* End the line: CR and LF. Nothing is done where the buffer is full to its very end: nothing of the line is in it. */
+/* Append CR and LF. There is room for them behind whatever text_add() has added. A second end does not fit then, and is left out. */
 void text_end_line(text_t *text);
 
 /* Append a number with 0 to 6 decimals: 12345 with 2 is "123.45". */

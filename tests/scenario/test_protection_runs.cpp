@@ -131,7 +131,7 @@ public:
     {
         const drive_t &drive = tick.sim->drive();
         const bool pulse = drive.state == DRIVE_STATE_CATCH_SPIN && tick.sim->out().gate_enable;
-        if (pulse && !pulse_before_ && drive.catch_spin.phase == 1) {
+        if (pulse && !pulse_before_ && drive.catch_spin.phase == CATCH_SPIN_FIRST_PULSE) {
             for (const double i : tick.truth.i_abc_a) {
                 largest_a = std::max(largest_a, std::fabs(i));
             }

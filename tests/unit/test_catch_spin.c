@@ -289,7 +289,7 @@ static void test_reset_forgets_what_was_there_before(void)
 {
     memset(&spin, 0x5A, sizeof spin);
     catch_spin_reset(&spin);
-    TEST_ASSERT_EQUAL_UINT32(0U, spin.tick | spin.phase | spin.length | spin.angle);
+    TEST_ASSERT_EQUAL_UINT32(0U, spin.tick | (uint32_t)spin.phase | spin.length | spin.angle);
     TEST_ASSERT_FALSE(spin.gates);
     TEST_ASSERT_EQUAL_INT32(0, spin.speed | spin.first.alpha | spin.first.beta);
 }
@@ -329,7 +329,7 @@ static catch_spin_result_t judge(double current, double turned_rad)
     catch_spin_reset(&spin);
     (void)catch_spin_step(&spin, &cfg, (ab_t){0, 0});
     while (result == CATCH_SPIN_BUSY) {
-        result = catch_spin_step(&spin, &cfg, (spin.phase < 2U) ? first : second);
+        result = catch_spin_step(&spin, &cfg, (spin.phase < CATCH_SPIN_PAUSE) ? first : second);
     }
     return result;
 }

@@ -534,16 +534,16 @@ static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(v
 /* ---- charge of the bootstrap supplies ---- */
 
 #define CHARGE_TICKS (50U)
-#define CHARGE_PHASE (4U) /* of catch_spin_t */
 
 static void begin_charging(void)
 {
     run_at(0.0);
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.catch_spin.phase != CHARGE_PHASE); k++) {
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.catch_spin.phase != CATCH_SPIN_CHARGE);
+         k++) {
         tick();
     }
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(CHARGE_PHASE, drive.catch_spin.phase);
+    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_CHARGE, drive.catch_spin.phase);
 }
 
 static void assert_charges_then_aligns(void)
