@@ -9,6 +9,7 @@ import tomllib
 import unittest
 from pathlib import Path
 
+import analogue
 import board
 import console
 import core
@@ -18,6 +19,7 @@ from registers import WrongAccess
 IMAGE, BOARD, CLOCK = (Path(argument) for argument in sys.argv[1:4])
 
 BOARD_FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))
+HAL = BOARD_FILE["hal"]
 MIDDLE = 2048
 BUS_V = BOARD_FILE["board"]["bus_nominal_v"]
 BUS = round(BUS_V / BOARD_FILE["board"]["bus_full_scale_v"] * 4096)
@@ -42,16 +44,16 @@ def make(image=IMAGE, **arguments):
     return made
 
 
-def ready():
-    made = make()
+def ready(**arguments):
+    made = make(**arguments)
     made.boot()
     made.tick(CALIBRATION_TICKS)
     return made
 
 
-def running():
+def running(**arguments):
     """Its console takes no time: without a motor the drive does not run on for as long as a line takes."""
-    made = ready()
+    made = ready(**arguments)
     made.said()
     made.chip.usart.instant = True
     made.type("run")
@@ -128,6 +130,22 @@ class OverCurrent(unittest.TestCase):
                 inwards = MIDDLE + round(share * made.trip_a / FULL_SCALE_A * MIDDLE)
                 made.set_inputs(inwards, MIDDLE - (inwards - MIDDLE) // 2, BUS)
                 self.assertEqual(made.chip.timer.gates_on(), not opens)
+
+    def opens_at(self, choose, ampere):
+        """Whether some phase opens the gates by itself, on a board of such parts."""
+        made = running(choose=choose)
+        limit = self.count(made, ampere)
+        for counts in ((limit, MIDDLE), (MIDDLE, limit), (2 * MIDDLE - limit, MIDDLE)):
+            made.set_inputs(*counts, BUS)
+        return not made.chip.timer.gates_on()
+
+    def test_the_comparators_of_each_board_leave_what_the_drive_allows_and_trip_within_their_tolerances(self):
+        """The drive's own limit comes first, also with parts that trip early; those that trip late do so at last."""
+        late_v = -analogue.COMPARATOR_OFFSET_MV[0] / 1e3 + (1 - analogue.BIAS[0]) * HAL["amplifier_zero_v"] / HAL["pga_gain"]
+        late_a = late_v / (HAL["shunt_ohm"] * abs(HAL["amplifier_gain"]) / HAL["pga_gain"])
+        for choose in (analogue.least, analogue.most, *map(analogue.drawn, range(3))):
+            self.assertFalse(self.opens_at(choose, BOARD_FILE["board"]["overcurrent_a"] - 0.2))
+            self.assertTrue(self.opens_at(choose, BOARD_FILE["board"]["trip_a"] + late_a + 0.2))
 
     def test_is_reported_and_stays_until_it_is_cleared(self):
         made = running()
