@@ -15,6 +15,7 @@ import unicorn
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
+import decisions
 import elf
 from registers import Bus, WrongAccess
 
@@ -75,6 +76,8 @@ class Core:
             self.uc.mmio_map(page, PAGE, self._read, page, self._write, page)
         self.uc.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._invalid)
         self._start_clock(library)
+        if decisions.RECORD:
+            decisions.RECORD.watch(self.uc._uch, image, self._library, uclib, unicorn.UC_HOOK_CODE)
         stack, start = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_PC, start)

@@ -3,6 +3,7 @@
 test_races.py IMAGE BOARD CLOCK [TEST...], as scenario.py.
 """
 
+import re
 import sys
 import tomllib
 import unittest
@@ -16,6 +17,8 @@ MIDDLE = 2048
 BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
 HALF_PERIOD = round(FILE["timer_clock_hz"] / FILE["pwm_frequency_hz"] / 2)
 CALIBRATION_TICKS = 260
+TEMPERATURE_TICKS = 1024
+CLOSE = 32  # of the timer's counts: nearer to the peak than three compare registers take to be written
 LATE_TICKS = 12  # more than the drive bears in a second
 OVER = 4096 / 4  # counts at a comparator: beyond every level
 
@@ -133,6 +136,43 @@ class LateTicks(unittest.TestCase):
             once(register, lambda: made.chip.advance(2 * HALF_PERIOD))
             made.tick(2)
         self.assertIn("FAULT by LATE", made.said())
+
+    def test_one_that_is_so_close_to_the_peak_that_it_could_be_torn_is_late(self):
+        made = running()
+        timer = made.chip.timer
+        once(timer.register("CNT"), lambda: made.chip.advance(timer.next_update() - CLOSE - made.chip.now), before=True)
+        made.tick()
+        made.type("status")
+        self.assertIn(" late 1,", made.said())
+
+    def test_behind_one_the_temperature_waits(self):
+        """Its conversion could meet the next sequence of the shunts."""
+        made = ready()
+        converter = made.chip.converters[0]
+        made.tick(TEMPERATURE_TICKS - 1 - made.ticks)
+        once(converter.register("JDR1"), lambda: made.chip.advance(2 * HALF_PERIOD))
+        made.handle_next()
+        converted = converter.converted
+        made.tick(3)
+        self.assertEqual(converter.converted, converted)
+        made.tick(TEMPERATURE_TICKS)
+        self.assertGreater(converter.converted, converted)
+
+
+class Measurements(unittest.TestCase):
+    def test_beyond_the_converters_ends_they_stay_there(self):
+        """For a period of the temperature, so that each way through a tick meets them."""
+        for counts, shown in (((0, 0), (-1, -1, 1)), ((4095, 4095), (1, 1, -1))):
+            with self.subTest(counts):
+                made = ready()
+                made.set_inputs(*counts, BUS)
+                made.tick(TEMPERATURE_TICKS + 2)
+                made.said()
+                made.type("status")
+                phases = re.search(r"phases (\S+) (\S+) (\S+) A", made.said())
+                for said, sign in zip(phases.groups(), shown):
+                    self.assertAlmostEqual(float(said), sign * FILE["current_full_scale_a"],
+                                           delta=FILE["current_full_scale_a"] / 1024)
 
 
 class Phases(unittest.TestCase):
