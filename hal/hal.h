@@ -2,7 +2,7 @@
  * The whole contract between the control interrupt and the hardware.
  *
  * Exactly one binding is linked, chosen by the build. A binding owns the PWM timer, the converters and
- * the gate drivers; nothing above it knows a register. hal/PORTING.md says how to write one.
+ * the gate drivers; nothing above it knows a register. docs/porting.md says how to write one.
  *
  * Timing. The PWM is centre aligned and the control interrupt runs once a PWM period, started by the
  * conversion taken in the middle of the low-side on-time (t_k). Compare values handed to hal_apply()

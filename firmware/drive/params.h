@@ -2,7 +2,7 @@
  * The whole configuration of a drive in per-unit integers, and its check.
  *
  * Written by one piece of code from motor, board and tuning files in SI units (host_sim/config), which
- * also documents how each number comes about; DESIGN.md lists bases and formats. Constant while the
+ * also documents how each number comes about; docs/design.md lists bases and formats. Constant while the
  * drive runs.
  */
 #ifndef PARAMS_H

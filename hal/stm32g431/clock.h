@@ -14,7 +14,7 @@
  */
 bool clock_init(void);
 
-/* Pins as the README's table says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
+/* Pins as the table in docs/board_bring_up.md says. Gate pins drive low only when TIM1 does; pull-downs hold them. */
 void clock_pins(void);
 
 /* Waits for 1 to 90000 µs. Context: before the tick guard is started, whose counter it uses. */

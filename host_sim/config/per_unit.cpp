@@ -44,7 +44,7 @@ constexpr double BUS_END_SHARE = 0.75;
 // its own resistance but for a watt.
 constexpr double STANDSTILL = 1.0 / 64;
 
-// Supervision. Currents are shares of the continuous current; DESIGN.md says what each must not see.
+// Supervision. Currents are shares of the continuous current; docs/protection.md says what each must not see.
 // Half a turn is judged from a fifth of the continuous current's amplitude on, which a phase then moves by at
 // least; an eighth of it is above the noise of 1 LSB rms, which spans 8 LSB in a turn.
 constexpr double PHASE_RANGE_SHARE = 0.2;

@@ -1,4 +1,4 @@
-// From the motor file to the gains: what a tuning leaves open is filled in by the motor, see FILES.md.
+// From the motor file to the gains: what a tuning leaves open is filled in by the motor, docs/configuration.md.
 #include "folder.h"
 
 #include "low_speed_units.h"

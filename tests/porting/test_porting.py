@@ -1,4 +1,4 @@
-"""target.porting: a binding outside of the project is built as hal/PORTING.md says, for the PC and for a Cortex-M4.
+"""target.porting: a binding outside of the project is built as docs/porting.md says, for the PC and for a Cortex-M4.
 
 test_porting.py NFCONFIG [TEST...]
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 NFCONFIG = Path(sys.argv[1]).resolve()
 ROOT = Path(__file__).resolve().parents[2]
 BINDING = Path(__file__).resolve().parent / "binding"
-GUIDE = (ROOT / "hal/PORTING.md").read_text(encoding="utf-8")
+GUIDE = (ROOT / "docs/porting.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"(?:^(?:    .*)?\n)+", re.MULTILINE)
 
 

@@ -6,8 +6,7 @@ the table changed with it. Of a set with noise a figure is the mean over four se
 
 test_expected.py MOTORSIM RUN... [Expected.test_case]...
                                      holds the table, which has to be of just these runs, SCENARIO:SET
-test_expected.py MOTORSIM --measure  prints the table as it is measured now, and the README's rows
-                                     on standard error
+test_expected.py MOTORSIM --measure  prints the table as it is measured now, and writes the rows of docs/results.md
 """
 
 import functools
@@ -26,6 +25,7 @@ RUNS = [word for word in ARGUMENTS if ":" in word]
 CASES = [word for word in ARGUMENTS if ":" not in word]
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIOS = ROOT / "host_sim" / "scenarios"
+RESULTS = ROOT / "docs/results.md"
 MARGIN = 0.2
 NOISY, SEEDS = {"adc", "imp", "all"}, range(1, 5)
 JOBS = 2
@@ -40,7 +40,7 @@ FINEST = {
     "id_settled_a": 0.01,
 }
 METRICS = tuple(FINEST)
-ROUNDED = 0.05  # of a figure with one digit behind the point, as the README has them
+ROUNDED = 0.05  # of a figure with one digit behind the point, as docs/results.md has them
 # A limit is no farther from the worst of its runs: room for other noise and another machine, not for another drive.
 ROOM = 2.0
 # Their limits judge other motors than that of these runs: those of a campaign, and any.
@@ -171,20 +171,20 @@ def means(run):
 
 
 def print_measured():
-    print(*readme_rows(), sep="\n", file=sys.stderr)
+    write_results()
     for run in EXPECTED:
         figures = ", ".join("None" if mean is None else f"{mean:#.3g}" for mean in means(run))
         print(f'    ("{run[0]}", "{run[1]}"): ({figures}),')
 
 
 def pair(scenario, imperfection):
-    """Speed error in % and angle error, as the README shows them: of the first seed."""
+    """Speed error in % and angle error, as docs/results.md shows them: of the first seed."""
     result = all_runs()[scenario, imperfection][0]
     return f"{result['speed_error_max_pct']:.2g}, {result['angle_error_max_deg']:.1f}°"
 
 
-def readme_rows():
-    """The rows of the README that state what scenarios measure."""
+def result_rows():
+    """The rows of docs/results.md that state what scenarios measure."""
     for name in ("ideal", "adc", "deadtime", "hot", "saturated", "imp", "all"):
         end = all_runs()["s3_robust", name][0]["position_error_final_rad"]
         pairs = " | ".join(pair(f"{scenario}_robust", name) for scenario in ("s1", "s2", "s3"))
@@ -195,6 +195,14 @@ def readme_rows():
                            for scenario in ("s1", "s2"))
                  for motor in ("motor_b", "odrive_d5065", "teknic_m2310p"))
         yield f"| {shown} | {' | '.join(cells)} |"
+
+
+def write_results():
+    """Each row of the page in place of the one with its label and as many figures."""
+    anew = {(label, len(values)): row for row in result_rows() for label, values in [numbers(row)]}
+    lines = RESULTS.read_text(encoding="utf-8").splitlines()
+    shown = (anew.get((label, len(values)), line) for line in lines for label, values in [numbers(line)])
+    RESULTS.write_text("".join(f"{line}\n" for line in shown), encoding="utf-8")
 
 
 def numbers(line):
@@ -231,9 +239,9 @@ class Expected(unittest.TestCase):
         self.assertEqual({scenario for scenario, _ in EXPECTED},
                          {path.stem for path in SCENARIOS.glob("*.toml")})
 
-    def test_the_readme_shows_what_is_measured(self):
-        shown = [numbers(line) for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines()]
-        for name, values in map(numbers, readme_rows()):
+    def test_the_results_page_shows_what_is_measured(self):
+        shown = [numbers(line) for line in RESULTS.read_text(encoding="utf-8").splitlines()]
+        for name, values in map(numbers, result_rows()):
             found = [row for label, row in shown if label == name and len(row) == len(values)]
             with self.subTest(row=name, values=values):
                 self.assertEqual(len(found), 1)

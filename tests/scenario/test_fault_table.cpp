@@ -1,5 +1,5 @@
 // Every fault in every state of the drive: how soon the gates are open for good and what is latched, or why nothing
-// is and what the motor does meanwhile. The table is part of the design: firmware/DESIGN.md, "Fault injection".
+// is and what the motor does meanwhile. The table is part of the design: docs/protection.md, "Fault injection".
 //
 //     test_fault_table            holds the table
 //     test_fault_table --measure  prints it as it is measured now

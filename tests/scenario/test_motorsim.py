@@ -12,7 +12,8 @@ from pathlib import Path
 
 MOTORSIM = Path(sys.argv.pop(1)).resolve()
 HOLDS, BROKEN, BAD_INPUT = 0, 1, 2
-DATA = Path(__file__).resolve().parents[2] / "host_sim"
+ROOT = Path(__file__).resolve().parents[2]
+DATA = ROOT / "host_sim"
 RATED_RPM = 1800
 MARGIN = 0.2       # of a figure that a page shows
 FOUND_MARGIN = 0.03  # of a parameter, relative to the file
@@ -202,7 +203,7 @@ class WrongFile(MotorsimTest):
              ("teknic_m2310p", "frdm_mc_lvpmsm"))
 
     def rows(self):
-        page = (DATA / "config" / "FILES.md").read_text(encoding="utf-8")
+        page = (ROOT / "docs/configuration.md").read_text(encoding="utf-8")
         lines = page.partition("### What a wrong file looks like")[2].partition("\n## ")[0].splitlines()
         return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines
                 if line.startswith("| `") and "=" in line]

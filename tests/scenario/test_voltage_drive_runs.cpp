@@ -199,7 +199,7 @@ void under_current_control_the_angle_of_the_true_current_is_the_error_of_the_fra
     }
 }
 
-// What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what DESIGN.md
+// What the paper is about. Without i_d a torque takes T/(1.5·P·φ); a lead that the limit keeps short costs what docs/voltage_drive.md
 // lists.
 void without_enough_lead_the_same_torque_takes_more_current()
 {

@@ -1,4 +1,4 @@
-"""Shows the firmware's numbers in gdb: `gdb -x tools/gdb/neurofoc.py ...`, or `source` it. README, Debug one tick."""
+"""Shows the firmware's numbers in gdb: `gdb -x tools/gdb/neurofoc.py ...`, or `source` it. docs/debugging.md."""
 
 import sys
 from pathlib import Path
