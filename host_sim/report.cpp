@@ -107,7 +107,7 @@ std::string table_text(const Config &config, const RunResult &result)
         "{}: {}\n  {}, tuning {}, imperfections: {}\n\n", config.scenario.id, config.scenario.title,
         config.motor.name, config.tuning.name, selection_name(config.sources.imperfections));
     for (const std::string &note : config.scenario.notes) {
-        text += note + '\n';
+        text += fmt::format("note: {}\n", note);
     }
     text += config.scenario.notes.empty() ? "" : "\n";
     text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");

@@ -255,6 +255,24 @@ std::vector<const Layer *> scenario_layers(const Sources &sources)
     return all;
 }
 
+// Those whose lines are written for this drive. What a shipped motor, tuning or imperfection set says is for every mode.
+std::vector<const Layer *> own_layers(const Sources &sources,
+                                      const std::map<FileKind, Layer> &homes)
+{
+    std::vector<const Layer *> own = scenario_layers(sources);
+    for (const auto &[kind, home] : homes) {
+        if (kind == FileKind::board || is_own(home.path)) {
+            own.push_back(&home);
+        }
+    }
+    for (const Layer &layer : sources.imperfections) {
+        if (is_own(layer.path)) {
+            own.push_back(&layer);
+        }
+    }
+    return own;
+}
+
 // Applies all layers and checks the whole.
 Config assemble(const Sources &sources)
 {
@@ -286,9 +304,7 @@ Config assemble(const Sources &sources)
     check_temperature(config);
     pass_on_dead_time(config);
     note_ratings(config);
-    std::vector<const Layer *> own = scenario_layers(sources);
-    own.push_back(&homes[FileKind::board]);
-    note_idle(own, config);
+    note_idle(own_layers(sources, homes), config);
     return config;
 }
 

@@ -72,18 +72,21 @@ std::string references_to(const std::vector<std::string> &names)
          references_to(names));
 }
 
-// The folder that the user has chosen has to hold something that can be referred to.
+// The folder that the user has chosen has to hold all that can be referred to.
 void check_chosen(const fs::path &folder)
 {
-    constexpr FileKind KINDS[] = {FileKind::motor, FileKind::board, FileKind::tuning,
-                                  FileKind::scenario, FileKind::imperfection};
-    const bool holds_one = std::any_of(std::begin(KINDS), std::end(KINDS), [&](FileKind kind) {
-        return is_there(folder / (std::string(kind_name(kind)) + "s"));
-    });
-    if (!holds_one) {
+    std::vector<std::string> lacking;
+    for (const FileKind kind : {FileKind::motor, FileKind::board, FileKind::tuning,
+                                FileKind::scenario, FileKind::imperfection}) {
+        const std::string name = std::string(kind_name(kind)) + "s/";
+        std::error_code ignored;
+        if (!fs::is_directory(folder / name, ignored)) {
+            lacking.push_back(name);
+        }
+    }
+    if (!lacking.empty()) {
         fail({"environment", 0}, "NEUROFOC_DATA", '"' + folder.string() + '"',
-             is_there(folder) ? "holds no motors/, boards/, tunings/, scenarios/ or imperfections/"
-                              : "not found",
+             is_there(folder) ? fmt::format("lacks {}", fmt::join(lacking, ", ")) : "not found",
              "a folder like host_sim/ of the project");
     }
 }

@@ -16,11 +16,26 @@ namespace nf
 namespace
 {
 
-// /dev/stdout may lead to a file that others have open: it is not exchanged.
-bool is_device(const fs::path &path, const fs::file_status &there)
+constexpr int LINKS_MAX = 40; // in a row; the system follows no more either
+
+// Whether a path leads through /proc to a file that is open already, as /dev/stdout does: others write to it too.
+bool is_open_already(fs::path path)
 {
-    return (fs::exists(there) && !fs::is_regular_file(there)) ||
-           path.string().rfind("/dev/", 0) == 0;
+    std::error_code error;
+    for (int k = 0; k < LINKS_MAX && fs::is_symlink(path, error); k++) {
+        const fs::path folder = fs::canonical(fs::absolute(path, error).parent_path(), error);
+        if (folder.string().rfind("/proc/", 0) == 0) {
+            return true;
+        }
+        path = folder / fs::read_symlink(path, error);
+    }
+    return false;
+}
+
+// A device or pipe, or a file that is open already, is not exchanged.
+bool is_written_in_place(const fs::path &path, const fs::file_status &there)
+{
+    return (fs::exists(there) && !fs::is_regular_file(there)) || is_open_already(path);
 }
 
 } // namespace
@@ -35,7 +50,7 @@ OutputFile::OutputFile(const std::string &path) : path_(path), target_(path)
             fail(errno);
         }
     }
-    if (!is_device(path, there)) {
+    if (!is_written_in_place(path, there)) {
         beside_ = fmt::format("{}.{}.part", target_.string(), getpid());
     }
     file_.reset(beside_.empty() ? std::fopen(target_.c_str(), "wb")

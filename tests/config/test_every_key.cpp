@@ -7,6 +7,7 @@
 #include "scenario.h"
 
 #include "describe.h"
+#include "files.h"
 #include "hal_header.h"
 #include "header.h"
 #include "schema.h"
@@ -423,7 +424,7 @@ void every_key_acts_or_is_noted_or_refused()
     TEST_ASSERT_EQUAL_STRING("", judge.wrong().c_str());
 }
 
-// Of a scenario's file the line is named; what a tuning's file says is for every scenario, and is not noted.
+// Of a scenario's file the line is named; what a shipped tuning says is for every scenario, and is not noted.
 void a_line_that_does_not_act_is_noted_by_its_place()
 {
     const Scenarios scenarios;
@@ -436,6 +437,24 @@ void a_line_that_does_not_act_is_noted_by_its_place()
         file + ":15: observer.kappa_p = 0.3: acts only with drive.angle_source = \"observer\"";
     TEST_ASSERT_EQUAL_STRING(expected.c_str(), notes[0].c_str());
     TEST_ASSERT_TRUE(nf::load_scenario(file).scenario.notes.empty());
+}
+
+// A tuning that somebody wrote is for a drive of his own.
+void a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted()
+{
+    const Scenarios scenarios;
+    const std::string tuning = scenarios.file("tuning_of_ones_own");
+    std::filesystem::copy_file(nf::data_folder() / "tunings/published.toml", tuning);
+    std::ofstream(tuning, std::ios::app) << "[phase_compensator]\ngain = 0.05\n";
+    const std::string rough = scenarios.file("rough");
+    std::ofstream(rough) << "[plant]\nbus_ripple_hz = 120\n";
+    const nf::Config config =
+        nf::load_scenario(scenarios.file("published"), {rough}, {"tuning=" + tuning});
+    const std::string noted = fmt::format("{}", fmt::join(config.scenario.notes, "\n"));
+    TEST_ASSERT_TRUE(noted.find(": phase_compensator.gain = 0.05: acts only with") !=
+                     std::string::npos);
+    TEST_ASSERT_TRUE(noted.find(rough + ":2: plant.bus_ripple_hz = 120: acts only with") !=
+                     std::string::npos);
 }
 
 } // namespace
@@ -453,5 +472,6 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(every_key_acts_or_is_noted_or_refused);
     RUN_TEST(a_line_that_does_not_act_is_noted_by_its_place);
+    RUN_TEST(a_line_of_ones_own_tuning_or_imperfection_set_that_does_not_act_is_noted);
     return UNITY_END();
 }

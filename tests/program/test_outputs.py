@@ -3,6 +3,7 @@
 test_outputs.py MOTORSIM NFCONFIG GAINDESIGN
 """
 
+import os
 import re
 import resource
 import signal
@@ -130,6 +131,19 @@ class Outputs(unittest.TestCase):
         self.assertTrue(self.file.is_symlink())
         self.assertGreater(there.stat().st_size, ROOM)
         self.assertEqual(there.stat().st_mode & 0o777, 0o640)
+
+    def test_a_file_in_memory_is_as_any_other(self):
+        with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
+            self.folder, self.file = Path(folder), Path(folder) / "result"
+            self.each_writer(self.assert_left_as_it_was)
+
+    def test_a_file_that_is_open_already_is_written_in_place(self):
+        for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):
+            with self.subTest(name), open(self.file, "w") as there:
+                done = run(MOTORSIM, "run", *SHORT, "--json", name, stdout=there)
+                self.assertIn(done.returncode, (DONE, LIMIT_BROKEN), done.stderr)
+                self.assertEqual(os.fstat(there.fileno()).st_ino, self.file.stat().st_ino)
+                self.assertGreater(self.file.stat().st_size, ROOM)
 
     def test_a_pipe_gets_the_result(self):
         done = run("sh", "-c", '"$0" run "$@" --trace /dev/stderr > /dev/null', MOTORSIM, *SHORT)

@@ -157,7 +157,7 @@ class Notes(MotorsimTest):
         note = self.metrics("s1", *late)["notes"]
         self.assertEqual(len(note), 1)
         self.assertRegex(note[0], r"^--set: scenario.load.time_s = 3: never acts, .*s1.toml:\d+\)$")
-        self.assertIn(note[0] + "\n", self.motorsim("run", "s1", *late).stdout)
+        self.assertIn(f"\nnote: {note[0]}\n", self.motorsim("run", "s1", *late).stdout)
 
 
 class AnyMotor(MotorsimTest):

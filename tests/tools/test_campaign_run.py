@@ -14,6 +14,7 @@ from dask.distributed import LocalCluster
 
 from campaign_support import MINE, MOTORSIM, RUNS, CampaignTest
 from support import TOOLS
+from whole_file import whole_file
 from robustness import campaign, execute, simulator, worker
 
 PATIENCE_S = 60
@@ -96,6 +97,15 @@ class Running(CampaignTest):
         row = self.rows()[2]
         self.assertTrue(lines[3].startswith(",".join(["2", row["outcome"],
                                                       *row["values"].values()])))
+
+    def test_a_table_that_is_not_finished_leaves_the_one_before(self):
+        table = self.folder / "runs.csv"
+        table.write_text("of yesterday", encoding="utf-8")
+        with self.assertRaises(ValueError), whole_file(table) as file:
+            file.write("half of it")
+            raise ValueError
+        self.assertEqual(table.read_text(encoding="utf-8"), "of yesterday")
+        self.assertEqual(list(self.folder.glob("*.part")), [])
 
     def test_exit_status_is_of_the_acceptance(self):
         for accept, status in (("locked_pct = 100", 1), ("locked_pct = 1", 0),

@@ -9,6 +9,7 @@ from report.layouts import layouts
 from report.page import TITLES, Picture, conditions, page
 from report.runs import PlotError, Run, read_runs
 from report.svg import svg
+from whole_file import whole_file
 
 PNG_DPI = 200
 NO_METADATA = {"Software": None}
@@ -57,6 +58,8 @@ def write_report(runs_folder, folder, more=()):
         shown = Run(run.name, run.trace.cut(start=0.0), run.metrics)
         entries.append((shown, [picture_of_run(shown, layout, folder) for layout in layouts(shown)]))
     path = folder / "index.html"
-    path.write_text(page(entries, [*voltage_drive.entries([run for run, _ in entries], conditions),
-                                   *(make(folder) for make in more)]), encoding="utf-8")
+    made = page(entries, [*voltage_drive.entries([run for run, _ in entries], conditions),
+                          *(make(folder) for make in more)])
+    with whole_file(path) as file:
+        file.write(made)
     return path

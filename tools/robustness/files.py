@@ -2,6 +2,8 @@
 
 import csv
 
+from whole_file import whole_file
+
 from . import summary
 from .campaign import CampaignError
 
@@ -35,9 +37,9 @@ def write(folder, campaign, rows, command_of):
     table, failures = folder / CSV_FILE, folder / FAILURES_FILE
     failed = summary.failures(rows)
     try:
-        with open(table, "w", encoding="utf-8", newline="") as file:
+        with whole_file(table, newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(table_of(campaign, rows))
-        with open(failures, "w", encoding="utf-8") as file:
+        with whole_file(failures) as file:
             file.write(HEAD.format(name=campaign.name, count=len(failed), runs=len(rows)))
             file.writelines(failure_line(row, command_of) for row in failed)
     except OSError as error:
