@@ -377,6 +377,31 @@ void a_voltage_drive_that_never_begins_is_refused()
     expect_refusal(whole, set, "voltage_phase");
 }
 
+// A tenth of 3000 rpm is above the highest speed.
+void a_hand_over_beyond_the_highest_speed_is_refused()
+{
+    expect_refusal("motor.rated_speed_rpm = 3000: does not fit the firmware; allowed: at most "
+                   "2500 rpm: the share startup.handover_speed_pct",
+                   {"motor.rated_speed_rpm=3000", "motor.max_speed_rpm=250"}, "robust");
+}
+
+// phi/L_d, 25 % more over 40 % less, is below 511 times 40 A: with 20 uH phi is up to 0.196224 Wb.
+void the_observers_base_is_at_most_512_times_that_of_the_current()
+{
+    expect_refusal("motor.flux_linkage_wb = 0.375: does not fit the firmware; allowed: at most "
+                   "0.1962 Wb: ",
+                   {"motor.flux_linkage_wb=0.375", "motor.inductance_d_h=2e-5"}, "robust");
+}
+
+void steps_and_rpm_are_turned_into_each_other()
+{
+    const nf::Config c = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    const nf::Bases b = nf::make_bases(c.motor, c.board);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1800 * STEPS_PER_RPM, b.step_from_rpm(1800));
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING / STEPS_PER_RPM, 1800,
+                              b.rpm_from_step(1800 * STEPS_PER_RPM));
+}
+
 // In the field of 3.53778 A the rotor swings with √(204.545·3.53778) = 26.9005 rad/s.
 constexpr double SWING = 26.9005;
 
@@ -556,6 +581,12 @@ void what_a_field_cannot_hold_is_refused_with_what_it_can()
                                "at least 0.001374 N·m: ") +
                        current,
                    {"motor.rated_torque_nm=0.001"}, "robust");
+    // Heat is looked at every 4·100/5000 s, in Q16 at most 32767 of the time constant.
+    expect_refusal("motor.thermal_time_constant_s = 0.1: does not fit the firmware; allowed: at "
+                   "least 0.1601 s: the time between two looks",
+                   {"motor.thermal_time_constant_s=0.1", "speed_loop.slow_ticks=100",
+                    "board.pwm_frequency_hz=5000"},
+                   "robust");
 }
 
 } // namespace
@@ -589,6 +620,9 @@ int main()
     RUN_TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late);
     RUN_TEST(voltage_drive);
     RUN_TEST(a_voltage_drive_that_never_begins_is_refused);
+    RUN_TEST(a_hand_over_beyond_the_highest_speed_is_refused);
+    RUN_TEST(the_observers_base_is_at_most_512_times_that_of_the_current);
+    RUN_TEST(steps_and_rpm_are_turned_into_each_other);
     RUN_TEST(start);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
     RUN_TEST(catching);

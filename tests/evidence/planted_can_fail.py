@@ -7,6 +7,7 @@ from pathlib import Path
 
 import part
 import planted
+from register_tests import RegisterTests
 
 BUILD = part.ROOT / "build" / "host"
 FAULT = planted.Fault("a wrong sign", "drive", "firmware/control/pi.c", "error * cfg->kp,", "error * -cfg->kp,", ("test_pi",))
@@ -73,22 +74,14 @@ tests = ["t"]
 """
 
 
-class RegisterCanFail(unittest.TestCase):
-    def wrong(self, text):
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "planted.toml"
-            path.write_text(text, encoding="utf-8")
-            return planted.registered(path)[1]
+class RegisterCanFail(RegisterTests, unittest.TestCase):
+    REGISTER = part.ROOT / planted.REGISTER
+    ENTRY = ROW
+    BROKEN = (ROW.replace('"drive"', '"drives"'), ROW.replace('["t"]', "[]"), ROW.replace("tests", "test"),
+              ROW.replace('old = "o"\n', ""), ROW + ROW)
 
-    def test_the_register_that_there_is_has_nothing_wrong(self):
-        self.assertEqual(self.wrong(ROW), [])
-        self.assertEqual(planted.registered(part.ROOT / planted.REGISTER)[1], [])
-
-    def test_a_row_is_whole_of_a_known_class_and_there_once(self):
-        for text in (ROW.replace('"drive"', '"drives"'), ROW.replace('["t"]', "[]"), ROW.replace("tests", "test"),
-                     ROW.replace('old = "o"\n', ""), ROW + ROW):
-            with self.subTest(text):
-                self.assertEqual(len(self.wrong(text)), 1)
+    def registered(self, path):
+        return planted.registered(path)
 
 
 class SampleCanFail(unittest.TestCase):

@@ -85,8 +85,24 @@ static void test_a_reset_is_at_rest_at_angle_0(void)
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
 }
 
-static void test_a_run_begins_without_failed_attempts(void)
+static void test_a_run_begins_with_nothing_counted(void)
 {
+    static const struct {
+        const char *name;
+        const uint32_t *count;
+    } counts[] = {
+        {"attempts", &drive.attempts},
+        {"lost_periods", &drive.lost_periods},
+        {"voltage_periods", &drive.voltage_periods},
+        {"late", &drive.supervision.late},
+        {"unexplained", &drive.supervision.unexplained},
+        {"absent_periods", &drive.supervision.absent_periods},
+        {"too_fast", &drive.supervision.too_fast},
+        {"stalled", &drive.supervision.stalled},
+        {"off_reference", &drive.supervision.off_reference},
+        {"runaway", &drive.supervision.runaway},
+    };
+
     enter(DRIVE_STATE_READY);
     in.adc_ia = 2048U;
     in.adc_ib = 2048U;
@@ -94,10 +110,21 @@ static void test_a_run_begins_without_failed_attempts(void)
     drive.offset_a = 16384;
     drive.offset_b = 16384;
     drive.attempts = STALE;
+    drive.lost_periods = STALE;
+    drive.voltage_periods = STALE;
+    drive.supervision.late = STALE;
+    drive.supervision.unexplained = STALE;
+    drive.supervision.absent_periods = STALE;
+    drive.supervision.too_fast = STALE;
+    drive.supervision.stalled = STALE;
+    drive.supervision.off_reference = STALE;
+    drive.supervision.runaway = STALE;
     in.command.request = DRIVE_REQUEST_RUN;
     drive_step(&drive, &in, &out);
     TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    for (uint32_t k = 0U; k < (sizeof counts / sizeof counts[0]); k++) {
+        TEST_ASSERT_EQUAL_UINT32_MESSAGE(0U, *counts[k].count, counts[k].name);
+    }
 }
 
 /* ---- the imposed current ---- */
@@ -160,6 +187,27 @@ static void test_a_hand_over_that_succeeds_forgets_the_attempts(void)
     drag(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+/* A sixth of a turn is 2^32/6 = 715827882.7 steps. */
+static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector(void)
+{
+    static const struct {
+        int64_t load_angle;
+        drive_state_t then;
+    } cases[] = {{715827881, DRIVE_STATE_RUN},
+                 {715827882, DRIVE_STATE_HANDOVER},
+                 {-715827882, DRIVE_STATE_RUN},
+                 {-715827883, DRIVE_STATE_HANDOVER}};
+
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        setUp();
+        enter(DRIVE_STATE_HANDOVER);
+        drive.position.turns_q32 = QUARTER;
+        drive.frame.turns_q32 = QUARTER + cases[k].load_angle;
+        drag(cfg.startup.handover_speed);
+        TEST_ASSERT_EQUAL(cases[k].then, drive.state);
+    }
 }
 
 static void test_the_last_attempt_that_fails_is_a_fault(void)
@@ -249,6 +297,29 @@ static void test_the_hand_back_turns_the_currents_into_its_frame(void)
     TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
 
+/* ---- the observer's static part ---- */
+
+/* rho has the sign of the speed that sets it: of the rotor's own speed `own`, or of the opposite one asked for. */
+static void assert_rho_follows(step_t own, step_t speed)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.observer.speed = own;
+    speed_loop_reset(&drive.speed_loop, -own);
+    vector_control_refine(&drive);
+    TEST_ASSERT_TRUE(drive.observer.rho_q13 != 0);
+    TEST_ASSERT_EQUAL((speed > 0), (drive.observer.rho_q13 > 0));
+}
+
+static void test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on(void)
+{
+    const step_t fast = 2 * cfg.startup.handover_speed;
+
+    assert_rho_follows(fast, fast);
+    assert_rho_follows(fast - 1, 1 - fast);
+    assert_rho_follows(-fast, -fast);
+    assert_rho_follows(1 - fast, fast - 1);
+}
+
 /* ---- ramp and profile under a torque that derating narrows ---- */
 
 static void control_speed(void)
@@ -328,6 +399,24 @@ static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(
     control_speed();
     TEST_ASSERT_TRUE(drive.voltage_driven);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+}
+
+/* Also while the rotor is already as fast as the command asks. */
+static void test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for(void)
+{
+    step_t least;
+
+    offer_voltage_drive();
+    least = cfg.voltage_drive.speed_min;
+    in.command.target = least;
+    drive.observer.speed = least;
+    speed_loop_start(&drive.speed_loop, least, 1000);
+    drive.speed_reference = least - 1;
+    control_speed();
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+    drive.speed_reference = least;
+    control_speed();
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.voltage_periods);
 }
 
 static void
@@ -507,16 +596,19 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_a_reset_forgets_all_that_a_run_has_left);
     RUN_TEST(test_a_reset_is_at_rest_at_angle_0);
-    RUN_TEST(test_a_run_begins_without_failed_attempts);
+    RUN_TEST(test_a_run_begins_with_nothing_counted);
     RUN_TEST(test_derating_holds_for_an_imposed_current_too);
     RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
     RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
+    RUN_TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector);
     RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
     RUN_TEST(test_a_rotor_is_lost_after_its_periods_in_a_row_only);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
+    RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);
     RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
+    RUN_TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
     RUN_TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state);

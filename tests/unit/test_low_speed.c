@@ -743,9 +743,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
     }
 }
 
-/* ---- what a state leaves behind, and what acts on an imposed current ---- */
+/* ---- what acts on an imposed current ---- */
 
-#define STALE (9U) /* what no counter that begins anew may keep */
 #define SUPERVISION_TICKS (cfg.slow_ticks * SUPERVISION_STEPS)
 
 static void test_a_hot_power_stage_takes_from_an_imposed_current_too(void)
@@ -794,76 +793,6 @@ static void test_a_winding_at_rest_cools_whatever_the_last_current_was(void)
     }
 }
 
-/* Each counter, with the state that it begins anew in. */
-typedef struct {
-    const char *name;
-    uint32_t *counter;
-    drive_state_t before;
-    drive_state_t begins;
-} counter_t;
-
-static void test_each_counter_begins_anew_with_the_state_that_it_counts_for(void)
-{
-    static const counter_t counters[] = {
-        {"lost_periods", &drive.lost_periods, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"voltage_periods", &drive.voltage_periods, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"attempts", &drive.attempts, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"attempts", &drive.attempts, DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN},
-        {"handover_periods", &drive.handover_periods, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER},
-        {"late", &drive.supervision.late, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"unexplained", &drive.supervision.unexplained, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"absent_periods", &drive.supervision.absent_periods, DRIVE_STATE_READY,
-         DRIVE_STATE_CATCH_SPIN},
-        {"too_fast", &drive.supervision.too_fast, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"stalled", &drive.supervision.stalled, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-        {"off_reference", &drive.supervision.off_reference, DRIVE_STATE_READY,
-         DRIVE_STATE_CATCH_SPIN},
-        {"runaway", &drive.supervision.runaway, DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN},
-    };
-
-    for (uint32_t c = 0U; c < (sizeof counters / sizeof counters[0]); c++) {
-        const counter_t *const one = &counters[c];
-
-        setUp();
-        cfg.startup.attempts = STALE + 2U; /* none of them is at its end yet */
-        cfg.startup.handover_periods = PATIENCE_TICKS;
-        begin();
-        if (one->before == DRIVE_STATE_READY) {
-            run_at(FAST_RPM);
-        } else {
-            go_to(one->before);
-        }
-        for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state != one->begins); k++) {
-            TEST_ASSERT_EQUAL_INT_MESSAGE(one->before, drive.state, one->name);
-            *one->counter = STALE;
-            tick();
-        }
-        TEST_ASSERT_EQUAL_INT_MESSAGE(one->begins, drive.state, one->name);
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(1U, *one->counter, one->name);
-    }
-}
-
-static void test_hand_back_begins_with_the_present_current_and_nothing_counted(void)
-{
-    go_to(DRIVE_STATE_RUN);
-    ticks(5000U);
-    run_at(0.0);
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state != DRIVE_STATE_HOLD); k++) {
-        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-        drive.supervision.unexplained = STALE;
-        drive.supervision.absent_periods = STALE;
-        drive.supervision.absent = 0U;
-        drive.signals.current_mean = (dq_t){-1234, 4321};
-        tick();
-    }
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
-    TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.supervision.absent);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.signals.current_mean.d);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.signals.current_mean.q);
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -896,7 +825,5 @@ int main(void)
     RUN_TEST(test_a_hot_power_stage_takes_from_an_imposed_current_too);
     RUN_TEST(test_heat_takes_from_an_imposed_current_too);
     RUN_TEST(test_a_winding_at_rest_cools_whatever_the_last_current_was);
-    RUN_TEST(test_each_counter_begins_anew_with_the_state_that_it_counts_for);
-    RUN_TEST(test_hand_back_begins_with_the_present_current_and_nothing_counted);
     return UNITY_END();
 }

@@ -173,6 +173,18 @@ static void test_record_holds_the_measured_value_and_its_limit(void)
     assert_record(FAULT_UNDERVOLTAGE, 12345, cfg.bus_min);
 }
 
+static void test_record_of_an_overcurrent_holds_the_phase_that_carries_most(void)
+{
+    static const int32_t currents[][3] = {
+        {-9000, 1000, 9000}, {1000, -9000, 9000}, {9000, -8000, 9000}, {5000, 4000, 9000}};
+
+    for (size_t i = 0; i < COUNT(currents); i++) {
+        in.phase_a = currents[i][0];
+        in.phase_b = currents[i][1];
+        assert_record(FAULT_OVERCURRENT, currents[i][2], cfg.current_max);
+    }
+}
+
 static void test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign(void)
 {
     const int32_t max = cfg.offset_max;
@@ -209,6 +221,7 @@ int main(void)
     RUN_TEST(test_undervoltage_begins_one_below_the_limit_and_only_while_running);
     RUN_TEST(test_faults_are_found_in_the_order_of_their_numbers);
     RUN_TEST(test_record_holds_the_measured_value_and_its_limit);
+    RUN_TEST(test_record_of_an_overcurrent_holds_the_phase_that_carries_most);
     RUN_TEST(test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign);
     RUN_TEST(test_offset_limit_of_zero_accepts_only_a_perfect_sensor);
     return UNITY_END();

@@ -83,7 +83,9 @@ static uint32_t read_all(void)
     uint32_t decoded[LINE_WORDS];
 
     for (uint32_t k = 0U; k < lines; k++) {
+        (void)memset(line, '?', sizeof(line)); /* the line ends itself */
         TEST_ASSERT_TRUE(recorder_dump_line(&dump, line));
+        TEST_ASSERT_EQUAL_CHAR('\0', line[RECORDER_LINE_CHARACTERS]);
         decode(line, decoded);
         TEST_ASSERT_EQUAL_UINT32(k, decoded[0]);
         TEST_ASSERT_EQUAL_HEX32(crc_of(decoded, LINE_WORDS - 1U), decoded[LINE_WORDS - 1U]);

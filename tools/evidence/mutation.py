@@ -8,6 +8,8 @@ bits is undefined, and what the PC makes of it another core does not.
 Of control and math all mutants are made, and what survives has to stand in the register (survivors.toml) with its reason.
 Of the other areas a sample is drawn by a fixed seed, the same mutants as long as their lines are, and a share is asked
 for; the register holds those that change nothing. A registered mutant that is killed or is no longer there is a finding.
+A sample says something of the tests only if none was written against it: whoever looks at its survivors to write tests
+moves `looked_at` behind it, with what it came to before as the new `killed`.
 """
 
 import argparse
@@ -50,7 +52,12 @@ def module_of(path):
 
 @dataclass(frozen=True)
 class Area:
-    """Files with tests in common. `killed`: the least and the largest share of mutants killed, in per cent."""
+    """Files with tests in common.
+
+    `killed`: so many of how many mutants are to be killed. Of a sample it is what was measured of it and of those drawn before,
+    each before a test was written against it; the least is two standard deviations of a sample of that size below, which one
+    in forty falls short of by chance alone.
+    """
 
     name: str
     sources: tuple  # patterns
@@ -58,6 +65,7 @@ class Area:
     killed: tuple
     tests: tuple = ()  # beside those of the module itself
     sample: int = 0  # mutants; 0: all
+    looked_at: int = 0  # so many of the draw before the sample, when tests were written
     left_out: tuple = ()
 
     def paths(self, root):
@@ -68,7 +76,14 @@ class Area:
         """Those of its files, and those of these that are drawn."""
         paths = [path for path in self.paths(root) if not only or any(text in path for text in only)]
         made = [mutant for path in paths for mutant in mutants.mutants(root, path, self.folders)]
-        return made, set(sorted(made, key=drawn)[:self.sample] if self.sample else made)
+        if self.sample:
+            return made, set(sorted(made, key=drawn)[self.looked_at:self.looked_at + self.sample])
+        return made, set(made)
+
+    def least(self, count):
+        """The least share killed of so many mutants, in per cent."""
+        of_all = self.killed[0] / self.killed[1]
+        return 100 * (of_all - (2 * math.sqrt(of_all * (1 - of_all) / count) if self.sample else 0))
 
 
 def drawn(mutant):
@@ -84,13 +99,13 @@ AREAS = (
                               "firmware/math/port/generic/*.h"), CORE, (95, 100),
          left_out=("firmware/math/port/fx_armv7.h",  # of other cores
                    "firmware/math/barrier.h")),  # computes nothing
-    Area("drive", ("firmware/drive/*.c",), DRIVE, (90, 100), sample=60,
+    Area("drive", ("firmware/drive/*.c",), DRIVE, (137, 154), sample=60, looked_at=180,
          tests=("test_drive_steps", "test_drive", "test_voltage_drive", "test_low_speed")),
-    Area("app", ("firmware/app/*.c",), APP, (93, 100), sample=60, tests=("test_control_isr",)),
+    Area("app", ("firmware/app/*.c",), APP, (37, 40), sample=52, looked_at=60, tests=("test_control_isr",)),
     Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")),
-         ("hal/stm32g431", "hal/cortex_m", *APP), (83, 97), sample=60, tests=("test_console",)),
+         ("hal/stm32g431", "hal/cortex_m", *APP), (47, 48), sample=60, looked_at=60, tests=("test_console",)),
     Area("configuration", tuple(f"host_sim/config/{name}.cpp" for name in ("low_speed_units", "numbers", "per_unit")),
-         ("host_sim/config", *DRIVE), (90, 100), sample=24,
+         ("host_sim/config", *DRIVE), (83, 90), sample=24, looked_at=166,
          tests=("test_per_unit", "test_rules", "test_refusals")),
 )
 
@@ -340,13 +355,14 @@ def tables(real, register):
 
 
 def rate(area, real, register):
-    """The share killed of those that change something, held on both sides: what gets better is to stay so."""
+    """The share killed of those that change something."""
     killed = sum(1 for candidate in real if candidate.killed_by)
     equivalent = sum(register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT for candidate in real)
-    value, (least, most) = share(killed, len(real) - equivalent), area.killed
+    count = len(real) - equivalent
+    value, least = share(killed, count), area.least(max(count, 1))
     of = f"a sample of {len(real)}" if area.sample else "all"
     return part.figure(f"{area.name}: mutants killed, of {of} that change what is computed", f"{value:.1f} %",
-                       f"{least:g} to {most:g} %", bool(real) and least <= value <= most)
+                       f"at least {least:.1f} %", bool(real) and least <= value)
 
 
 def main():
