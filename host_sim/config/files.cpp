@@ -91,6 +91,15 @@ void check_chosen(const fs::path &folder)
     }
 }
 
+// host_sim/ of the installed package that the running program belongs to, else of the source tree.
+fs::path shipped_data_folder()
+{
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    const fs::path installed = program.parent_path().parent_path() / "share/neurofoc/host_sim";
+    return !error && is_there(installed) ? installed : fs::path(NF_DATA_FOLDER);
+}
+
 // `path` relative to the data folder, or empty when it is not inside.
 std::string in_data_folder(const fs::path &path)
 {
@@ -103,7 +112,8 @@ fs::path data_folder()
 {
     const char *chosen = std::getenv("NEUROFOC_DATA");
     if (chosen == nullptr || *chosen == '\0') {
-        return NF_DATA_FOLDER;
+        static const fs::path shipped = shipped_data_folder();
+        return shipped;
     }
     check_chosen(chosen);
     return chosen;

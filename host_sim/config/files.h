@@ -11,7 +11,8 @@ namespace nf
 {
 
 // The folder that holds motors/, boards/, tunings/, imperfections/ and scenarios/: NEUROFOC_DATA of
-// the environment, else host_sim/ of the source tree. Throws ConfigError if NEUROFOC_DATA is no such folder.
+// the environment, else host_sim/ of the installed package that the program belongs to, else of the
+// source tree. Throws ConfigError if NEUROFOC_DATA is no such folder.
 std::filesystem::path data_folder();
 
 // The names of the files of a kind in the data folder, sorted.
