@@ -2,20 +2,40 @@
 #
 # A reference with a '/' or ending in .toml is a path; any other is the name of a file in host_sim/. nfconfig reads it the
 # same way and says what is wrong with it.
-set(NF_PATH "/|\\.toml$")
+#
+# All functions may be called from another project, in which no variable of this one is seen.
 
-set(default nfconfig) # the target
-if(CMAKE_CROSSCOMPILING)
-    set(default ${CMAKE_SOURCE_DIR}/build/host/nfconfig)
+set(help "The host's nfconfig, which writes the configuration of an image")
+if(PROJECT_IS_TOP_LEVEL)
+    set(default nfconfig) # the target
+    if(CMAKE_CROSSCOMPILING)
+        set(default ${PROJECT_SOURCE_DIR}/build/host/nfconfig)
+    endif()
 endif()
-# The type makes a relative path of the command line absolute, and leaves the target's name.
-set(NF_NFCONFIG ${default} CACHE FILEPATH "The host's nfconfig, which writes the configuration of an image")
+if(PROJECT_IS_TOP_LEVEL OR DEFINED CACHE{NF_NFCONFIG})
+    # The type makes a relative path of the command line absolute, and leaves the target's name.
+    set(NF_NFCONFIG "${default}" CACHE FILEPATH "${help}")
+else()
+    # That of the installed package, else that which was built in these sources, else that on the PATH.
+    find_program(NF_NFCONFIG nfconfig NO_CACHE NO_CMAKE_FIND_ROOT_PATH
+        HINTS ${PROJECT_SOURCE_DIR}/../../bin ${PROJECT_SOURCE_DIR}/build/host)
+endif()
+set_property(GLOBAL PROPERTY NF_NFCONFIG "${NF_NFCONFIG}")
+
+# Whether a reference is a path.
+function(nf_is_path result reference)
+    set(${result} FALSE PARENT_SCOPE)
+    if(reference MATCHES "/|\\.toml$")
+        set(${result} TRUE PARENT_SCOPE)
+    endif()
+endfunction()
 
 # nf_choice(<name> <default> <help>)
 #
 # What the user gives with -D<name>=... A path of his is relative to the folder in which he calls cmake.
 function(nf_choice name default help)
-    if("$CACHE{${name}}" MATCHES "${NF_PATH}")
+    nf_is_path(is_path "$CACHE{${name}}")
+    if(is_path)
         set(${name} ${default} CACHE FILEPATH "${help}") # the type makes an untyped path absolute
     else()
         set(${name} ${default} CACHE STRING "${help}")
@@ -24,10 +44,12 @@ endfunction()
 
 # The file of a reference. A path in a CMakeLists.txt is relative to its folder.
 function(nf_data_file file folder reference)
-    if(reference MATCHES "${NF_PATH}")
+    nf_is_path(is_path "${reference}")
+    if(is_path)
         cmake_path(ABSOLUTE_PATH reference OUTPUT_VARIABLE path)
     else()
-        set(path ${CMAKE_SOURCE_DIR}/host_sim/${folder}/${reference}.toml)
+        set(path ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../host_sim/${folder}/${reference}.toml)
+        cmake_path(NORMAL_PATH path)
     endif()
     set(${file} ${path} PARENT_SCOPE)
 endfunction()
@@ -36,7 +58,8 @@ endfunction()
 # no such file, and which names there are.
 macro(nf_refer option folder reference)
     nf_data_file(file ${folder} "${reference}")
-    if("${reference}" MATCHES "${NF_PATH}")
+    nf_is_path(is_path "${reference}")
+    if(is_path)
         list(APPEND arguments ${option} ${file})
     else()
         list(APPEND arguments ${option} ${reference})
@@ -49,10 +72,12 @@ endmacro()
 # Lets <target> include <header>, made by the nfconfig <command>.
 function(nf_config_header target header command)
     cmake_parse_arguments(PARSE_ARGV 3 arg "" "MOTOR;BOARD;TUNING" "WITH")
-    if(IS_ABSOLUTE ${NF_NFCONFIG} AND NOT EXISTS ${NF_NFCONFIG})
+    get_property(nfconfig GLOBAL PROPERTY NF_NFCONFIG)
+    if(NOT nfconfig OR (IS_ABSOLUTE ${nfconfig} AND NOT EXISTS ${nfconfig}))
+        string(REGEX REPLACE ".*-NOTFOUND$" "nfconfig" nfconfig "${nfconfig}")
         message(FATAL_ERROR
-            "There is no ${NF_NFCONFIG}.\n"
-            "Run `tools/dev build` first, or give the path with -DNF_NFCONFIG=FILE.")
+            "There is no ${nfconfig}.\n"
+            "Run `tools/dev build` in the sources of neurofoc first, or give the path with -DNF_NFCONFIG=FILE.")
     endif()
     set(arguments)
     set(files)
@@ -65,8 +90,8 @@ function(nf_config_header target header command)
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/${target}_config)
     file(MAKE_DIRECTORY ${folder})
     add_custom_command(OUTPUT ${folder}/${header}
-        COMMAND ${NF_NFCONFIG} ${command} ${arguments} --out ${folder}/${header}
-        DEPENDS ${NF_NFCONFIG} ${files}
+        COMMAND ${nfconfig} ${command} ${arguments} --out ${folder}/${header}
+        DEPENDS ${nfconfig} ${files}
         COMMENT "${header} of ${target}: ${arg_MOTOR}, ${arg_BOARD}, ${arg_TUNING}"
         VERBATIM)
     target_sources(${target} PRIVATE ${folder}/${header})

@@ -2,32 +2,32 @@
 #
 # An image for a Cortex-M: <target>.elf at the top of the build folder, with its map beside it.
 # The start-up code is compiled in; the linker script may INCLUDE sections.ld.
-set(NF_CORTEX_M ${CMAKE_CURRENT_LIST_DIR})
 
 # On its own, so that tools which read C do not come across it.
 enable_language(ASM)
-add_library(nf_safe_state OBJECT ${NF_CORTEX_M}/safe_state.S)
+add_library(nf_safe_state OBJECT ${CMAKE_CURRENT_LIST_DIR}/safe_state.S)
 set_target_properties(nf_safe_state PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
 
 function(nf_add_image target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SCRIPT" "SOURCES;LINK")
+    set(here ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
     set(script ${CMAKE_CURRENT_SOURCE_DIR}/${arg_SCRIPT})
-    set(map ${CMAKE_BINARY_DIR}/${target}.map)
-    add_executable(${target} ${arg_SOURCES} ${NF_CORTEX_M}/reset.c)
+    set(map ${PROJECT_BINARY_DIR}/${target}.map)
+    add_executable(${target} ${arg_SOURCES} ${here}/reset.c)
     # Optimised together with main(), it could read variables before it has filled them.
-    set_source_files_properties(${NF_CORTEX_M}/reset.c PROPERTIES COMPILE_OPTIONS -fno-lto)
-    target_include_directories(${target} PRIVATE ${NF_CORTEX_M})
+    set_source_files_properties(${here}/reset.c PROPERTIES COMPILE_OPTIONS -fno-lto)
+    target_include_directories(${target} PRIVATE ${here})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_safe_state nf_warnings)
     # Beside the image lies its call graph, <target>.elf.ltrans*.ltrans.ci: who calls whom, with how
     # much stack. It is an option of the link, as that is when the code is made.
     #
     # Newlib was compiled with short enums. Nothing of it that is used here has an enum.
     target_link_options(${target} PRIVATE
-        -nostartfiles --specs=nano.specs -T ${script} -L ${NF_CORTEX_M}
+        -nostartfiles --specs=nano.specs -T ${script} -L ${here}
         -fcallgraph-info=su
         -Wl,--gc-sections -Wl,--build-id=sha1 -Wl,--fatal-warnings -Wl,--no-enum-size-warning -Wl,-Map=${map})
     set_target_properties(${target} PROPERTIES
         SUFFIX .elf
-        RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}
-        LINK_DEPENDS "${script};${NF_CORTEX_M}/sections.ld")
+        RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
+        LINK_DEPENDS "${script};${here}/sections.ld")
 endfunction()

@@ -1,4 +1,4 @@
-# What every target of the project is compiled with.
+# What every target of the project is compiled with. All of it ends with the project's own folders.
 
 set(CMAKE_C_STANDARD 11)
 set(CMAKE_C_STANDARD_REQUIRED ON)
@@ -17,15 +17,6 @@ add_compile_options(-ffp-contract=off)
 
 # Linked privately by each target of ours, so third-party code is not judged by it.
 add_library(nf_warnings INTERFACE)
-target_compile_options(nf_warnings INTERFACE
-    -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Wdouble-promotion -Wundef -Wvla
-    -pedantic -Werror
-    $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
-
-option(NF_FUZZ "Link the programs of tests/fuzz with libFuzzer" OFF)
-option(NF_GATES "Register the quality gates as tests" ON)
-
-option(NF_COVERAGE "Count what the tests run (clang)" OFF)
 
 # nf_count(<target> [FUNCTIONS_ONLY])
 #
@@ -41,5 +32,20 @@ function(nf_count target)
     endif()
 endfunction()
 
-set(UNITY_ROOT ${CMAKE_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
-set(NF_PYTHON ${CMAKE_SOURCE_DIR}/.cache/venv/bin/python CACHE FILEPATH "Python of the tools")
+# As part of another project it has no settings of its own, and another compiler may warn of other things.
+if(NOT PROJECT_IS_TOP_LEVEL)
+    return()
+endif()
+
+target_compile_options(nf_warnings INTERFACE
+    -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Wdouble-promotion -Wundef -Wvla
+    -pedantic -Werror
+    $<$<COMPILE_LANGUAGE:C>:-Wstrict-prototypes>)
+
+option(NF_FUZZ "Link the programs of tests/fuzz with libFuzzer" OFF)
+option(NF_GATES "Register the quality gates as tests" ON)
+
+option(NF_COVERAGE "Count what the tests run (clang)" OFF)
+
+set(UNITY_ROOT ${PROJECT_SOURCE_DIR}/.cache/unity-2.5.1 CACHE PATH "Folder of the Unity test framework")
+set(NF_PYTHON ${PROJECT_SOURCE_DIR}/.cache/venv/bin/python CACHE FILEPATH "Python of the tools")
