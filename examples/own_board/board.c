@@ -1,0 +1,38 @@
+#include "board.h"
+
+void board_start(hal_t *hal)
+{
+    hal->ticks = 0U;
+    board_registers.run = 1U;
+}
+
+void hal_sample(hal_t *hal, drive_in_t *in)
+{
+    in->adc_ia = (uint16_t)board_registers.current_a;
+    in->adc_ib = (uint16_t)board_registers.current_b;
+    in->adc_bus = (uint16_t)board_registers.bus;
+    in->adc_temperature = 0U; /* the board file has no temperature sensor */
+    in->angle = 0U;
+    in->flags = (board_registers.broken != 0U) ? DRIVE_FLAG_BREAK : 0U;
+    hal->ticks++;
+}
+
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    (void)hal;
+    for (uint32_t phase = 0U; phase < 3U; phase++) {
+        board_registers.compare[phase] = out->compare.phase[phase];
+    }
+    board_registers.gates = out->gate_enable ? 1U : 0U;
+}
+
+void hal_open_gates(hal_t *hal)
+{
+    (void)hal;
+    board_registers.gates = 0U;
+}
+
+uint32_t hal_ticks(const hal_t *hal)
+{
+    return hal->ticks;
+}

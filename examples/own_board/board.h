@@ -1,0 +1,40 @@
+/*
+ * The binding of hal.h to the board: one block of registers, which timer and converters serve. On the chip the linker script
+ * says where it is; on the PC bench.c is the board.
+ */
+#ifndef BOARD_H
+#define BOARD_H
+
+#include "hal.h"
+
+#include <stdint.h>
+
+typedef struct {
+    uint32_t current_a; /* of t_k, counts */
+    uint32_t current_b;
+    uint32_t bus;
+    uint32_t compare[3]; /* loaded at the sampling instant */
+    uint32_t gates;      /* 1: they switch */
+    uint32_t broken;     /* 1: the comparators have opened them */
+    uint32_t run;        /* 1: the timer counts, and the interrupt comes */
+} board_registers_t;
+
+extern volatile board_registers_t board_registers;
+
+struct hal {
+    uint32_t ticks; /* written by the control interrupt */
+};
+
+/* Lets the timer run. Once, after app_init(). */
+void board_start(hal_t *hal);
+
+/* Until an interrupt has come. Context: background. */
+void board_wait(void);
+
+/* The control interrupt: main.c. */
+void board_conversions_complete(void);
+
+/* Speed of the shaft, rpm: what main.c asks for, and what bench.c looks for. */
+#define TARGET_RPM (2000)
+
+#endif
