@@ -507,6 +507,7 @@ void a_folder_without_files_leaves_the_path()
 {
     const Folder folder;
     std::filesystem::remove_all("motors");
+    std::filesystem::create_directory("motors");
     TEST_ASSERT_EQUAL_STRING("scenarios/s.toml:1: motor = \"m\": not found; allowed: a path ending "
                              "in .toml",
                              refusal().c_str());
