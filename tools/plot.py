@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 
 import own_python
+from deadtime.points import SETS
 
 TRACE_HELP = """One run as a figure: panels over one time axis, steps of the command and load marked.
 
@@ -97,7 +98,7 @@ def deadtime_command(args):
     from deadtime import figure, measure, section, table
     from report import style
     from report.assemble import save
-    measurement = measure.measure(args.motorsim)
+    measurement = measure.measure(args.motorsim, args.sets or SETS)
     path = args.out / f"{section.KEY}.json"
     measure.write(measurement, path)
     print(table.text(measurement))
@@ -162,6 +163,8 @@ def add_deadtime(commands):
                          "what giving the dead time back does", DEADTIME_HELP)
     parser.add_argument("--motorsim", type=Path, default=MOTORSIM, metavar="FILE",
                         help="the simulator (default: build/host/motorsim)")
+    parser.add_argument("--with", dest="sets", action="append", choices=SETS,
+                        help="a set of imperfections with a dead time; several add up (default: all three)")
     add_folder(parser, "build/deadtime")
 
 

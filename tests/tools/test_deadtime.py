@@ -116,12 +116,12 @@ def trace(shares, speed_ripple=0.0, error_deg=0.5):
 
 
 @functools.cache
-def made_up():
+def made_up(sets=SETS):
     """A Measurement of all points without a simulator: the same two runs at each."""
     runs = [measure.evaluate(Point("imp", 200, 3), trace({5: share}), share < 0.1)
             for share in (0.01, 0.2)]
     both = [tuple(tuple(replace(part, point=point) for part in made) for point, made in zip(pair, runs))
-            for pair in pairs()]
+            for pair in pairs(sets)]
     shown = [pair for pair in both if measure.where(pair[0][0]) in measure.SHOWN]
     return Measurement([tuple(result for result, _ in pair) for pair in both],
                        [tuple(wave for _, wave in pair) for pair in shown])
@@ -191,6 +191,13 @@ class Shown(unittest.TestCase):
         marks = figure.draw(made, style.PRINT).axes[-1].lines
         self.assertEqual(len(marks), 2 * len(made.results))
         self.assertEqual({mark.get_markerfacecolor() == "none" for mark in marks[1::2]}, {True})
+
+    def test_of_one_set_there_are_its_points_and_its_name_alone(self):
+        made = made_up(("deadtime",))
+        self.assertEqual(made.sets(), ["deadtime"])
+        axes = figure.draw(made, style.PRINT).axes[-1]
+        self.assertEqual(len(axes.lines), 2 * len(made.results))
+        self.assertEqual([text.get_text() for text in axes.texts], ["deadtime"])
 
     def test_what_is_no_sine_has_no_figure(self):
         row = table.cells((result_of(thd_pct=2.34), result_of(thd_pct=100.1, held=False)))

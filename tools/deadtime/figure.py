@@ -7,7 +7,6 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from deadtime import harmonics
-from deadtime.points import SETS
 from report.frame import MARGIN, Frame, Row
 from report.style import LIGHT, settings
 
@@ -82,10 +81,10 @@ class Drawing:
         ax.grid(axis="x", visible=False)
 
     def draw_points(self, ax):
-        places, labels = [], []
+        places, labels, sets = [], [], self.measurement.sets()
         for number, pair in enumerate(self.measurement.results):
             point = pair[0].point
-            place = number + GAP * SETS.index(point.imperfections)
+            place = number + GAP * sets.index(point.imperfections)
             places.append(place)
             labels.append(f"{point.speed_rpm}, {point.load_nm}")
             for result, look in zip(pair, LOOKS):
@@ -99,14 +98,15 @@ class Drawing:
         ax.set_xticks(places, labels, rotation=90)
         ax.set_xlabel("rpm, N·m")
         ax.grid(axis="x", visible=False)
-        self.name_sets(ax, places)
+        self.name_sets(ax, places, sets)
 
-    def name_sets(self, ax, places):
+    @staticmethod
+    def name_sets(ax, places, sets):
         """Above the points of each set."""
         low, high = ax.get_ylim()
         ax.set_ylim(low, high * ROOM_FOR_SETS)
-        count = len(places) // len(SETS)
-        for number, name in enumerate(SETS):
+        count = len(places) // len(sets)
+        for number, name in enumerate(sets):
             ax.text(np.mean(places[number * count:(number + 1) * count]), 0.97, name, ha="center",
                     va="top", transform=ax.get_xaxis_transform(), color=LIGHT["muted"])
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from deadtime import harmonics
-from deadtime.points import SHOWN, Point, pairs
+from deadtime.points import SETS, SHOWN, Point, pairs
 from report.runs import TIME, PlotError, read_metrics, read_text, read_trace
 
 BAD_INPUT = 2
@@ -85,9 +85,13 @@ class Measurement:
     results: list
     waves: list
 
+    def sets(self):
+        """The imperfections that were measured, in their order."""
+        return list(dict.fromkeys(pair[0].point.imperfections for pair in self.results))
 
-def measure(program):
-    wanted = pairs()
+
+def measure(program, sets=SETS):
+    wanted = pairs(sets)
     with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         done = list(pool.map(lambda point: run(program, point),
                              [point for pair in wanted for point in pair]))

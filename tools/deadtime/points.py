@@ -26,10 +26,10 @@ class Point:
                 *(word for setting in settings for word in ("--set", setting))]
 
 
-def pairs():
-    """All points as (with, without) compensation."""
+def pairs(sets=SETS):
+    """All points of these sets as (with, without) compensation."""
     return [tuple(Point(*where, given_back) for given_back in (True, False))
-            for where in itertools.product(SETS, SPEEDS_RPM, LOADS_NM)]
+            for where in itertools.product(sets, SPEEDS_RPM, LOADS_NM)]
 
 
 # Those that are drawn: the lowest speed, and one at which the drive without compensation is at rest as well.
