@@ -1,7 +1,7 @@
 """The decisions of the board's own code in an image, and which way each has gone while it was emulated.
 
 A decision is an instruction that does one thing or another: a conditional branch, cbz, cbnz, or the `it` before
-conditional instructions. With `--out FILE` on a test's command line it writes there which of them it has seen go which
+conditional instructions. With `--branches FILE` on a test's command line it writes there which of them it has seen go which
 way; tools/evidence/board.py asks for both ways of each.
 """
 
@@ -111,9 +111,9 @@ class Record:
 
 def asked():
     """The record that the command line asks for, without the option there; None if it does not."""
-    if "--out" not in sys.argv:
+    if "--branches" not in sys.argv:
         return None
-    at = sys.argv.index("--out")
+    at = sys.argv.index("--branches")
     path = Path(sys.argv[at + 1])
     del sys.argv[at:at + 2]
     return Record(path)
