@@ -45,10 +45,12 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                         step_t measured, torque_range_t range)
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
-    /* A PI has one limit for both signs. The range becomes symmetric when its middle is taken off. */
+    /*
+     * pi_step() has one limit for both signs. Less its middle, the range is symmetric. Where the sum of its ends is odd,
+     * it then reaches one LSB too far down, which the fx_max() below cuts off.
+     */
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
-    const int32_t reach =
-        range.upper - middle; /* an odd sum: one LSB beyond the lower end, cut off below */
+    const int32_t reach = range.upper - middle;
     const int32_t error = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
 
     return fx_max(

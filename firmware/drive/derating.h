@@ -59,7 +59,8 @@ typedef struct {
     int32_t bus_regeneration_max; /* braking, likewise */
 } derating_cfg_t;
 
-#define DERATING_HEAT (0x01U) /* which limits narrow the torque, for motoring, braking or both */
+/* Which limits narrow the torque, for motoring, braking or both. */
+#define DERATING_HEAT (0x01U)
 #define DERATING_TEMPERATURE (0x02U)
 #define DERATING_BUS_HIGH (0x04U)
 #define DERATING_BUS_LOW (0x08U)
