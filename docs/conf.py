@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The documentation site: Sphinx with MyST for the guides, Doxygen and Breathe for the firmware's headers."""
 import os
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Motor, board and tuning of an image: files of host_sim/ by name, or paths of one's own.
 #
 # A reference with a '/' or ending in .toml is a path; any other is the name of a file in host_sim/. nfconfig reads it the

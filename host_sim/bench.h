@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // How fast the simulator is: whole runs of a scenario, and its plant and drive alone.
 #pragma once
 

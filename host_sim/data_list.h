@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What the data folder holds, for people.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The smallest and the largest value that each intermediate of the drive has in a run: the words of its signals and of
 // its output frame.
 #pragma once

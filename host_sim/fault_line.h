@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A recorded fault in the words and units of a person.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What goes wrong in a run: [[scenario.fault]] put into the plant, the hardware binding and the drive's
 // memory at its time. Where no fault is listed nothing is touched.
 #pragma once

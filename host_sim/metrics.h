@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The figures of merit of a run, computed while it runs.
 //
 // Errors are actual − estimated, taken at the sampling instants: the truth at t_k against what the

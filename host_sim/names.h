@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The firmware's states as words, for files and messages. Faults: firmware/drive/fault_text.h.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // nfconfig: shows and checks configurations, and writes the header that targets compile.
 //
 // Exit code 0, or 2 with one line on stderr that says what is wrong.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Who asks the drive to run, to stop and to forget a fault: [[scenario.request]].
 //
 // RUN is wanted from the start on and asked for as soon as the drive is READY; entries change the wish.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A quantity that changes in steps at given times.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A drive as it was in the field, what it was told from there on, and what it answered.
 #pragma once
 

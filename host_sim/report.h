@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The outcome of a run as JSON for programs and as a table for people.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "saturation.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Which of the drive's signals are at the end of their range, counted from outside: after each tick
 // the values that the firmware keeps anyway are compared with the values that it clamps them to.
 //

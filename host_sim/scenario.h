@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Runs a configuration from the start of its prelude to its end and judges it.
 //
 // The first tick is at t = −prelude_s, with the rotor as the scenario says and the drive in INIT. RUN

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A simulation and the script of its scenario: steps of command and load, requests and faults, each from
 // the tick nearest to its time. Or the frames of a recording: then there is no motor, what is true is not known (NaN),
 // and command and requests are the frames'.

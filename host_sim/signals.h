@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Every signal of a run by its name: what the motor does, what the drive believes, each word of the drive's state and
 // configuration. One table for traces, for the debugger and for whoever asks by name.
 //

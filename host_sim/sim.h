@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // One motor, one inverter and one drive, coupled through the host's hardware binding.
 //
 // A tick is control(), then advance(). Before control() of tick k the drive holds what it believes

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "state_check.h"
 
 #include <cstdint>

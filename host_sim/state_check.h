@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Which states the firmware may be put into from outside: by a recording, by a person.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // One control tick of a run: what is true at t_k, and what the drive believed about it.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The signals of a run as a CSV file, one row a control tick, for PlotJuggler, pandas and the like.
 //
 // The unit of each column is the end of its name. Estimates stand beside the truth of the same

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The signals of a part of a run as a value change dump (IEEE 1364), for GTKWave, Surfer and the like.
 //
 // The numbers of the trace as reals and the states as integers, changing at the tick's instant; the six switches of the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """What a control tick costs on a Cortex-M: instructions, modelled cycles, stack, sizes.
 
   tools/bench_target.py                     the tables

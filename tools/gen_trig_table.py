@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Write firmware/math/trig_table.c: the sine and arctangent tables behind trig.c.
 
     tools/gen_trig_table.py > firmware/math/trig_table.c

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Tools start with any python3 and go on in the project's own, which has their packages."""
 
 import importlib

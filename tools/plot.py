@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
 """Figures: one simulated run, a report of all, what the dead time does, a gain design.
 
 Runs come from the simulator, which writes a trace and the metrics of a scenario, designs from

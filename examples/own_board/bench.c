@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * On the PC the plant is the board: power stage, motor and sensors. The program ends with 0 if the shaft turns at the
  * speed asked for when the time is up, else with 1.

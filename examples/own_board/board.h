@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The binding of hal.h to the board: one block of registers, which timer and converters serve. On the chip the linker script
  * says where it is; on the PC bench.c is the board.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Toolchain file: a Cortex-M4 whose FPU the rest of the program may use.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Of the chip: its interrupts, and what opens the gates when nothing else can be relied on. */
 #include "board.h"
 #include "reset.h"

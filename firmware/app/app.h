@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The application shared by every target: one drive on one hardware binding.
  */

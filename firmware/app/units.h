@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From the firmware's numbers to those of a person and back, for a console and the like.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "current_loop.h"
 
 void current_loop_reset(current_loop_t *loop)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Current control in the rotor frame: one PI an axis, decoupling, voltage limited to a circle.
  *

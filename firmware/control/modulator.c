@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "modulator.h"
 
 #include <stddef.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Space-vector modulator with bus-voltage compensation.
  *

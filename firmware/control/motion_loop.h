@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Speed and position control, called at the slow rate (every N-th control tick).
  *

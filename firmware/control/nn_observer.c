@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
 #define STATE_BITS (11U) /* of a state in Q26 below one LSB of Q15 */

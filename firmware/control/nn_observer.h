@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Neural-network speed observer, paper A (14)–(22).
  *

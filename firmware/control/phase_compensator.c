@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "phase_compensator.h"
 
 #include "trig.h"

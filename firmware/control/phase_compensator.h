@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Phase compensator of a drive without current regulators, paper B (39)–(43).
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pi.h"
 
 #include "fx.h"

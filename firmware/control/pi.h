@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * PI controller with limited output and anti-windup, paper B (28)–(30) in backward-difference form:
  *     I(k) = I(k−1) + K_i·T·e(k),   u(k) = K_p·e(k) + I(k) + feed-forward, limited to ±limit

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Rotor position by integration of the speed, paper A (23). Printed is θ̂(k+1) = θ̂(k) + T·ω̂(k). The drive departs from
  * it: it advances θ̂ with ω̂(k+1), which the training of the same tick has just made. The newer speed is what keeps the

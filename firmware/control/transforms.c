@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "transforms.h"
 
 #define ONE_OVER_SQRT3_Q15 (18919)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Clarke and Park transforms and their inverses, amplitude invariant (factor 2/3).
  *

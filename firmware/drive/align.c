@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "align.h"
 
 #include "fx.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Alignment: pull a standing rotor to a known angle with an imposed current, and measure R and L with it.
  *

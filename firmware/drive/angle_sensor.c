@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "angle_sensor.h"
 
 #include "vector_control.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The rotor's angle from a sensor on the shaft, in place of the observer's estimate.
  *

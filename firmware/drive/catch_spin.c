@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "catch_spin.h"
 
 #include "trig.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "config_guard.h"
 
 #include "crc32.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Guard of the configuration: a CRC stored with it, checked at start and, a word at a time, for ever.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * CRC-32 (IEEE 802.3, reflected): of the configuration, and of what is sent of a recording.
  *

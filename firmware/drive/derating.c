@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "derating.h"
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */

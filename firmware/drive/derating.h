@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Derating: how much torque current the drive may ask for, and the faults where that does not help.
  *

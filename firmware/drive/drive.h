@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The drive: one pure control step from an input frame to an output frame.
  *

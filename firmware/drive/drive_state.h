@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the parts of the drive share: its state, and what follows from it. From within drive_step only. */
 #ifndef DRIVE_STATE_H
 #define DRIVE_STATE_H

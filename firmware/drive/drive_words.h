@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The state of the drive as 32-bit words: the one description of what a state is beside its struct.
  *

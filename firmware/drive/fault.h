@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Faults: why the gates were opened, with the numbers to see it by.
  *

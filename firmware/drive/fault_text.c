@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "fault_text.h"
 
 /* The length is the table's. */

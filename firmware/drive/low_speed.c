@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "low_speed.h"
 
 #include "drive_state.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What the drive does below the speed at which the back-EMF tells the rotor's angle.
  *

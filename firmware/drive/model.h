@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The motor model in force: the configured one with resistance, inductance and magnet flux corrected by
  * what the drive has measured.

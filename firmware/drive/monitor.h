@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What is watched in the course of time: gathers the drive's signals for supervision, derating and the guard of the
  * configuration, and latches what they find.

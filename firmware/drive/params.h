@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The whole configuration of a drive in per-unit integers, and its check.
  *

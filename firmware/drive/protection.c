@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "protection.h"
 
 #include "fx.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The flight recorder: a ring of input and output frames, and a snapshot of the drive's state where it begins.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "recorder_dump.h"
 
 #include "crc32.h"

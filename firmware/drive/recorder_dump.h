@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A frozen recording as text: one line after the other, to be sent whenever there is room.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Configuration of what happens below the speed at which the back-EMF tells the rotor's angle. */
 #ifndef STARTUP_H
 #define STARTUP_H

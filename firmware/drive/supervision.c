@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "supervision.h"
 
 #define ARC_Q16 (32768) /* half a turn: in it each phase of a vector moves by its length at least */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Supervision: faults that show in the course of time, looked at in small steps between the motion loops.
  *

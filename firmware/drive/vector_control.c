@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "vector_control.h"
 
 #include "drive_state.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The control tick of the states with gates on: estimate, motion loops, current control, modulation.
  *

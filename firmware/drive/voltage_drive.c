@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "voltage_drive.h"
 
 #include "drive_state.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Paper B's phase-compensated voltage drive: RUN without current regulators.
  *

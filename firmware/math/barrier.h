@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Order of memory accesses between the background and an interrupt on the same core.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Fixed-point arithmetic: saturation, shifts and mixed-width products.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The one shift of signed numbers that everything here is built on. */
 #ifndef FX_SHIFT_H
 #define FX_SHIFT_H

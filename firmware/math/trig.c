@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "trig.h"
 
 #include "trig_table.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Sine, cosine, arctangent and square root on integers, by table and linear interpolation.
  * Pure functions, no state, callable from any context; none can fail.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Written by tools/gen_trig_table.py; do not edit. */
 /* clang-format off */
 #include "trig_table.h"

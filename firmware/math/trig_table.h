@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Tables behind trig.c. Generated values, see tools/gen_trig_table.py. Private to firmware/math. */
 #ifndef TRIG_TABLE_H
 #define TRIG_TABLE_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # nf_add_image(<target> SCRIPT <linker script> SOURCES <file>... [LINK <target>...])
 #
 # An image for a Cortex-M: <target>.elf at the top of the build folder, with its map beside it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "reset.h"
 
 /* What has to be done to the RAM; made by sections.ld, which alone knows it. */

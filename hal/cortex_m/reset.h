@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * From reset to main() on any Cortex-M, and one place where everything unexpected ends.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The handler of everything that must not happen. In assembly, as a compiled one begins by saving
  * registers, and an exhausted stack is among the things that bring the core here.

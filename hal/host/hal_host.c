@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal_host.h"
 
 #include <stddef.h>

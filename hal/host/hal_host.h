@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The binding of hal.h to the simulated hardware: the plant is the timer, the converters and the gates.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal_mps2.h"
 
 void hal_mps2_feed(hal_t *hal, const drive_in_t *in)

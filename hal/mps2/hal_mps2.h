@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The binding of hal.h to a recording: what the converters measured comes from a recorded frame, and
  * what would go to timer and gates is kept for the recording of results. Runs on any Cortex-M that has

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Replays frames.nfr through the control interrupt and writes results.nfr, both in the working folder
  * of the emulator (recording.h). Exit code 0, or one of those below with the reason as text.

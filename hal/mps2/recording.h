@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A recorded run: the input frames of every tick, and what the drive made of them.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "semihost.h"
 
 /* Operations and the reason "application exit" of the semihosting specification. */

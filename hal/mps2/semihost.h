@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Files and exit code of the machine that runs the emulator (or the debugger), as Arm's semihosting
  * specification defines them. Each call stops the core until the host has done it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The operations of semihosting. Each gets its operation in r0 and its block of up to three words as
  * further arguments; the block is laid down on the stack, and the host's answer comes back in r0.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The boards' interrupts: none is used, and none may come. */
 #include "reset.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What this image knows about its board, in the units that the registers want.
  *

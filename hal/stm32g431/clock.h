@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Clock tree, clocks of the peripherals and pins. RM0440 6.1.5 (boost), 7.2, 9.3.
  */

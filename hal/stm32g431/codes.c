@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "codes.h"
 
 #define HALF_CYCLES_PER_US (85U) /* of 42.5 MHz */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Times as the fields of this chip's registers tell them. What is asked for is a least time: no code is shorter.
  */

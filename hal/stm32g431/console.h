@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The console: one command a line, one line as answer; and the status when the drive changes its state.
  *

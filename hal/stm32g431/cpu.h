@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What C has no word for.
  */

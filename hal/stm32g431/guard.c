@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "guard.h"
 
 /* 32 kHz / 4: a count is 125 µs. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal_g431.h"
 
 #include "barrier.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "led.h"
 
 #include "board.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The status LED, PC6: on while the drive runs, slow blinking when it is ready, fast after a fault.
  */

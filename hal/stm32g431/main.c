@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while the
  * background serves console, LED, temperature and watchdog, once a tick.

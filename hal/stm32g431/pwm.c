@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "pwm.h"
 
 #include "codes.h"

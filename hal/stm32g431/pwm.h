@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * TIM1: centre-aligned complementary PWM on three half bridges. RM0440 28.3.
  *

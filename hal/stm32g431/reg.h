@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Access to memory-mapped registers by their address: the one place that turns a number into a pointer.
  *

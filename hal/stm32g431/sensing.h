@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Shunt amplifiers and converters. RM0440 21.4, 25.3.
  *

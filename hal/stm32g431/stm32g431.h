@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The registers of the STM32G431 that this binding touches, and no others.
  *

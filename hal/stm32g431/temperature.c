@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "temperature.h"
 
 #include <stdbool.h>

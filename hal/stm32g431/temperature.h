@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The power stage's temperature from its converter's counts, by the line of the board file.
  */

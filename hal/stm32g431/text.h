@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Text of the console: words and numbers into a buffer of fixed size. What does not fit is cut off, and a line that is cut
  * keeps its end.

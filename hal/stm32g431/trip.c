@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "trip.h"
 
 #include "board.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Over-current protection that needs no software: three comparators on the shunts, their level from DAC3,
  * their outputs on the timer's break input. RM0440 24.3.

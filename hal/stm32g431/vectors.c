@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The chip's interrupts, RM0440 table 97: one is used, the others must not come. */
 #include "vectors.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The interrupt that this target handles, beside SysTick of reset.h; all others are
  * safe_state_handler().

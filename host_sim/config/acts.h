@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Where a key acts: some do only together with another one.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A complete configuration, read from the motor, board, tuning, scenario and imperfection files.
 //
 // Layers, later ones override earlier ones key by key:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What data sheets print, and what a motor file holds: peak values of a phase in star connection.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The firmware's integers beside what they mean in SI units.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // TOML text to a plain tree in which every value knows its line.
 #pragma once
 

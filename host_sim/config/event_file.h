@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The lists of a scenario that disturb it and ask for things: [[scenario.fault]], [[scenario.request]].
 #pragma once
 

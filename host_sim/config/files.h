@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Where the files are and what they hold.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "hal_header.h"
 
 #include "schema.h"

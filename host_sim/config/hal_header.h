@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The C header that gives a hardware binding its board.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The C header that gives a target its configuration.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // One file or override as a list of checked settings: what is wrong with it is found here,
 // whether or not another layer overrides it.
 #pragma once

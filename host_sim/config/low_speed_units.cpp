@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "low_speed_units.h"
 
 #include <algorithm>

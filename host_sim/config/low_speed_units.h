@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The firmware's numbers of what happens below the speed at which the back-EMF tells the angle: one rule
 // for every motor, from its file.
 #pragma once

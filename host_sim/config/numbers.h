@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What turning settings into the firmware's numbers is made of: ranges, mantissas, the motor model.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Where a setting comes from, and the error that names it.
 #pragma once
 

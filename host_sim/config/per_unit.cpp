@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "per_unit.h"
 
 #include "low_speed_units.h"

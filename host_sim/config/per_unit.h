@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // From settings in SI units to the firmware's per-unit integers: the one place where this is done,
 // for the simulator at run time and for the header that targets compile.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "ratings.h"
 
 #include "numbers.h"

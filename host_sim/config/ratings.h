@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Whether motor, board and tuning do together what each file says.
 #pragma once
 

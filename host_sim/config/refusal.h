@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Refusals of values that are wrong only beside others: which of the lines is blamed, and what the user can write.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The parts of a scenario file that are no single settings: its lists and the accepted limits.
 #pragma once
 

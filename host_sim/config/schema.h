@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The table of every setting: section, key, unit, range, default, place in Config, help and when it acts.
 // Reading, range checks, messages and the list of keys all work from it.
 #pragma once

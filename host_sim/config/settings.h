@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Settings in SI units, as read from the motor, board, tuning, scenario and imperfection files.
 // The unit of each number is the end of its name; keys in the files have the same names.
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The nearest known name to a misspelt one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "text_guard.h"
 
 #include "origin.h"

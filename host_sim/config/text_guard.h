@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Refuses text that toml++ 3.3 does not survive, before it sees it:
 //   characters outside ASCII that are in no string or comment reach its __builtin_unreachable();
 //   dotted keys nest without limit, and each level costs stack.

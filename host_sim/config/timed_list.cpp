@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "timed_list.h"
 
 #include "event_file.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The lists of a scenario that step a quantity: [[scenario.command]], [[scenario.load]].
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The dialogue of a session with whoever gives the commands.
 #pragma once
 

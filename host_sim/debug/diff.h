@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // One tick of the drive beside its twins in double precision, module by module in the tick's order.
 //
 // Each module's twin gets what the drive's module was given in this tick: the state before it, and the signals as

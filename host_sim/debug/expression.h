@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Conditions and sums over signals: speed_rpm > 1000 && state == RUN.
 //
 //     || && ! == != < <= > >= + - * / ( ) numbers, names, abs(x)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Ctrl-C as a request to stop what runs, not as the end of the process.
 #pragma once
 

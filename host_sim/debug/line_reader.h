@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Where a session's commands come from: a person at a terminal, with editing, history and completion, or a file or pipe.
 #pragma once
 

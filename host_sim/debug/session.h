@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // One debugging session: a run, what it stops at, what is watched.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What a person changes in a run: state, configuration, converter counts, commands.
 #pragma once
 

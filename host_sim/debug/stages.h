@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Every intermediate of one tick in the order in which the drive computes it.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The words of the firmware and the stages of a tick as a table for other debuggers.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A run that can be at any of its ticks, forwards and backwards.
 //
 // At a tick its control interrupt has run: the drive's signals are those of t_k, and so is the truth. Backwards is a

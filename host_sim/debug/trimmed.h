@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A line's words have blanks around them.
 #pragma once
 

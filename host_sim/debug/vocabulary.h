@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The words that a person may use for signals, states and faults.
 #pragma once
 

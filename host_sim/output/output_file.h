@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A file of results: under its name it is there whole, or not at all.
 #pragma once
 

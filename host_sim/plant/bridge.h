@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Conduction of a three-leg bridge into the motor while no switch changes.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Range checks of the configuration structs. */
 #ifndef PLANT_CHECK_H
 #define PLANT_CHECK_H

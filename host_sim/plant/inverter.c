@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "inverter.h"
 
 #include "check.h"

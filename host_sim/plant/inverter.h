@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Timing of a three-leg bridge: compare values in, leg states over one PWM period out.
  *

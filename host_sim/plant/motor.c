@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "motor.h"
 
 #include "check.h"

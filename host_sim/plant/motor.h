@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Permanent-magnet synchronous motor with saliency, and its shaft.
  *

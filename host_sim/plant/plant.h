@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The simulated drive hardware: PWM inverter, motor with load, current and bus sensing.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "random.h"
 
 /* Counter step: the odd integer nearest 2^64 / golden ratio, so the counter visits every state. */

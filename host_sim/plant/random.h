@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Seedable noise source: the same seed gives the same sequence on every machine
  * (integer arithmetic only up to the last multiplication).

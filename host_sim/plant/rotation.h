@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Plane rotations without libm, so that every machine computes the same bits.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "sensors.h"
 
 #include "check.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Current and bus sensing with an analogue-to-digital converter.
  *

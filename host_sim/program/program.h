@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What the command-line programs have in common: how they end and how they write.
 #ifndef NF_PROGRAM_H
 #define NF_PROGRAM_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The firmware's headers for C++.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // How far one tick of the firmware's observer may be from its twin: the roundings of its arithmetic, each at its worst.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Space-vector modulator: phase duties for a voltage on a bus, both in V, and what dead time and drop take from
 // them given back by the current, in A.
 #pragma once

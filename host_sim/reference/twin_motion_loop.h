@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Speed and position control at the slow rate, in electrical rad, rad/s and A.
 #pragma once
 

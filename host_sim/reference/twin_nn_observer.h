@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Neural-network speed observer, paper A (14)–(22), in SI units and without any limit: with the exact rotation by
 // W2, and as the paper prints it.
 #pragma once

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What the firmware's integers mean in SI units, and the twins' parameters made of them.
 //
 // A twin gets the parameters that the integers stand for, not those they were rounded from: a comparison

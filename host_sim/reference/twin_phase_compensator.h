@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Phase compensator, paper B (40), (41), (43), in radians and amperes.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Rotor position, paper A (23), in radians.
 #pragma once
 

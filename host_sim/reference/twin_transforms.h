@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Clarke and Park transforms in SI units, amplitude invariant (control specification, section 1).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "line_code.h"
 
 #include "recording.h"

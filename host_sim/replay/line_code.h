@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The lines that a recording is sent in: see firmware/drive/recorder_dump.h.
 #pragma once
 

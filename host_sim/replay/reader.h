@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A recording out of whatever a serial line was logged with.
 #pragma once
 

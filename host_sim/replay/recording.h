@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What the flight recorder sends, taken apart: configuration, the state before the first frame, the frames.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A recording, run again.
 #pragma once
 

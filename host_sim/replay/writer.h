@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The flight recorder at a run of the simulator: the firmware's own, fed as its control interrupt feeds it.
 #pragma once
 

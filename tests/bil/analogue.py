@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Models of the STM32G431's analogue side: amplifiers, converters, comparators and their level.
 
 Facts from the reference manual RM0440 and the data sheet. Voltages are in counts of the converters,

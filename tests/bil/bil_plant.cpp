@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A run of the simulator whose power stage obeys a control image in an emulator:
 //
 //     bil_plant SCENARIO IMPERFECTIONS [SET...]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The B-G431B-ESC1: an image on an emulated Cortex-M4 with models of all that it touches.
 
 The models keep the time, in cycles of the 170 MHz clock: instructions (core.py) and accesses to registers take theirs, and

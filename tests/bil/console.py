@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the console says, line by line."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs of which each goes on from the same moment of an emulated board."""
 
 import os

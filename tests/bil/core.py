@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The emulated Cortex-M4, and what its instructions cost.
 
 The cost is the upper one of tools/bench/cycles.py with a refill of the pipeline behind each block, and no wait states: flash

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * What unicorn calls so often that it has to be in C: before each block of instructions the time of the emulated core
  * (core.py), some hundred times in a control tick, and before a decision of the board's code which way it goes

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The decisions of the board's own code in an image, and which way each has gone while it was emulated.
 
 A decision is an instruction that does one thing or another: a conditional branch, cbz, cbnz, or the `it` before

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Models of the STM32G431's digital side: clocks, pins, timer, console, watchdog and core peripherals.
 
 Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time counts cycles of the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """As much of an ELF file as the test needs: what a programmer writes into the flash."""
 
 import struct

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Registers of a chip as tables, and what is wrong about an access to them.
 
 An access to a block without a clock is not wrong on the chip, and nobody says so: it does not act.

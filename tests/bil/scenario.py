@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A scenario of the simulator with the image in the loop.
 
 scenario.py IMAGE BOARD CLOCK BIL_PLANT SCENARIO PARTS: the image runs from its reset vector on the board of

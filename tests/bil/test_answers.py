@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.answers: the image waits for registers of the chip; these answer at once, late, or never.
 
 test_answers.py IMAGE BOARD CLOCK [TEST...], as scenario.py. Each wait is bounded: the image says what does not answer, opens

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.command: the control tick finds whole commands only, wherever it interrupts the background.
 
 test_command.py IMAGE BOARD CLOCK GDB

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.default_image: who asks for no motor and no board gets the image of the board as it is sold.
 
 test_default_image.py FOLDER: the build folder of the preset stm32g431, configured without NF_MOTOR, NF_BOARD, NF_TUNING.

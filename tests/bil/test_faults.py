@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.faults: what the image does when something goes wrong, and that the models notice.
 
 test_faults.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.

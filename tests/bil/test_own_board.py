@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.own_board: an image for a board and a motor of one's own, whose files lie outside of the project.
 
 test_own_board.py NFCONFIG CLOCK: the board has an external amplifier, so that the chip's own ones have a gain of 1. cmake is

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.races: what comes between two accesses of the image to a register, and what a tick must not undo.
 
 test_races.py IMAGE BOARD CLOCK [TEST...], as scenario.py.

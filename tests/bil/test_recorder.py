@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.recorder: what the image records of a fault comes out again on the PC, bit for bit.
 
 test_recorder.py IMAGE BOARD CLOCK MOTORSIM [TEST...]: the image in the emulator fails, sends its recording over its console, and

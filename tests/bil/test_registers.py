@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.registers: what the chip's registers hold once the image has booted, each bit by the manual.
 
 test_registers.py IMAGE BOARD CLOCK [TEST...], as scenario.py. The values are written down here a second time, from RM0440, the data sheet

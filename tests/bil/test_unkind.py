@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.loop.unkind: the image on a board that has tolerances, disturbances and a user, and takes its time.
 
 test_unkind.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The board's console: what it answers to each line, what the drive gets of it, and how it says numbers. */
 #include "board.h"
 #include "console.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The status LED, on a page of memory where the chip has the port's registers. */
 #include "board.h"
 #include "led.h"

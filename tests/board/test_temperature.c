@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* °C of the converter's counts, along a line of points. */
 #include "temperature.h"
 

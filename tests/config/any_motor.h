@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Motors and boards as there are: drawn at random with the proportions of real machines.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The configuration that the unit tests of the firmware write out by hand. */
 #include "example_cfg.h"
 

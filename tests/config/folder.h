@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A folder of small, valid files that a test can spoil one line at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Includes one generated header, as a target does; compiled once a header. */
 #include CONFIG_HEADER
 

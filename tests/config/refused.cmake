@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # cmake -DLINE=<start> -P refused.cmake -- <program> <argument>...
 # Fails unless the program exits with 2, says nothing on stdout and on stderr exactly one line that
 # starts with LINE.

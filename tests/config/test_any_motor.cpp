@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Real motors, and every key at both ends of its range: what is not accepted is refused by a line that the user wrote.
 #include "any_motor.h"
 #include "folder.h"

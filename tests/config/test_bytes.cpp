@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Whatever the bytes are, the reader accepts them or refuses them with one line; it never crashes.
 #include "files.h"
 #include "layer.h"

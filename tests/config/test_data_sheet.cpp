@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // What data sheets print is turned into what a motor file holds, and the page for users says how.
 #include "config.h"
 #include "data_sheet.h"

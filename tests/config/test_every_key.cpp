@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every key of the schema, in every mode: another value of it changes what the firmware, the board or the simulated machine
 // is given, or it is refused, or the schema says that the key does not act there and whoever writes it is told so.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Which layer wins, where values come from, and what a scenario file says.
 #include "folder.h"
 

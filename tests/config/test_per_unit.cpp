@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The firmware's numbers from SI units by hand, none with the code's own constants: motor A every field, most of them in
 // example_cfg.h of the firmware's own tests with their way of getting there; of motor B what another motor, another tuning
 // and the ends of a range make otherwise.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Each kind of wrong input gets one line that names file, line, key, value and what is allowed.
 #include "folder.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // From the motor file to the gains: what a tuning leaves open is filled in by the motor, docs/configuration.md.
 #include "folder.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The files that come with the project, and the header made of them.
 #include "config.h"
 #include "describe.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A tick beside its twins: within the roundings as long as nothing is wrong, and at the right module when something is.
 #include "diff.h"
 #include "set.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Expressions: value, precedence, names, and what is refused with which column.
 #include "expression.h"
 #include "vocabulary.h"

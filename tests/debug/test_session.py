@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """motorsim debug as its users meet it: sessions from a file or a pipe, and what they are told."""
 
 import fcntl

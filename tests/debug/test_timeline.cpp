@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Forwards and backwards through a run: always to the same bits, never far from a snapshot, in bounded memory.
 #include "set.h"
 #include "timeline.h"

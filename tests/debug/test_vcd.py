@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The value change dump of motorsim run: its grammar, its window, and the edges of the gates."""
 
 import csv

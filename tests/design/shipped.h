@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The design of paper B as it is shipped, and its two models.
 #pragma once
 

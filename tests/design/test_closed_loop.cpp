@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The loop with its controller: matrices, stability, step responses, the drive's gains.
 #include "drive_gains.h"
 #include "origin.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Design files and published matrices: what they give, and one line for whatever is wrong.
 #include "compare.h"
 #include "origin.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Motor equations, their linearisation and its discretisation.
 #include "discretise.h"
 #include "shipped.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Cost, its gradient, the barrier, conjugate gradients, and the optimum they find.
 #include "barrier.h"
 #include "conjugate_gradient.h"

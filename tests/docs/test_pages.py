@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """docs.pages: what a reader of the guides counts on."""
 
 import re

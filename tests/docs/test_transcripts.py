@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """docs.transcripts: the transcripts in the guides are what the programs print today.
 
 test_transcripts.py PROGRAMS GDB     PROGRAMS: the folder that has motorsim, nfconfig and gaindesign

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.board_can_fail: a branch that no test takes both ways is found, and so is a justification that nothing needs."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.bounds_can_fail: a value outside of what is proven, a tick over the budget and a stack too small are found."""
 
 import unittest

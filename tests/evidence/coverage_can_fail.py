@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.coverage_can_fail: what is not covered is found, and so is a justification that nothing needs.
 
 The PI controller of the firmware stands for all of the core. Each fault alone is put into a copy of it, or into the

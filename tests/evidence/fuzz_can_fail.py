@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.fuzz_can_fail: fuzzing finds a fault in each kind of input within seconds, and has to have happened.
 
 Each fault alone is put into a copy of one source; its object is linked before the libraries, which hold the good one.

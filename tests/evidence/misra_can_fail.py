@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.misra_can_fail: a violation in the code is found, and each hole in the table.
 
 The gate runs over the small tree of gate.selftest; the table is made of what it writes.

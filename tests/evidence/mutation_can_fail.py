@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.mutation_can_fail: mutants survive weaker tests, and the register cannot hide or keep one.
 
 With it, two faults that have to be killed: the sign of the descent in (21) of paper A, a dropped saturation.

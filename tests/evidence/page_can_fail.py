@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.page_can_fail: the page is refused when a part is missing or keeps no threshold, and shows which."""
 
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.planted_can_fail: a row that shows nothing is a finding, and a row that holds is none."""
 
 import tempfile

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a register of the evidence is held to, whatever is in it: for the tests of those who read one."""
 
 import tempfile

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.traceability_can_fail: each kind of broken link is found, in a copy of the register and the sources."""
 
 import shutil

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The input of a program, read from its beginning; zeros behind its end.
 #pragma once
 

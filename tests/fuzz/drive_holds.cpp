@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "drive_holds.h"
 
 #include "fuzzed.h"

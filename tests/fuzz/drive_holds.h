@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What has to hold of a drive, whatever it is told: the ranges of the proof, and what its header promises.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Any text as a configuration file: it is refused with one line, or the drive and the simulation run with it.
 //
 // The first byte chooses what the rest is: a motor, board, tuning, scenario or imperfection file, or overrides, one a

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Any bytes from the serial line to the board's console, while the drive runs, and whatever it does.
  *

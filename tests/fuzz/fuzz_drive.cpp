@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Any frames, from a state that a run with a shipped motor, board and tuning has been in.
 //
 // The first byte chooses the state. Then changes of the frame, each with a byte that says what changes: see next_frame().

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Any bytes as a recording: it is refused with one line, or runs again.
 //
 // The first byte chooses what the rest is:

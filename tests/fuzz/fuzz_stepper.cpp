@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Any lines as commands of the stepper, in a brief run: each is done, or refused with one line.
 #include "commands.h"
 #include "fuzzed.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What libFuzzer calls, and how a program says that something does not hold. */
 #ifndef FUZZED_H
 #define FUZZED_H

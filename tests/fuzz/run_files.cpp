@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // In place of libFuzzer: the files of each folder that is named, once.
 #include "fuzzed.h"
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Sessions of gdb in batch mode, and what motorsim says of the same tick."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gdb on motorsim: what it shows of a tick is what the stepper shows. test_host.py GDB MOTORSIM"""
 
 import re

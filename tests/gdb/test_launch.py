@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The launch files of IDEs: readable, relative, and of what is there. test_launch.py"""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gdb on an image in QEMU: what it shows of a tick is what the stepper on the PC shows of that tick.
 
 test_target.py GDB MOTORSIM IMAGE

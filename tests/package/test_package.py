@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """package.own_board: other projects find, fetch and pack this one, and examples/own_board turns its motor in each way.
 
 test_package.py BUILD NFCONFIG

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.porting: a binding outside of the project is built as docs/porting.md says, for the PC and for a Cortex-M4.
 
 test_porting.py NFCONFIG [TEST...]

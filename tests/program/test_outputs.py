@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """programs.outputs: a program whose results could not be written says so, and leaves no half of a file.
 
 test_outputs.py MOTORSIM NFCONFIG GAINDESIGN

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The input frame of a tick, free in its whole raw range; for Eva. */
 #ifndef ANY_FRAME_H
 #define ANY_FRAME_H

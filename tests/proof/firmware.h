@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* All of the firmware below the HAL as one unit, so that its inline functions are there once. */
 #include "../../firmware/control/current_loop.c"
 #include "../../firmware/control/modulator.c"

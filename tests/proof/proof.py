@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.proof: no run-time error in the drive and in the recorder's step, proven by Frama-C's Eva.
 
 Proven is an induction over the ticks: drive_init begins within the ranges of state.def, and one drive_step from any

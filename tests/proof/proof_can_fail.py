@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.proof_can_fail: the proof finds each kind of run-time error, a saturation and a clamp that are gone, code that
 it does not go through, a question that it does not ask, and a tool that fails.
 

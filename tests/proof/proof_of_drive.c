@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One step of the drive from any state within the ranges of state.def, with any valid configuration and any frame, ends
  * within them, and drive_init begins there: an induction over the ticks. Read by Eva, see proof.py.

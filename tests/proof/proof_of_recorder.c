@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * One recorder_step from any state within the ranges below, after any tick, ends within them, and recorder_init begins
  * there: an induction over the ticks. What the background writes between two of them is chosen anew for each; that it

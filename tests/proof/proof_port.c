@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "proof_port.h"
 
 #include "port/fx_plain.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The functions of tests/proof/port under other names, beside those of the firmware. */
 #ifndef PROOF_PORT_H
 #define PROOF_PORT_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Case distinctions for the proof: all words x in 256 blocks of 2^24, or an angle in 64 sectors. Eva goes through the
  * cases one by one where the firmware says `assert BLOCKS(x)`, which is true of every word and proven like any other

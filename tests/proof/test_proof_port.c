@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What the proof has in place of some functions gives what they give. */
 #include "fx.h"
 #include "proof_port.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Current loop beside its twin.
 #include "settings_under_test.h"
 #include "twin_current_loop.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Modulator beside its twin: from a voltage in the rotor frame to three duties.
 #include "firmware.h"
 #include "settings_under_test.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Speed and position loops beside their twins.
 #include "settings_under_test.h"
 #include "twin_motion_loop.h"

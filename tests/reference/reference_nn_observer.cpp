@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Speed observer beside its twin.
 //
 // The difference of the two is itself a linear system around the operating point, driven by the roundings

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Phase compensator beside its twin.
 #include "firmware.h"
 #include "settings_under_test.h"

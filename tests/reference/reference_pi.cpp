@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // PI controller beside its twin.
 #include "settings_under_test.h"
 #include "twin_pi.h"

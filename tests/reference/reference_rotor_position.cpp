@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Rotor position beside its twin: the integer integration is exact, so only the twin rounds.
 #include "firmware.h"
 #include "settings_under_test.h"

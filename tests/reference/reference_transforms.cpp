@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Clarke and Park transforms beside their twins.
 #include "firmware.h"
 #include "settings_under_test.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Configurations of both motors for the comparisons.
 #pragma once
 

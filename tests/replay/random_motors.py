@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Motors and boards as they could be bought: drawn by class, made from ratios that a designer of motors works with.
 
 A motor of a class has a power, a speed, pole pairs and a bus voltage. From them follow, by drawn shares: the flux linkage by

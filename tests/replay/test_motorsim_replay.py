@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """replay.motorsim: recordings on the command line, written, replayed, stepped through and refused.
 
 test_motorsim_replay.py MOTORSIM

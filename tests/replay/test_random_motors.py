@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """replay.random_motors: whatever motor and board one buys, it is refused in the user's terms or it works as the shipped ones do.
 
 test_random_motors.py TRY_MOTORS COMPILER [COUNT [SEED]]: draws COUNT motors with their boards, and TRY_MOTORS reads, records

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Recordings: one of a run comes out bit for bit, a changed one is refused in one line or departs where it was changed.
 #include "line_code.h"
 #include "reader.h"

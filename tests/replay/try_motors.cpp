@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Tries configurations as a user would, many in one process: for each FOLDER of the command line it reads scenario.toml, makes
 // the header of the hardware as FOLDER/hal_config.h, runs and records some ticks, and replays the recording. Prints a line of
 // JSON a folder: {"refused": LINE}, or what the run and the replay came to.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The bus current of whole runs: held at its limits, by the plant's own power.
 #include "scenario.h"
 

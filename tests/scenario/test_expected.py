@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the scenarios measure today, bounded on both sides; and their limits, bounded by what is measured.
 
 The limits in the scenario files say what a user may rely on and leave room. These figures say what the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Every fault in every state of the drive: how soon the gates are open for good and what is latched, or why nothing
 // is and what the motor does meanwhile. The table is part of the design: docs/protection.md, "Fault injection".
 //

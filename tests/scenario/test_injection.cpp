@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Injected faults change what the drive sees, when they shall and no tick earlier; and the user's requests.
 #include "scenario.h"
 #include "tick.h"

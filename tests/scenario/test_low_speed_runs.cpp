@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Start, standstill and low speed with wrong parameters, noise and dead time: what the product promises.
 #include "names.h"
 #include "scenario.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Metrics on made-up signals whose figures are known in closed form.
 #include "metrics.h"
 

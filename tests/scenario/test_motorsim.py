@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """motorsim as its users meet it: exit status, messages, files, from any folder."""
 
 import csv

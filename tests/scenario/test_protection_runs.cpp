@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Faults put into a running drive, end to end: which one is found, how soon, and none where none is due.
 #include "scenario.h"
 

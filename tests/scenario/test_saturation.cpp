@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Each clamp of the drive is seen from outside, and nothing is seen just short of it.
 #include "saturation.h"
 

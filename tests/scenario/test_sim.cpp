@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The coupling of plant, hardware binding and drive, and what a run does with its profiles.
 #include "fault_line.h"
 #include "profile.h"

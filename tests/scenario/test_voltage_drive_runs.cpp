@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // The phase-compensated voltage drive on the simulated plant: its lead, its currents, and what they are without it.
 #include "scenario.h"
 

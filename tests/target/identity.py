@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Replays a recording on an emulated board and compares every tick with the PC's results.
 
 identity.py QEMU BOARD IMAGE FOLDER: FOLDER holds frames.nfr and results.nfr of `record`.

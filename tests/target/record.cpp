@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Records a run of the simulator for the replay on targets:
 //
 //     record FOLDER SCENARIO [IMPERFECTION | SECTION.KEY=VALUE]...

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.bench: tools/bench_target.py counts what it says it counts, and refuses what is no figure.
 
 test_bench.py IMAGE FOLDER: a replay image for a Cortex-M3, and a recording of `record` for it.

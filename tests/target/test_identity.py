@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.refuses: what is not identical is found, and a board that cannot replay says why.
 
 test_identity.py QEMU BOARD IMAGE FOLDER, as identity.py.

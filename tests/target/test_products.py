@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.products: which functions of the compiler's library a tick can reach on a core without long products.
 
 test_products.py FOLDER: of the builds for Cortex-M0+, whose images lie there.

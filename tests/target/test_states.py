@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """target.states: the recording that all cores replay passes through every state of the start-up.
 
 test_states.py DRIVE_H FOLDER: FOLDER holds results.nfr of `record`.

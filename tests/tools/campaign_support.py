@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the tests of campaigns share: campaign files, and the command line in this process."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the tests of the tools share: the path of the tools and made-up runs."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Made-up runs that look like those of the simulator: a motor with a speed or position loop
 and an estimate that lags behind it. Only for trying tools/plot.py without a simulator."""
 

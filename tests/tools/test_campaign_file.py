@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Campaign files: what is drawn from them, and the one line that says what is wrong."""
 
 import unittest

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Running campaigns: results, going on with them, making one run again, refusals."""
 
 import json

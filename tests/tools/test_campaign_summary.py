@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a campaign's results say: counts, figures, where failures gather, the map."""
 
 import io

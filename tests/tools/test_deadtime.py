@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The measurement of the dead time: harmonics of known currents, files, figure and section."""
 
 import functools

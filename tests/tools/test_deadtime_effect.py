@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What giving the dead time back does to the drive on the switched plant.
 
 The figures are bounded on both sides: a change that moves one by more than a fifth, for better or worse, has to

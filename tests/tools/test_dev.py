@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """tools/dev demo, with stand-ins for what it calls: what it builds, and what it says of runs that do not hold."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Figures: the panels of the paper, shared ranges, and the same bytes for the same run."""
 
 import unittest

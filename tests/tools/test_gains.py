@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The figures of a gain design, from a made-up design."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command line: what it writes, what it says, how it exits."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The report: the numbers beside the claim, and a page that needs nothing from elsewhere."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Reading runs: what is accepted, and the one line that says what is wrong."""
 
 import unittest

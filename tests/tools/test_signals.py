@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Steps, peaks, wraps and zoomed windows."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The table of what the phase compensator saves, from made-up runs."""
 
 import unittest

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Wide arithmetic that expected values are made of, written in another way than what it is compared with.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A valid configuration, written out: motor A (paper A, table 1) on a 310 V inverter with 12-bit
  * converters of ±20 A and 450 V, 10 kHz.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The motor and the inverter of example_cfg.h, as far as a closed loop in a unit test needs them. */
 #ifndef EXAMPLE_MOTOR_H
 #define EXAMPLE_MOTOR_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Input frames of one bad signal each, for the limits of the example configuration. */
 #ifndef FAULT_FRAMES_H
 #define FAULT_FRAMES_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A measured maximum against a derived bound, checked on both sides: above the bound something is
  * wrong, and far below it the bound (or the measurement) is.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* A drive on noisy frames, with a recorder beside it as an interrupt and its background are. */
 #ifndef RECORDED_RUN_H
 #define RECORDED_RUN_H

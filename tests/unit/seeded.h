@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Seeded pseudo-random numbers (xorshift, 32 bits, period 2^32 − 1): the same sequence everywhere.
  */

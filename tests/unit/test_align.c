@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Alignment: its phases, the turning vector, and R and L of a circuit with an offset voltage. */
 #include "align.h"
 #include "example_cfg.h"

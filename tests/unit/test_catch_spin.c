@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Looking for a rotor that turns: shorted windings of a turning motor, a standing one, noise. */
 #include "catch_spin.h"
 #include "example_cfg.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The mailbox between background and interrupt. The background is a child process that is stopped after each of its
  * instructions; what an interrupt would take there is read from the memory that both share.

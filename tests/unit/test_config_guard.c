@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Guard of the configuration: the CRC by its definition, every flipped bit found, in bounded time. */
 #include "config_guard.h"
 #include "example_cfg.h"

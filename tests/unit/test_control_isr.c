@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The control interrupt: sample, step, apply in this order, on a binding that only keeps a diary. */
 #include "app.h"
 #include "example_cfg.h"

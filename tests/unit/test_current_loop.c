@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Current loop: decoupling, the voltage circle, what the integrals do at it, a step on a motor. */
 #include "current_loop.h"
 #include "exact.h"

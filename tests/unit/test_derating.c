@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Derating: each curve at its ends and in the middle, heat beside its equation, the faults beyond. */
 #include "derating.h"
 #include "example_cfg.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Drive: states and faults, calibration, purity, ranges for any frame, and a closed loop. */
 #include "drive.h"
 #include "example_cfg.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The parts of the drive, called one by one on states put together by hand: what each begins with, what it looks at and
  * what it leaves behind. What a run shows only after long, or only together with other faults, is told here at once.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The state as words: none is missed, none is the machine's, and each goes back to where it came from.
  */

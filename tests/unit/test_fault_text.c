@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Texts of the faults: complete, on one line, and safe for any number. */
 #include "fault_text.h"
 #include "unity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Fixed-point primitives: exact results, saturation on both sides, direction of rounding. */
 #include "exact.h"
 #include "fx.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Start-up and low speed: the sequence of states with a motor, stops and faults in each of them, any frame. */
 #include "drive.h"
 #include "example_cfg.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The model in force: what measured ratios reach, their limits, and the flux that is tracked. */
 #include "example_cfg.h"
 #include "model.h"

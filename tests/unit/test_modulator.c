@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Modulator: the reciprocal of the bus voltage, the ratio, the three duties. */
 #include "example_cfg.h"
 #include "figure.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Speed and position loops: ramp, limits, feed-forward, and the promises of the position profile. */
 #include "example_cfg.h"
 #include "motion_loop.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Neural-network observer: convergence on a simulated motor, its laws, its saturations. */
 #include "example_cfg.h"
 #include "figure.h"

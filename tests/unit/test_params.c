@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Configuration check: every field is named when it is out of its range, on either side. */
 #include "example_cfg.h"
 #include "params.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Phase compensator: what it accumulates and when, its limits, its sign in both directions. */
 #include "phase_compensator.h"
 #include "seeded.h"

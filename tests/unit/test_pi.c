@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* PI controller: its law, its limits and what its integral does at them. */
 #include "exact.h"
 #include "fx.h"

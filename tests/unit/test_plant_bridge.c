@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Conduction of the simulated bridge: device drop, diodes, floating legs, rectification. */
 #include "bridge.h"
 #include "unity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The bus with a capacitor: what the bridge takes and gives back, what the rectifier feeds. */
 #include "plant.h"
 #include "unity.h"

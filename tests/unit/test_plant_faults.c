@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* What can go wrong at run time: wires, shaft, the rotor's place, the temperature; and what comparators do about it. */
 #include "plant.h"
 #include "unity.h"

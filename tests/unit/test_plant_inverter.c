@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Pulse pattern of the simulated inverter: duty, symmetry, dead time. */
 #include "inverter.h"
 #include "seeded.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The simulated motor against closed forms, its energy balance and itself with finer steps. */
 #include "motor.h"
 #include "unity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The coupled plant, period by period: timing, voltages, bus, snapshots. */
 #include "plant.h"
 #include "seeded.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Simulated conversion: rounding, clipping, offset, gain error and noise. */
 #include "random.h"
 #include "sensors.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Protection: each fault exactly at its limit, the order of faults, what is recorded. */
 #include "example_cfg.h"
 #include "protection.h"

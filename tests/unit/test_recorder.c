@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Flight recorder: what it keeps is the run, however interrupt and background meet. */
 #define _POSIX_C_SOURCE 200809L /* signals and their timer */
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The recording as text: bytes where the header says, each line by itself as good as its CRC. */
 #include "crc32.h"
 #include "drive_words.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Rotor position: exact integration, wrap of the angle, count of turns. */
 #include "rotor_position.h"
 #include "seeded.h"

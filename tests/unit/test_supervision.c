@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Supervision: each fault at its limit and in its time, not just short of either, nor in what is normal. */
 #include "example_cfg.h"
 #include "seeded.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Clarke and Park transforms against their exact values, and their saturation. */
 #include "figure.h"
 #include "seeded.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Sine, cosine, arctangent and square root against libm, over whole ranges where that is possible. */
 #include "figure.h"
 #include "seeded.h"

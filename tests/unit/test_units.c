@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* Units for a person, over all that the keys of motor and board file allow. */
 #include "units.h"
 #include "unity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* The voltage drive within the drive: starts, changes over and back without a jump, protection, any frame. */
 #include "drive.h"
 #include "example_cfg.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Basic blocks of Thumb code: how many instructions, of which classes."""
 
 from dataclasses import dataclass

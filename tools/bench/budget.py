@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The committed budget: each figure bounded on both sides.
 
 The lower bound is there because a figure that falls for no known reason is as suspicious as one that

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Cycles of a core from the classes of its instructions: a model, whose assumptions are below.
 
 From Arm's technical reference manuals, "Instruction set summary", all for zero wait states: Cortex-M0+

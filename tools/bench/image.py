@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """An ELF image, read with the cross binutils: its bytes, symbols and source positions."""
 
 import bisect

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """An emulated core that runs a whole image and writes down the way of one function's every call."""
 
 import struct

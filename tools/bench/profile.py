@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Where the instructions go: of each source function or line, with what was inlined told apart."""
 
 from collections import Counter

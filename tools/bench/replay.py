@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Recordings replayed by an image in the emulator: which ways its control ticks took, how often."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """All figures of a measurement, as plain values: the JSON file, and what tables and budget show."""
 
 from . import cycles, sizes, stack

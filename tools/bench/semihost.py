@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The host's side of semihosting (hal/mps2/semihost.c), with files that are bytes in memory."""
 
 import struct

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What an image is made of: code by source file, constants and variables by name.
 
 Optimised at the link, an image has no modules any more: its map knows one object file. Code goes by the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The stack that a function can need at most, by the compiler's call graph.
 
 gcc's -fcallgraph-info=su lists, at the link, each function's frame and whom it calls. Functions of

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The bench's results as tables of text."""
 
 from rich.table import Table

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # Toolchain file: bare Cortex-M with Debian's gcc-arm-none-eabi.
 #
 # NF_CPU, set by the preset, is a name that -mcpu knows. The whole core is integer arithmetic, so no

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # nf_add_floor(<target> SOURCES <file>... [LINK <target>...])
 #
 # One floor of the house: a static library whose folder is its public include folder.

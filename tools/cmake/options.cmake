@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # What every target of the project is compiled with. All of it ends with the project's own folders.
 
 set(CMAKE_C_STANDARD 11)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # What `cmake --install` puts into a prefix: nfconfig, its data, and the firmware as source, because an image compiles it
 # for its own core. share/neurofoc is this project's folder without simulator and tests, and is added as a subproject.
 include(CMakePackageConfigHelpers)

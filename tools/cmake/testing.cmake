@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 # The Unity test framework, as a library, and one function to add a test of it.
 
 find_path(UNITY_SOURCE_DIR unity.c

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The figure: phase current and angle error with and without compensation, spectrum, THD at all points."""
 
 import matplotlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The orders of a current: its harmonics over whole turns of the rotor's electrical angle.
 
 Orders are counted against the angle and not the time, so a speed that sways spreads no fundamental over its

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Run the simulator at a point and measure what it leaves: a trace at the control rate."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Where the effect of the dead time is measured: constant speeds under constant loads, with and without."""
 
 import itertools

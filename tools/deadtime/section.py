@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The section of the report: figure and table."""
 
 from deadtime import table

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The measurement as a table: text for the terminal, HTML for the report."""
 
 import html

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "augmented.h"
 
 namespace nf::design

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B (30)–(38): the motor with its speed controller; (44)–(49): with the phase states too.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // A smooth function of the gains that is finite where all poles are within a circle, and infinite on it.
 #pragma once
 

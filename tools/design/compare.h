@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What the paper prints beside what its matrices and its equations give.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "conjugate_gradient.h"
 
 namespace nf::design

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B section 3, steps 1 to 5: minimisation by conjugate gradients (55), (56), (60).
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B (50)–(59): the cost of a unit step with a pair of gains, and its gradient.
 #pragma once
 

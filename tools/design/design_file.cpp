@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "design_file.h"
 
 #include "document.h"

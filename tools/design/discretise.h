@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B (25)–(27): exact discretisation with inputs that hold for a sample.
 #pragma once
 

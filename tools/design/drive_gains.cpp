@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "drive_gains.h"
 
 #include "schema.h"

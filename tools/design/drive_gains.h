@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Gains in the drive's units.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B (14)–(24): the motor linearised at the nominal point.
 //
 // One ω_r serves (6), (7), (9) and (10) in the paper: electrical speed in the first two and the last,

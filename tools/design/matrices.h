@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // The linear model's variables in the paper's order, and the matrices made of them.
 #pragma once
 

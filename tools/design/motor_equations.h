@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B (1)–(11): the motor in rotor coordinates, not linearised.
 #pragma once
 

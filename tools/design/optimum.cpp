@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "optimum.h"
 
 #include "barrier.h"

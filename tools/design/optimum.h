@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B section 3: the gains of least cost (50), among those that are stable.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "printed_matrices.h"
 
 #include "document.h"

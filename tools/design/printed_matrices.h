@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Matrices of a publication: as printed, and with what is wrong in the print put right.
 #pragma once
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // What a design worked out, as JSON for programs and as text for people.
 #pragma once
 

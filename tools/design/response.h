@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Step responses of the closed loop: the figures 4 to 6 of paper B.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 #include "stability.h"
 
 #include <algorithm>

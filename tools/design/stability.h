@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Paper B section 3: poles of the closed loop, and the gains for which they are all within the unit
 // circle.
 #pragma once

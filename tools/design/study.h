@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 // Everything that a design works out, for each set of matrices.
 #pragma once
 

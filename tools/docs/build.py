@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Builds the documentation site; `tools/dev docs` calls it.
 
 build.py --out FOLDER [--warnings-as-errors]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Makes the comments of a header those that Doxygen reads: doxygen_filter.py FILE, the result on standard output.
 
 The headers have plain comments: one above a declaration, one behind a field, one at the top of the file. Nothing

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The tables of docs/equations.md, out of the register of traceability.
 
 equations.py           says whether the page is as the register has it; exit status 1 if not

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.board: the tests in the emulator take each branch of the board's own code both ways.
 
 Of what of hal/stm32g431 no PC runs (evidence.coverage has the rest), in the image as it is flashed: each conditional branch

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.bounds: between which values each signal stays, how deep the stack gets, how long a tick is.
 
 Seen are the smallest and the largest value of each intermediate of the drive and of its output, over every scenario with

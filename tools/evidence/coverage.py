@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.coverage: the unit and scenario tests go through all of the firmware.
 
 That is firmware/ and what of the board's own code a PC runs, built by clang with counters. Asked for are every statement,

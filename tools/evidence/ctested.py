@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The tests that ctest runs: each one's command, folder and surroundings."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.fuzz: whatever bytes come in, nothing breaks.
 
 The programs of tests/fuzz run under libFuzzer with the address and the undefined-behaviour sanitizer, beginning with their

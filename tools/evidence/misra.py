@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.misra: the compliance of the firmware with each guideline of MISRA C:2012.
 
 Made of four things: the list of guidelines (tests/evidence/misra_rules.toml), the rules that the checker decides (asked

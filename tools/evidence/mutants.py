@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Mutants of a C or C++ file: small faults, each put into its syntax tree's text at one place.
 
     operators     + with −, * with +, shifts, & with |, and each comparison with its neighbour and its opposite

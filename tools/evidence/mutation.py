@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.mutation: the tests find nearly every small fault in what the drive computes.
 
 Each mutant (mutants.py) of a file is compiled as the build compiles the file and put into the tests of its area; it is

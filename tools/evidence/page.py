@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.page: the parts of the evidence as one page, build/report/evidence.html.
 
 It holds when every part that is asked for is there and keeps all of its thresholds. The page is written in any case:

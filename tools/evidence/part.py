@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The common shape of the evidence: what each part writes as JSON, and page.py shows.
 
     {"part": "coverage", "title": "Coverage", "says": "one or two sentences: what is shown, and how",

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.planted: faults that someone could really make, each put in alone, are found by the tests that are named.
 
 tests/evidence/planted.toml has a row a fault. It is put into a copy of the sources; what it reaches is built anew beside

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a build makes of changed sources, beside it: only what the change reaches is made again, and nothing in its folder.
 
 The build says how (`ninja -t compdb`) and which object reads which file (`ninja -t deps`). Its commands are run with the

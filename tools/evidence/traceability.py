@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """evidence.traceability: each equation of the papers and each requirement has its functions and tests.
 
 tests/evidence/requirements.toml says which, and whether it is met: what departs from its wording or is not met says why.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.build_types: the C of firmware, plant and host binding compiles without a warning in each of CMake's build types.
 
 The host is built in one of them; what a compiler finds out, and warns of, depends on how much it optimises. Each file is

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /* For a checker, which does not know them: functions that the compiler declares itself. */
 int __builtin_clz(unsigned int x);
 int __builtin_arm_ssat(int x, unsigned int bits);

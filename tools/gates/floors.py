@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.floors: includes go downwards only, and registers are touched in target bindings only.
 
 A firmware file includes its own floor or one below, a control module no other control

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.format: every C and C++ file has the project's format. --fix brings it there."""
 
 import argparse

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.misra: cppcheck with its MISRA C:2012 addon over the firmware and target HALs."""
 
 import argparse

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.misra_register: deviation tags in the code and firmware/MISRA.md say the same.
 
 A tag is a suppression with the id of its deviation, and more words where they help:

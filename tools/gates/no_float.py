@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.no_float: the firmware has no floating point, no allocation and no stdio.
 
 Read three times: in the text (comments and strings left out); in the compiled libraries,

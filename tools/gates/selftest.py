@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.selftest: each gate that reads the sources fails when it must, and says why.
 
 A small clean tree is made in a temporary folder; then each fault alone is put into it.

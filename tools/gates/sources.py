@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the gates share: which files are ours, and how to read C without its comments."""
 
 import re

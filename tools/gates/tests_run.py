@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.tests_run: each file of tests is run by ctest.
 
 A file that no CMakeLists.txt names passes unseen. Looked at are all that is called test_*, reference_*, fuzz_* or *_can_fail:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """gate.tidy: clang-tidy over firmware, hal, host_sim and tools, as the given build compiles them."""
 
 import argparse

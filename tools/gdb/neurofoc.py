@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Shows the firmware's numbers in gdb: `gdb -x tools/gdb/neurofoc.py ...`, or `source` it. docs/debugging.md."""
 
 import sys

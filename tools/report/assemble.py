@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Write the report of a folder of runs: index.html and the figures as PNG files."""
 
 import matplotlib

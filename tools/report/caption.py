@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Words for a figure: the caption under it and the text in its place."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The measured errors of a run beside what paper A claims: all within 2 %."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The section of the report on paper B's gain design: its figures, and what of the paper follows from it."""
 
 import html

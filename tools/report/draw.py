@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Draw a layout of panels from a trace as a matplotlib figure."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Where the axes of a figure lie: rows below each other, all in inches."""
 
 from dataclasses import dataclass

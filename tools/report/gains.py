@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The figures 3 to 6 of paper B from the JSON of `gaindesign design`: stable gains, and the linear drive's responses."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Which panels make up the figure of a scenario."""
 
 from dataclasses import dataclass, replace

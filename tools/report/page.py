@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The report as one HTML page: text, tables and inline figures, nothing from elsewhere."""
 
 import html

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The panels that a figure can be made of. Differences are the first name minus the second."""
 
 from dataclasses import dataclass

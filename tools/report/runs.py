@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Read a run: its trace (NAME.csv) and its metrics (NAME.json)."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a figure needs to know of the samples: steps, peaks, wraps and windows to zoom into."""
 
 import math

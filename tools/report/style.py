@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Colours, line widths and sizes of all figures."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A figure as SVG text for a page: colours by meaning, so that the page's mode decides them."""
 
 import html

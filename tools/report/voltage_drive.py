@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the phase compensator saves: the currents of runs without current regulators, side by side."""
 
 import html

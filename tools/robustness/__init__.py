@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: MIT
 """Robustness campaigns: thousands of seeded runs of the simulator, counted and drawn."""

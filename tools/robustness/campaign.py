@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """A campaign file: what is run, how often, what varies, and what is accepted."""
 
 import tomllib

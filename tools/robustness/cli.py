@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The command line of robustness campaigns.
 
 Dask and matplotlib take seconds to load: only what runs or draws does.

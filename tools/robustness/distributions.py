@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What a campaign varies: distributions, and the values of a run as texts for `--set`.
 
 A value depends on the campaign's seed, the number of the run and the parameter's name alone. So any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Runs of a campaign on a Dask cluster: that of the local cores, or a given one."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The map of a campaign: which runs hold and where the others gather, for each pair of parameters.
 
 On the diagonal, how the runs of each slice of a parameter's range ended. Below it, each run as a

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Files that a campaign leaves beside its results: all runs as CSV, the failures as commands."""
 
 import csv

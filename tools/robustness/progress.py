@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """How far a campaign is: a bar on a terminal, a line now and then elsewhere."""
 
 import contextlib

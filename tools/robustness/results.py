@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The results of a campaign on disk: a line of JSON a run, written as runs end, in any order.
 
 The first line says what they are results of. A line is one write to the end of the file; what an

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The simulator as a campaign uses it: commands, trial runs, and what a run's result is."""
 
 import json

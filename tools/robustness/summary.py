@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the results of a campaign say: counts, figures, where the runs gather that do not hold."""
 
 import math

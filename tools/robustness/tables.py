@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """The summary of a campaign as tables of text."""
 
 import math

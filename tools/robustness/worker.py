@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What runs on a worker of the cluster: one process of the simulator.
 
 Travels to the workers by value, so it needs nothing but Python there.

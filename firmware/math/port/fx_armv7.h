@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Saturation and leading zeros, for which each ARMv7-M core has an instruction. Contracts: port/generic.
  */

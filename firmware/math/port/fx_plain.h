@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Functions of which the proof needs another, equal formulation: tests/proof/port. The rest of the firmware is proven as
  * it stands.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "hal_mine.h"
 
 void hal_mine_start(hal_t *hal)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * A binding to a power stage that nobody has: one block of registers, which its timer and converters serve.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 #include "app.h"
 #include "drive_config.h"
 #include "hal_mine.h"

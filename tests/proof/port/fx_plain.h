@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The functions of firmware/math/port/fx_plain.h for the proof: conversions that keep the value, so that it can ask that
  * of all of them, and a low-pass that says what intervals do not know, that it stays between its arguments.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The functions of port/generic as their contracts say them, for the proof: what the shifts of port/generic mean is
  * beyond intervals. test_proof_port.c compares both, around every limit and in steps over all words. Where

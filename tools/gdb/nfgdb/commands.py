@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Commands: scales, step-isr, stages."""
 
 import gdb

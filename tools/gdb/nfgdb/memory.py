@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Where the drive and its frames lie in the program that gdb has, and which word of the table lies where."""
 
 import re

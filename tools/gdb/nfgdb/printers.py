@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """Pretty-printers: a word with a place in the table in its unit; without one, what its type or name tells."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: MIT
 """What the firmware's words mean: the table that `motorsim signals` prints. Knows nothing of gdb."""
 
 import argparse

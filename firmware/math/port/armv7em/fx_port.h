@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * The arithmetic of port/generic on Cortex-M4 and M7: contracts as there, results the same bit for bit.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: MIT */
 /*
  * Arithmetic for which some cores have an instruction: in plain C, for all others.
  *
