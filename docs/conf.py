@@ -9,7 +9,7 @@ project_copyright = author
 extensions = ["myst_parser", "breathe"]
 source_suffix = {".md": "markdown"}
 
-myst_enable_extensions = ["colon_fence", "linkify"]
+myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 3
 highlight_language = "none"  # most blocks are commands and their output
 

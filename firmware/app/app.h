@@ -25,7 +25,7 @@ typedef struct {
  */
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
 
-/* Have each tick recorded. Call once, before the control interrupt is enabled. */
+/* Record every tick from now on. Call once, before the control interrupt is enabled. */
 void app_record(app_t *app, recorder_t *recorder);
 
 /* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */

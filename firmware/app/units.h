@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From the firmware's numbers to those of a person and back, for a console and the like.
+ * Converts between the firmware's numbers and rpm, A or V, for a console or a display.
  *
- * What gives the numbers their units are facts of motor and board, each as it is known, not factors made of several of them:
- * pole pairs, the tick in ps, full scales in millionths (µA, µV). They fit 32 bits for all that the keys of motor and board
- * file allow: 1…50 pole pairs, a tick of 10^7…5·10^8 ps (100…2 kHz), up to 2000 A and V. Products are 64 bits wide and exact.
+ * The scales are facts of motor and board: pole pairs, the tick in ps, full scales in millionths (µA, µV). They fit 32
+ * bits over the whole range of the keys of motor and board file: 1…50 pole pairs, a tick of 10^7…5·10^8 ps (100…2 kHz),
+ * up to 2000 A and V. Products are 64 bits wide and exact.
  *
- * Pure functions. Context: background; a 64-bit division is some hundred instructions.
+ * Pure functions. Context: background; a 64-bit division takes some hundred instructions.
  */
 #ifndef UNITS_H
 #define UNITS_H
@@ -15,21 +15,22 @@
 
 #include <stdint.h>
 
-/* How the angle advances. pole_pairs · tick_ps within 10^7…2.5·10^10. */
+/* Scale of speeds. pole_pairs · tick_ps within 10^7…2.5·10^10. */
 typedef struct {
     uint32_t pole_pairs;
     uint32_t tick_ps; /* a control tick, which is a PWM period */
 } units_rotation_t;
 
-/* Mechanical speed, rpm, of an electrical one, rounded to the nearest. Any step. */
+/* Electrical speed to mechanical rpm, rounded to nearest. Range: any step. */
 int32_t units_rpm(const units_rotation_t *rotation, step_t step);
 
-/* Electrical speed of a mechanical one, rounded to the nearest; any rpm, saturated at the last whole one that a step_t holds. */
+/* Mechanical rpm to electrical speed, rounded to nearest. Range: any rpm; saturates at the last whole rpm that a step_t
+ * can hold. */
 step_t units_step(const units_rotation_t *rotation, int32_t rpm);
 
 /*
- * value / one of a base, in thousandths of its unit, rounded towards zero. one: 1…2^15, what stands for the base;
- * base_millionths: the base in millionths of its unit. Saturated at ±INT32_MAX.
+ * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one: the value that stands
+ * for the base, 1…2^15. base_millionths: the base in millionths of its unit.
  */
 int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths);
 

@@ -16,7 +16,7 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
     pi_reset(&loop->pi_q, fx_sat16(turned.q));
 }
 
-/* v_q cut to what the circle leaves beside v_d. */
+/* v_q limited to what v_d leaves of the circle. */
 static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
 {
     const int32_t room = (limit * limit) - (v.d * v.d);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Current control in the rotor frame: one PI an axis, decoupling, voltage limited to a circle.
+ * Current control in the rotor frame: one PI per axis, decoupling, voltage limited to a circle.
  *
  *     v_d = PI_d(i_d* − i_d) + R·i_d* − ω·L_q·i_q
  *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
- *     √(v_d² + v_q²) ≤ v_limit, the d axis first: it holds the flux
+ *     √(v_d² + v_q²) ≤ v_limit
+ * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle.
  *
  * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total within the
- * ranges; call once a control tick.
+ * ranges. Call once a control tick.
  */
 #ifndef CURRENT_LOOP_H
 #define CURRENT_LOOP_H
@@ -18,9 +19,9 @@
 
 #include <stdint.h>
 
-#define CURRENT_LOOP_GAIN_BITS (13U) /* of what the gains of the model have behind the point */
+#define CURRENT_LOOP_GAIN_BITS (13U) /* fractional bits of the model's gains below: Q13 */
 
-/* Of speed times a reactance, Q15: times the largest current it stays below 2^31. */
+/* Limit of speed times reactance, Q15. Its product with the largest current stays below 2^31. */
 #define CURRENT_LOOP_REACH_MAX (65000)
 
 typedef struct {
@@ -38,9 +39,10 @@ typedef struct {
 } current_loop_t;
 
 /*
- * The voltage that one axis' current induces in the other, Q15 of U_b: speed × reactance × current. |speed| ≤ 32767,
- * reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX, where params_check keeps
- * it away from, and the current at ±1; each product is rounded down. Pure, any context.
+ * The voltage that the current of one axis induces in the other axis, Q15 of U_b: speed × reactance × current.
+ * |speed| ≤ 32767, reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX; with a
+ * configuration that params_check accepts it does not get there. The current saturates at ±1. Each product is rounded
+ * down. Pure, any context.
  */
 static inline int32_t current_loop_cross(int32_t speed, int32_t reactance_q13, int32_t current)
 {
@@ -50,19 +52,19 @@ static inline int32_t current_loop_cross(int32_t speed, int32_t reactance_q13, i
     return fx_asr(reach * fx_sat16(current), 15U);
 }
 
-/* Zero both integrals. */
+/* Set both integrals to zero. */
 void current_loop_reset(current_loop_t *loop);
 
 /*
- * Go on in a frame turned by `angle` against the present one: the integrals turn back by it, rounded, and
- * saturate at ±1.
+ * Change to a frame that is turned by `angle` against the present one. The integrals are turned back by that angle, so
+ * that the voltage vector stays. They are rounded and saturate at ±1.
  */
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * One tick: the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
- * limit 0…32767. The square root of the circle is taken only when the demand leaves it; the cut is given
- * back to the q integral.
+ * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
+ * limit 0…32767. The square root is computed only when the demand is outside of the circle. The q integral is then
+ * reduced by what was cut off v_q.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t speed, int32_t limit);

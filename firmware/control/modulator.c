@@ -57,13 +57,13 @@ static abc_t phases(ab_t v)
     return (abc_t){v.alpha, beta_part - half_alpha, -beta_part - half_alpha};
 }
 
-/* What dead time and drop take from a leg at full current, as a duty. */
+/* The duty that dead time and drop take from a leg whose current is above the ripple. */
 static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
 {
     return cfg->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
 }
 
-/* The duty that a leg is given back. span: largest less smallest ratio. */
+/* The duty that compensates a leg. span: largest less smallest ratio. */
 static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span, int32_t ratio,
                          int32_t current)
 {

@@ -2,21 +2,22 @@
 /*
  * Space-vector modulator with bus-voltage compensation.
  *
- * A voltage demand is divided by the measured bus voltage (by a reciprocal that one Newton step a tick
- * keeps up to date: no division), turned into three duties with half the sum of the largest and the
- * smallest phase removed (the symmetric space-vector pattern), and rounded to timer counts.
+ * The modulator divides a voltage demand by the measured bus voltage and turns it into three duties. It subtracts half
+ * the sum of the largest and the smallest phase (the symmetric space-vector pattern) and rounds to timer counts. The
+ * division is a product with the reciprocal of the bus voltage, which one Newton step a tick keeps up to date.
  *
- * Dead time and device drop. In a leg whose current i flows into the motor, each period loses the dead time
- * t_d of its high side and the drop v_d of the conducting device; with i < 0 it gains both. The duty is
- * given back t_d/T + v_d/u_bus in the direction of the current expected for the period. Near
- * zero the current's ripple decides: the two edges of a leg lie symmetrically in the period, where the ripple has
- * opposite signs, and while |i| is below its size they cancel. With s the difference of the largest and the
- * smallest ratio and u the ratio of the leg, the ripple at the edges of the leg in the middle is
+ * Compensation of dead time and device drop. While the current i of a leg flows into the motor, the leg loses in each
+ * period the dead time t_d of its high side and the voltage drop v_d of the conducting device. With i < 0 it gains both.
+ * The compensation adds t_d/T + v_d/u_bus to the duty, with the sign of the current that is expected for the period.
+ *
+ * Near zero current the ripple decides. The two edges of a leg lie symmetrically in the period, where the ripple has
+ * opposite signs. So the effects of both edges cancel while |i| is smaller than the ripple. Let s be the difference of
+ * the largest and the smallest ratio, and u the ratio of the leg. The ripple at the edges is, for the leg in the middle,
  *     r = u_bus·T/(12·L)·(s − 9·u²)
- * and little more than zero in the other two. So nothing is given back for |i| < r, all of it a few counts of the
- * converter above, and in proportion between: a current about zero does not make the voltage chatter.
+ * and nearly zero for the other two legs. The compensation is zero for |i| < r, complete a few converter counts above,
+ * and linear between. So a current near zero does not make the voltage chatter.
  *
- * Voltages Q15 of U_b; ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within the
+ * Voltages are Q15 of U_b. Ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within the
  * ranges.
  */
 #ifndef MODULATOR_H
@@ -29,13 +30,14 @@
 
 typedef struct {
     int32_t timer_counts; /* compare value of duty 1, 1…32767 */
-    int32_t
-        ratio_max_q15; /* largest |v| / bus: 1/√3 less what dead time and sampling need, ≤ 18918 */
-    int32_t inverse_max_q12; /* 1 / smallest bus voltage worked with, 4096…32767 */
+    /* largest |v| / bus: 1/√3 less the share that dead time and sampling need, ≤ 18918 */
+    int32_t ratio_max_q15;
+    int32_t inverse_max_q12; /* 1 / lowest bus voltage that is compensated, 4096…32767 */
     int32_t dead_time_q15;   /* t_d/T, 0…8192 */
     int32_t drop_q15;        /* v_d, Q15 of U_b, 0…2048 */
     int32_t ripple_q15;      /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
-    int32_t edge_slope; /* 1 / the current from none to all, in Q15 of I_b times 2^-15, 1…32767 */
+    /* the compensation rises from zero to complete over a current of 1 / edge_slope of I_b, 1…32767 */
+    int32_t edge_slope;
 } modulator_cfg_t;
 
 typedef struct {
@@ -46,13 +48,13 @@ typedef struct {
     uint16_t phase[3]; /* 0…timer_counts */
 } compare_t;
 
-/* Start the reciprocal at its lower bound, from where it converges for every bus voltage. */
+/* Set the reciprocal to its lower bound. From there it converges for every bus voltage. */
 void modulator_reset(modulator_t *mod);
 
 /*
- * One Newton step r ← r·(2 − r·bus). From the reset it has settled after 8 ticks for any bus above
- * 1/8, to within 2 LSB (2^-11); a change of the bus by a share x in one tick leaves a share x² for that
- * tick. bus: Q15 of U_b, 0…32767.
+ * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal has settled to
+ * within 2 LSB (2^-11) 8 ticks after the reset. When the bus changes by a share x in one tick, the reciprocal has an
+ * error of a share x² in that tick.
  */
 void modulator_track_bus(modulator_t *mod, const modulator_cfg_t *cfg, int32_t bus);
 
@@ -62,15 +64,15 @@ int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus);
 /* Voltage (Q15 of U_b, ±65535) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
 dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
-/* Whether anything is given back. If not, nothing has to be known of the current. */
+/* Whether dead time or drop is compensated. If not, modulator_compare needs no current. */
 static inline bool modulator_compensates(const modulator_cfg_t *cfg)
 {
     return (cfg->dead_time_q15 != 0) || (cfg->drop_q15 != 0);
 }
 
 /*
- * A ratio vector, |α|, |β| ≤ 46341, to compare values; duties are clamped to 0…1, counts rounded.
- * current: expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341; NULL: nothing is given back.
+ * Ratio vector, |α|, |β| ≤ 46341, to compare values. Duties are clamped to 0…1, counts are rounded.
+ * current: as expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341. NULL: no compensation.
  */
 void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
                        const ab_t *current, compare_t *out);

@@ -32,7 +32,7 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
     const step_t change = limited - loop->reference;
     /*@ split cfg->inertia_lift; */
-    /* A lifted change ends at 2^30 in all: far beyond the range of the torque. */
+    /* The lifted change saturates at 2^30, far beyond the range of the torque. */
     const int32_t largest = fx_asr(CHANGE_MAX, cfg->inertia_lift);
     const uint32_t lift = (uint32_t)1U << cfg->inertia_lift;
     const int32_t lifted = fx_clamp(change, -largest, largest) * (int32_t)lift;
@@ -47,8 +47,8 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
     /*
-     * pi_step() has one limit for both signs. Less its middle, the range is symmetric. Where the sum of its ends is odd,
-     * it then reaches one LSB too far down, which the fx_max() below cuts off.
+     * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends is odd, the
+     * shifted range reaches one LSB too far down; the fx_max() below cuts that off.
      */
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t reach = range.upper - middle;
@@ -65,7 +65,7 @@ void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t spe
     loop->profile_speed = speed;
 }
 
-/* from → to, the shorter way round: positions wrap as the rotor position does. */
+/* from → to, the shorter way. Positions wrap as the rotor position does. */
 static int64_t distance(int64_t from_q32, int64_t to_q32)
 {
     const uint64_t way = fx_unsigned64(to_q32) - fx_unsigned64(from_q32);
@@ -73,7 +73,7 @@ static int64_t distance(int64_t from_q32, int64_t to_q32)
     return fx_signed64(way);
 }
 
-/* The product in two 32-bit products, exact for up to 2^15 ticks: a 64-bit one is a library call on Cortex-M0+. */
+/* speed · ticks in two 32-bit products, exact for up to 2^15 ticks. A 64-bit product is a library call on Cortex-M0+. */
 static int64_t advanced(int64_t position_q32, step_t speed, uint32_t ticks)
 {
     const int32_t count = (int32_t)ticks;

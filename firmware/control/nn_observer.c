@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
-#define STATE_BITS (11U) /* of a state in Q26 below one LSB of Q15 */
+#define STATE_BITS (11U) /* from Q26, as predict() returns a state, to Q15 */
 #define SPEED_TO_HALF (14U)
-#define PI_Q12 (12868)     /* half a step's angle in Q15 rad = (step >> 14)·π·2^12 >> 15 */
+#define PI_Q12 (12868)     /* angle of half a step in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
 
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
@@ -26,8 +26,8 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
 }
 
 /*
- * The current in the middle of the period that has just ended, stationary. In the frame that turns with it the current
- * hardly changes in a period: that of k−1 is taken, which stood half a step behind this frame.
+ * The current in the middle of the period that has just ended, stationary frame. In the rotor frame the current hardly
+ * changes within a period, so the current of k−1 is used. The rotor frame of k−1 is half a step behind the middle.
  */
 static ab_t middle_current(const nn_observer_t *obs, sincos_t angle)
 {
@@ -41,7 +41,7 @@ static ab_t middle_current(const nn_observer_t *obs, sincos_t angle)
     return transforms_park_inverse(turned, angle);
 }
 
-/* W3·v less what the resistance takes. */
+/* W3·v less the voltage across the resistance. */
 static int32_t change(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
 {
     return fx_asr((cfg->volt_gain * voltage) - (cfg->decay * current), cfg->weight_shift);

@@ -3,7 +3,7 @@
 
 #include "fx.h"
 
-#define INTEGRAL_BITS (11U) /* of the integral below one LSB of the output */
+#define INTEGRAL_BITS (11U) /* by which the integral is finer than the output */
 #define Q15_TO_Q26 (2048)
 
 void pi_reset(pi_t *pi, int32_t output)

@@ -16,7 +16,7 @@ typedef struct {
     int32_t kp;        /* proportional gain, 0…32767 */
     int32_t ki;        /* integral gain × period, 0…32767 */
     uint32_t kp_shift; /* 1…30 */
-    uint32_t ki_shift; /* less 11 bits of the integral: gain = ki / 2^(ki_shift + 11), 1…30 */
+    uint32_t ki_shift; /* gain = ki / 2^(ki_shift + 11), for the 11 bits of the integral, 1…30 */
 } pi_cfg_t;
 
 typedef struct {
@@ -26,19 +26,19 @@ typedef struct {
 /* Set the integral so that the next output starts at `output` (Q15, −32768…32767) with zero error. */
 void pi_reset(pi_t *pi, int32_t output);
 
-/* The output with zero error: the integral, Q15. */
+/* Returns the output at zero error, which is the integral, Q15, rounded down. */
 int32_t pi_output(const pi_t *pi);
 
 /*
  * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^18; limit: 0…32767, all Q15.
- * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit the integral does
- * not move further into it; it saturates at ±1.
+ * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit, the integral does
+ * not move further in that direction. The integral saturates at ±1.
  */
 int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit);
 
 /*
- * Tell the controller that only u − excess of its last output could be used, as when the voltage
- * circle cuts one axis: the integral gives the excess back, saturating at ±1. excess: Q15, ±32767.
+ * Tell the controller that only u − excess of its last output was applied, as when the voltage
+ * circle limits one axis. The integral is reduced by the excess and saturates at ±1. excess: Q15, ±32767.
  */
 void pi_unwind(pi_t *pi, int32_t excess);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rotor position by integration of the speed, paper A (23). Printed is θ̂(k+1) = θ̂(k) + T·ω̂(k). The drive departs from
- * it: it advances θ̂ with ω̂(k+1), which the training of the same tick has just made. The newer speed is what keeps the
- * observer stable (nn_observer.h).
+ * Rotor position by integration of the speed, paper A (23). The paper prints θ̂(k+1) = θ̂(k) + T·ω̂(k). The drive departs
+ * from it and advances θ̂ with ω̂(k+1), the result of the training of the same tick. The observer needs this newer speed
+ * to be stable (nn_observer.h).
  *
  * The speed is a step_t (advance per tick), so T·ω̂ is the step itself and the integration is exact:
  * no rounding, no drift. Whole electrical turns are counted as well, ±2^31 of them.
@@ -19,7 +19,7 @@ typedef struct {
     int64_t turns_q32; /* electrical turns since the reset, Q32; the lower word is the angle */
 } rotor_position_t;
 
-/* Put the rotor at `angle` within turn 0. */
+/* Set the position to `angle` within turn 0. */
 static inline void rotor_position_reset(rotor_position_t *position, angle_t angle)
 {
     position->turns_q32 = (int64_t)angle;

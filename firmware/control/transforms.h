@@ -2,12 +2,12 @@
 /*
  * Clarke and Park transforms and their inverses, amplitude invariant (factor 2/3).
  *
- * Paper B (39) prints the Park matrix without the factor 2/3 and with +sin in the q row; that is a
- * frame whose q axis points backwards. The standard form is used here everywhere:
+ * Paper B (39) prints the Park matrix without the factor 2/3 and with +sin in the q row: the q axis of
+ * that frame points backwards. The firmware uses the standard form everywhere:
  *     i_d =  i_α·cosθ + i_β·sinθ,   i_q = −i_α·sinθ + i_β·cosθ
  *
- * Values are Q15 per unit of one common base, rounded to nearest. They are held in 32 bits and never
- * saturate: a vector whose components stay within the stated range cannot overflow. Pure functions.
+ * Values are Q15 per unit of one common base, in 32 bits, rounded to nearest. They do not saturate: with components
+ * within the stated range nothing overflows. Pure functions, any context.
  */
 #ifndef TRANSFORMS_H
 #define TRANSFORMS_H
@@ -31,11 +31,11 @@ typedef struct {
 
 /*
  * Phase values a, b (the third is −a − b) to the stationary frame: α = a, β = (a + 2b)/√3.
- * Range: |a|, |b| ≤ 32767, where |β| stays below 56755. Error ≤ 1 LSB.
+ * Range: |a|, |b| ≤ 32767; |β| then stays below 56755. Error ≤ 1 LSB.
  */
 ab_t transforms_clarke(int32_t a, int32_t b);
 
-/* Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. ≤ 2 LSB. */
+/* Stationary to rotor frame at the angle given by its sine and cosine. |α| + |β| ≤ 65534. Error ≤ 2 LSB. */
 dq_t transforms_park(ab_t v, sincos_t angle);
 
 /* Rotor to stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */

@@ -53,7 +53,7 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     }
 }
 
-/* A voltage asked for in tick k acts from k + 1 on: what n ticks of it have done is seen in tick n + 2. */
+/* A voltage that is demanded in tick k acts from k + 1 on. So the effect of n ticks is measured in tick n + 2. */
 static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
 {
     if (align->tick == 1U) {
@@ -99,7 +99,7 @@ bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
     return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
 }
 
-/* 64 times a mean as measured. */
+/* 64 times the mean of the samples. */
 static int32_t mean_of(int32_t sum)
 {
     return fx_clamp(sum, -MEAN_MAX, MEAN_MAX);

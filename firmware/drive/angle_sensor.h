@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The rotor's angle from a sensor on the shaft, in place of the observer's estimate.
+ * The rotor angle from a sensor on the shaft, in place of the observer's estimate.
  *
- * In every tick and every state a second-order loop follows the sensor, so that neither its steps nor its noise reach
- * speed and angle: with e = sensor − θ̂, per tick
+ * In every tick and every state a second-order loop follows the sensor. It filters the steps and the noise of the sensor
+ * out of speed and angle. With e = sensor − θ̂, per tick
  *     ω̂ += e/2^8,  θ̂ += ω̂ + e/2^3
- * which is critically damped with 1/16 a tick (625 rad/s at 10 kHz): half as fast, and a speed loop of 20 Hz would sway
- * on it. At a constant acceleration it lags by 256 times what the speed changes in a tick. Angle and speed are where
- * those of the observer are; its network goes with them untrained, and what it cannot explain is a wrong sensor
- * (OBSERVER_LOST).
+ * It is critically damped at 1/16 per tick (625 rad/s at 10 kHz). With half of that a speed loop of 20 Hz would swing. At
+ * a constant acceleration the angle lags by 256 times the change of speed per tick.
+ *
+ * Angle and speed are stored in the fields of the observer. The network runs with this speed and is not trained. A
+ * current error that it cannot explain means a wrong sensor (OBSERVER_LOST).
  *
  * Part of the drive; called from drive_step only.
  */
@@ -17,10 +18,10 @@
 
 #include "drive.h"
 
-/* First in a tick. count: of the shaft, 2^16 = one turn, any value. */
+/* One tick of the loop; call it first in the tick. count: angle of the shaft, 2^16 = one turn, any value. */
 void angle_sensor_track(drive_t *drive, uint16_t count);
 
-/* From READY: the network starts with the rotor as it turns, nothing flows. The model stays as it is. */
+/* From READY: start the network at angle and speed of the rotor, with zero current. The model stays as it is. */
 void angle_sensor_start(drive_t *drive);
 
 #endif

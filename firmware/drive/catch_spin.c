@@ -6,7 +6,7 @@
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
 
-/* A long pulse has turned far enough for its angle; the rotor must not be let go for longer than needed. */
+/* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
 static uint32_t pause_ticks(const catch_spin_t *spin, const catch_spin_cfg_t *cfg)
 {
     const uint32_t ticks = spin->length * cfg->gap_factor;
@@ -40,7 +40,7 @@ static int32_t magnitude(ab_t v)
     return (int32_t)trig_sqrt((uint32_t)alpha_square + (uint32_t)beta_square);
 }
 
-/* The speed must explain the current within a factor of two: L and φ may be off, noise is further off. */
+/* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
 static bool plausible(const catch_spin_t *spin, const catch_spin_cfg_t *cfg, int32_t current)
 {
     const int32_t per_tick =
@@ -71,7 +71,7 @@ static catch_spin_result_t judge(catch_spin_t *spin, const catch_spin_cfg_t *cfg
     return result;
 }
 
-/* The low sides stay on, so the tick that judges is the first of the charge. */
+/* The low sides stay on, so the tick that ends the second pulse is the first tick of the charge. */
 static catch_spin_result_t judge_then_charge(catch_spin_t *spin, const catch_spin_cfg_t *cfg,
                                              ab_t second)
 {
@@ -84,7 +84,7 @@ static catch_spin_result_t judge_then_charge(catch_spin_t *spin, const catch_spi
     return result;
 }
 
-/* Until what flows from before has ended. */
+/* Wait until the old current has decayed. */
 static catch_spin_result_t preload(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
 {
     catch_spin_result_t result = CATCH_SPIN_BUSY;
@@ -100,7 +100,7 @@ static catch_spin_result_t preload(catch_spin_t *spin, const catch_spin_cfg_t *c
     return result;
 }
 
-/* Until the current can be measured well. */
+/* The pulse lasts until the current is large enough to measure. */
 static void pulse(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current)
 {
     if ((magnitude(current) > cfg->current) || (spin->tick >= cfg->pulse_ticks)) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Guard of the configuration: a CRC stored with it, checked at start and, a word at a time, for ever.
+ * Guard of the configuration. A CRC is stored with it. It is checked completely at the start, and then again and again,
+ * one word per call.
  *
  * CRC-32 (crc32.h) over the bytes of drive_cfg_t before its field crc. It finds every error of up to three
- * bits at this length and every burst of up to 32, which Fletcher's sums do not: in those two flips of a
- * highest bit can cancel.
+ * bits at this length and every burst of up to 32 bits. Fletcher's sums do not: two flips of highest bits can cancel.
  *
- * All machines that share a configuration are little-endian and have all its fields in 32 bits, so its
- * bytes are the same on each.
+ * All machines that share a configuration are little-endian, and all its fields have 32 bits, so its
+ * bytes are the same on each machine.
  */
 #ifndef CONFIG_GUARD_H
 #define CONFIG_GUARD_H
@@ -18,19 +18,19 @@
 #include <stdint.h>
 
 typedef struct {
-    uint32_t at;  /* byte that comes next */
-    uint32_t crc; /* of those before */
+    uint32_t at;  /* index of the next byte */
+    uint32_t crc; /* of the bytes before it */
 } config_guard_t;
 
-/* What belongs into the field crc. Any context. */
+/* Returns the CRC for the field crc. Any context. */
 uint32_t config_guard_crc(const drive_cfg_t *cfg);
 
-/* Begin at the first byte. */
+/* Begin anew at the first byte. */
 void config_guard_reset(config_guard_t *guard);
 
 /*
- * Four bytes further; at the end FAULT_CONFIGURATION with value and limit in `fault` when the CRC is not
- * the stored one, else FAULT_NONE. A changed bit is found within twice CONFIG_GUARD_STEPS calls.
+ * Process the next four bytes. After the last ones it returns FAULT_CONFIGURATION, with value and limit in `fault`, when
+ * the CRC differs from the stored one; else FAULT_NONE. It finds a changed bit within two times CONFIG_GUARD_STEPS calls.
  */
 fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault);
 

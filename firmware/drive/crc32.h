@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * CRC-32 (IEEE 802.3, reflected): of the configuration, and of what is sent of a recording.
+ * CRC-32 (IEEE 802.3, reflected), for the configuration and for recordings that are sent.
  *
- * The polynomial 0xEDB88320 over four bits at a time, by a table of 16 words: about 60 instructions for four bytes.
- * Begin with CRC32_START; the CRC is the complement of what the last step returns. Pure, any context.
+ * Polynomial 0xEDB88320, four bits at a time with a table of 16 words: about 60 instructions for four bytes.
+ * Begin with CRC32_START. The CRC is the complement of the result of the last step. Pure, any context.
  */
 #ifndef CRC32_H
 #define CRC32_H
@@ -12,7 +12,7 @@
 
 #define CRC32_START (0xFFFFFFFFU)
 
-/* Four bytes further. */
+/* Returns the sum after the four bytes at `bytes`; before: the sum so far. */
 uint32_t crc32_step(uint32_t before, const uint8_t *bytes);
 
 #endif

@@ -27,7 +27,7 @@ int32_t derating_share(const fade_t *fade, int32_t x)
     return share;
 }
 
-/* `current` times share; whole for the largest share, which is one LSB short of 1. */
+/* `current` · share. The largest share is one LSB below 1 and gives all of `current`. */
 static int32_t scaled(int32_t current, int32_t share)
 {
     return fx_asr((current * share) + FX_Q15_MAX, 15U);
@@ -89,7 +89,7 @@ fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t c
     return id;
 }
 
-/* |i_q| that takes `power` at v_q, or gives it back: Q30 of I_b·U_b. */
+/* |i_q| at which the power at v_q is `power`, in either direction: Q30 of I_b·U_b. */
 static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t voltage_q)
 {
     const uint32_t voltage = fx_unsigned(fx_max(fx_abs(voltage_q), 1));
@@ -98,7 +98,7 @@ static int32_t current_of(const derating_cfg_t *cfg, int32_t power, int32_t volt
     return fx_min(fx_signed(current), cfg->current_max);
 }
 
-/* What the bus may give, or take, less what i_d takes of it. */
+/* Limit of |i_q| by the power that the bus may give, or take, less the power of i_d. */
 static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_t bus,
                               int32_t power_d, int32_t voltage_q)
 {
@@ -110,7 +110,7 @@ static int32_t limit_by_power(const derating_cfg_t *cfg, int32_t largest, int32_
     return limit;
 }
 
-/* With the voltage i_q takes power, against it i_q feeds back. */
+/* i_q with the sign of v_q takes power; with the other sign it feeds power back. */
 static torque_range_t limit_bus_current(derating_t *derating, const derating_cfg_t *cfg,
                                         const derating_motion_t *motion, torque_range_t range)
 {

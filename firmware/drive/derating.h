@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Derating: how much torque current the drive may ask for, and the faults where that does not help.
+ * Derating: how much torque current the drive may demand, and the faults for the cases in which derating is not enough.
  *
  *     i²t          current_max below 90 % heat, linearly down to the continuous current at 100 %
- *     temperature  current_max up to the warning, linearly down to 0 at the limit, where it is a fault
+ *     temperature  current_max up to the warning, linearly down to 0 at the limit; at the limit also a fault
  *     high bus     braking only: full up to bus_brake_v, linearly down to 0 at bus_max_v
  *     low bus      motoring only: full from bus_low_v on, linearly down to 0 at bus_min_v
- *     bus current  what the bus may give is for motoring, what it may take back for braking
+ *     bus current  one limit for the current from the supply (motoring), one for the current into it (braking)
  *
- * The smallest holds. Heat is the square of the current vector through the winding's time constant:
- * 1 is what the continuous current makes in the end.
+ * The smallest limit applies. Heat is the square of the current vector behind a low-pass with the time constant of the
+ * winding. Heat 1 is the steady state at the continuous current.
  *
  * Bus current: bus·i_bus = 1.5·(v_d·i_d + v_q·i_q) is the power of the motor. The losses of the inverter come on top.
  * The limit of i_q follows from it. v is the voltage demand behind a low-pass of four slow periods: i_q changes v_q, v_q
@@ -17,8 +17,8 @@
  * limit. i_d stays what is asked for, also that of an imposed current; i_q gets what i_d leaves. When a hand-over turns
  * the frame, the low-pass still holds the voltage of the frame before. The power is small there.
  *
- * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges; control interrupt
- * only: the limits once a slow period, the heat once a supervision period (supervision.h).
+ * Currents Q15 of I_b, bus Q15 of U_b, speeds step_t. Pure, total within the ranges. Control interrupt
+ * only: limits once per slow period, heat and temperature once per supervision period (supervision.h).
  */
 #ifndef DERATING_H
 #define DERATING_H
@@ -32,35 +32,36 @@
 #include <stdint.h>
 
 /*
- * A share of 1 that falls linearly to 0: (zero − x)·gain / 2^shift in Q15, 0…32767. A negative gain
- * lets it rise with x. Gain 0: always 1, there is nothing to derate by.
+ * A share that falls linearly from 1 to 0: (zero − x)·gain / 2^shift in Q15, clamped to 0…32767. With a negative gain
+ * it rises with x. Gain 0: always 1, no derating.
  */
 typedef struct {
-    int32_t zero;   /* x at which nothing is left, 0…65535 */
+    int32_t zero;   /* x at which the share is 0, 0…65535 */
     int32_t gain;   /* −32767…32767 */
     uint32_t shift; /* 0…16 */
 } fade_t;
 
 typedef struct {
-    int32_t current_max;        /* |i_q*| when nothing derates, 1…16384 */
-    int32_t current_continuous; /* what i²t leaves at least, 1…current_max */
-    uint32_t heat_shift;        /* i² in Q30, times 2^heat_shift, 0…27 … */
-    int32_t heat_gain;          /* … times heat_gain / 2^16 is Q24 of the heat it makes, 1…32767 */
-    int32_t heat_rate;          /* period / time constant = heat_rate / 2^(16 + heat_rate_shift) */
-    uint32_t heat_rate_shift;   /* 0…30 */
-    int32_t heat_max_q14;       /* OVERLOAD above it, 1…2^20 */
-    fade_t heat;                /* of what current_max is above current_continuous; x: heat, Q14 */
-    fade_t temperature;         /* of current_max; x: raw count of the sensor */
-    uint32_t
-        temperature_periods;   /* OVERTEMPERATURE when the share is 0 for more periods than these */
-    fade_t bus_high;           /* of the braking current; x: bus */
-    fade_t bus_low;            /* of the motoring current; x: bus */
-    step_t regeneration_speed; /* |speed| below which nothing counts as braking, 0…2^29 */
-    int32_t bus_current_max;   /* motoring, Q15 of 1.5·I_b, 0…32767, 0: no limit */
+    int32_t current_max;        /* limit of |i_q*| without derating, 1…16384 */
+    int32_t current_continuous; /* lowest limit by i²t, 1…current_max */
+    /* steady heat of a current, Q24: i² in Q30 · 2^heat_shift · heat_gain / 2^16; 0…27 and 1…32767 */
+    uint32_t heat_shift;
+    int32_t heat_gain;
+    int32_t heat_rate;        /* period / time constant = heat_rate / 2^(16 + heat_rate_shift) */
+    uint32_t heat_rate_shift; /* 0…30 */
+    int32_t heat_max_q14;     /* OVERLOAD above it, 1…2^20 */
+    fade_t heat;              /* of current_max − current_continuous; x: heat, Q14 */
+    fade_t temperature;       /* of current_max; x: raw count of the sensor */
+    /* OVERTEMPERATURE when the share of `temperature` is 0 for more periods than this */
+    uint32_t temperature_periods;
+    fade_t bus_high;              /* of the braking current; x: bus */
+    fade_t bus_low;               /* of the motoring current; x: bus */
+    step_t regeneration_speed;    /* below this |speed| no current counts as braking, 0…2^29 */
+    int32_t bus_current_max;      /* motoring, Q15 of 1.5·I_b, 0…32767, 0: no limit */
     int32_t bus_regeneration_max; /* braking, likewise */
 } derating_cfg_t;
 
-/* Which limits narrow the torque, for motoring, braking or both. */
+/* Flags of the limits that reduce the torque range now: motoring, braking or both. */
 #define DERATING_HEAT (0x01U)
 #define DERATING_TEMPERATURE (0x02U)
 #define DERATING_BUS_HIGH (0x04U)
@@ -68,20 +69,20 @@ typedef struct {
 #define DERATING_BUS_CURRENT (0x10U)
 
 typedef struct {
-    int32_t heat_q24;    /* 2^24 = what the continuous current makes, 0…2^30 */
-    int32_t thermal;     /* limit by heat and temperature */
-    uint32_t too_hot;    /* periods in a row at no share */
-    int32_t motoring;    /* current limits by all but the bus current */
-    int32_t braking;     /* 0…current_max */
+    int32_t heat_q24;    /* 2^24 = steady state at the continuous current, 0…2^30 */
+    int32_t thermal;     /* current limit by heat and temperature */
+    uint32_t too_hot;    /* consecutive periods with a temperature share of 0 */
+    int32_t motoring;    /* current limit by all but the bus current, 0…current_max */
+    int32_t braking;     /* likewise */
     dq_t voltage;        /* of the motor, mean of some slow periods, ±32767 */
     uint32_t flags_slow; /* of heat and temperature */
     uint32_t flags;      /* DERATING_…, of all */
 } derating_t;
 
-/* Cold, nothing derated. */
+/* Heat 0, no derating. */
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
-/* The share that is left at x, Q15; |zero − x| ≤ 65535. */
+/* Returns the share at x, Q15, 0…32767. |zero − x| ≤ 65535. */
 int32_t derating_share(const fade_t *fade, int32_t x);
 
 /*
@@ -93,7 +94,7 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);
 
-/* What the motor does in this slow period, in the frame of i_q*. */
+/* Operating point of the motor in this slow period, in the frame of i_q*. */
 typedef struct {
     int32_t bus; /* 0…32767 */
     step_t speed;
@@ -102,8 +103,8 @@ typedef struct {
 } derating_motion_t;
 
 /*
- * One slow period: the limits and flags at this bus voltage. Returns the range of i_q*: braking is what
- * works against the speed, for the bus current what feeds power back. Rounds towards less current.
+ * One slow period: limits and flags at this bus voltage. Returns the range of i_q*. Torque against the speed counts as
+ * braking; for the bus current, braking is power that flows back. Rounds towards less current.
  */
 torque_range_t derating_range(derating_t *derating, const derating_cfg_t *cfg,
                               const derating_motion_t *motion);

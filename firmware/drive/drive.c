@@ -42,7 +42,7 @@ static void enter_offset_cal(drive_t *drive)
     drive_enter(drive, DRIVE_STATE_OFFSET_CAL);
 }
 
-/* Raw counts to per unit. Before the calibration has ended the currents are meaningless. */
+/* Raw counts to per unit. The currents are not valid before the calibration has ended. */
 static void convert_samples(drive_t *drive, const drive_in_t *in)
 {
     const sampling_cfg_t *const cfg = &drive->cfg->sampling;
@@ -56,7 +56,7 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     s->bus = fx_usat15((int32_t)bus);
 }
 
-/* An over-current at an end of the converter is no measurement. */
+/* An over-current at an end of the converter range is not a measured value: name the converter instead. */
 static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t id)
 {
     const uint32_t shift = drive->cfg->sampling.current_shift;
@@ -66,7 +66,7 @@ static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t
     return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
 }
 
-/* In place of what the late tick asked for, no voltage acts. */
+/* After a late tick no voltage acts in place of its demand. */
 static void count_late(drive_t *drive)
 {
     fault_t fault = {.id = FAULT_NONE};
@@ -79,7 +79,7 @@ static void count_late(drive_t *drive)
     }
 }
 
-/* Latch what is wrong. */
+/* Check the samples and latch the fault. */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
     const protection_in_t measured = {
@@ -155,7 +155,7 @@ static void leave_ready(drive_t *drive)
     }
 }
 
-/* State changes without current that the command asks for, or the end of the calibration. */
+/* Changes of state without current: by the command, or at the end of the calibration. */
 static void change_state(drive_t *drive, const drive_in_t *in)
 {
     const bool run = wants_run(&in->command);
@@ -210,7 +210,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     return bad;
 }
 
-/* The part of the slow period that falls on this tick, where a current is controlled. */
+/* The part of the slow period that belongs to this tick, in a state that controls a current. */
 static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left)
 {
     monitor_step(drive, in, left);
@@ -223,7 +223,7 @@ static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left)
     }
 }
 
-/* A tick that controls a current. A change of state may end that: gates open. */
+/* A tick that controls a current. When the state changes to one that does not, the gates open. */
 static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
     const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
@@ -242,7 +242,7 @@ static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
     }
 }
 
-/* A tick at rest, or one that looks for a turning rotor. */
+/* A tick without current control: idle, or flying start. */
 static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
     open_gates(drive, out);
@@ -271,7 +271,7 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     } else {
         /* stay */
     }
-    /* Before the currents: what late ticks do to them is to be called late. */
+    /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
         count_late(drive);
     }

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* What the parts of the drive share: its state, and what follows from it. From within drive_step only. */
+/* Functions on the state that the parts of the drive share. Call from within drive_step only. */
 #ifndef DRIVE_STATE_H
 #define DRIVE_STATE_H
 
 #include "drive.h"
 
 /*
- * What a slow period has to do falls on its last ticks, one part on each, so that the longest tick is shorter. The
- * number of a part is that of the ticks left.
+ * The work of a slow period is spread over its last ticks, one part per tick, so that the longest tick is shorter. The
+ * number of a part is the number of ticks left in the period.
  */
 typedef enum {
-    SLOW_PART_SPEED = 0, /* speed PI, or the imposed vector's speed; next state */
+    SLOW_PART_SPEED = 0, /* speed PI, or speed of the imposed vector; next state */
     SLOW_PART_PLAN,      /* speed reference: ramp or position profile */
-    SLOW_PART_LIMITS,    /* of the torque current */
-    SLOW_PART_CHECKS,    /* one of those that take turns */
-    SLOW_PART_PHASES,    /* lost phases */
+    SLOW_PART_LIMITS,    /* limits of the torque current */
+    SLOW_PART_CHECKS,    /* one of the checks that take turns */
+    SLOW_PART_PHASES,    /* check for lost phases */
     SLOW_PART_REFINE,    /* residual, flux and static part of the observer */
     SLOW_PARTS
 } slow_part_t;
@@ -38,7 +38,7 @@ static inline model_nominal_t drive_nominal(const drive_t *drive)
                              &drive->cfg->hold_loop};
 }
 
-/* Change the state; its limits are in force from here on. */
+/* Change the state. The protection limits of the new state apply from now on. */
 void drive_enter(drive_t *drive, drive_state_t state);
 
 /* Latch a fault. The gates open in this tick. */

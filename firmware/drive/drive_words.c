@@ -7,7 +7,7 @@
 #define FNV_BASIS (2166136261U)
 #define FNV_PRIME (16777619U)
 
-/* A piece of drive_t without padding: whole words, or one byte that makes a word. */
+/* A part of drive_t without padding: whole words, or one byte that becomes a word. */
 typedef struct {
     uint32_t offset;
     uint32_t bytes;
@@ -16,7 +16,7 @@ typedef struct {
 #define OFFSET(member) ((uint32_t)offsetof(drive_t, member))
 #define BYTE(member) {OFFSET(member), 1U}
 #define LONG(member) {OFFSET(member), 2U * WORD_BYTES}
-/* From a member to a word, with all in between. */
+/* All words from one member to another, both included. */
 #define WORDS(first, last) {OFFSET(first), (OFFSET(last) + WORD_BYTES) - OFFSET(first)}
 
 static const piece_t pieces[] = {
@@ -42,7 +42,7 @@ static uint32_t words_of(const piece_t *piece)
     return (piece->bytes + WORD_BYTES - 1U) / WORD_BYTES;
 }
 
-/* The piece with the word `at`, which becomes one of the piece's; NULL beyond the last. */
+/* Returns the piece that contains word `at` and makes `at` relative to that piece; NULL beyond the last. */
 static const piece_t *find(uint32_t *at)
 {
     const piece_t *found = NULL;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The state of the drive as 32-bit words: the one description of what a state is beside its struct.
+ * The state of the drive as 32-bit words, for everything that stores, sends or compares a state.
  *
- * drive_t has machine's things in it: a pointer to the configuration, and padding that differs with the
- * pointer's width. Its words, in the order of the struct, are what remains: the same number and the same values on every
- * machine. A flag or another byte is a word of its own, a 64-bit field two, the lower one first.
+ * drive_t differs between machines: it has a pointer to the configuration, and padding that depends on the width of the
+ * pointer. Its words leave both out. They come in the order of the struct and have the same number and the same values on
+ * every machine. A flag or another byte takes a word of its own. A 64-bit field takes two words, the lower one first.
  *
- * Pure functions, for the background: some 15 instructions a word.
+ * Pure functions, for the background: about 15 instructions per word.
  */
 #ifndef DRIVE_WORDS_H
 #define DRIVE_WORDS_H
@@ -15,16 +15,16 @@
 
 #include <stdint.h>
 
-/* How many words a state has. */
+/* Returns the number of words of a state. */
 uint32_t drive_words_count(void);
 
-/* One of them, `at` below their number; 0 beyond. */
+/* Returns word `at`; 0 when `at` is not below drive_words_count(). */
 uint32_t drive_words_get(const drive_t *drive, uint32_t at);
 
-/* Puts it where drive_words_get() takes it from. Of a byte's word the lowest byte counts; a flag's has to be 0 or 1. */
+/* Sets word `at`. Of the word of a byte only the lowest 8 bits are used; the word of a flag must be 0 or 1. */
 void drive_words_set(drive_t *drive, uint32_t at, uint32_t word);
 
-/* FNV-1a, 32 bits, over the bytes of the words, lowest first. */
+/* Returns FNV-1a, 32 bits, over the bytes of all words, the lowest byte of a word first. */
 uint32_t drive_words_hash(const drive_t *drive);
 
 #endif

@@ -18,7 +18,7 @@ static bool runs_backwards(const drive_command_t *command)
     return (command->mode != (uint8_t)DRIVE_MODE_POSITION) && (command->target < 0);
 }
 
-/* The vector starts where its sweep ends at angle 0. */
+/* The start angle of the vector: from there its sweep ends at angle 0. */
 static void start_alignment(drive_t *drive, const drive_command_t *command)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
@@ -34,7 +34,7 @@ static void start_alignment(drive_t *drive, const drive_command_t *command)
     drive_enter(drive, DRIVE_STATE_ALIGN);
 }
 
-/* The windings stay shorted until the first voltage acts: none until then. The next tick goes on at its own instant. */
+/* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
 static void start_turning(drive_t *drive)
 {
     const catch_spin_t *const spin = &drive->catch_spin;
@@ -49,7 +49,7 @@ static void start_turning(drive_t *drive)
     drive_enter(drive, DRIVE_STATE_RUN);
 }
 
-/* A slower rotor is pulled in from where it is. */
+/* A slower rotor is aligned instead. */
 static bool is_fast(const drive_t *drive)
 {
     return fx_abs(drive->catch_spin.speed) >= drive->cfg->startup.handover_speed;
@@ -109,7 +109,7 @@ static void align(drive_t *drive)
     }
 }
 
-/* The imposed current: larger while the vector moves, for the rotor then has to be accelerated too. */
+/* The imposed current. It is larger while the vector moves, because the rotor has to be accelerated too. */
 static int32_t next_imposed_current(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -120,7 +120,7 @@ static int32_t next_imposed_current(const drive_t *drive)
     return fx_towards(present, wanted, cfg->current_slope);
 }
 
-/* The observer's angle is near the vector's and its model explains the current. */
+/* The angle of the observer is near that of the vector, and its model explains the current. */
 static bool has_found_rotor(const drive_t *drive)
 {
     const angle_t load_angle =
@@ -157,9 +157,9 @@ static void judge_handover(drive_t *drive)
 }
 
 /*
- * A rotor that slips drives a back-EMF which neither a standing model nor one that follows it explains, and goes on; a
- * swing passes through zero. While the model is dragged along without being trained, a load angle looks like an error:
- * no judgement then.
+ * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it, and it persists. A swing
+ * passes through zero. While the model follows the vector untrained, a load angle looks like an error, so there is no
+ * check then.
  */
 static bool has_lost_rotor(drive_t *drive)
 {
@@ -171,7 +171,7 @@ static bool has_lost_rotor(drive_t *drive)
     return drive->lost_periods >= cfg->lost_periods;
 }
 
-/* A rotor that was caught turning was not measured then: the first standstill makes up for it. */
+/* After a flying start R and L are not measured yet. The first standstill is used for that. */
 static void hold(drive_t *drive)
 {
     const bool at_rest = drive->state == DRIVE_STATE_HOLD;
@@ -204,7 +204,7 @@ static void next_state(drive_t *drive)
     }
 }
 
-/* The vector does not wait for a rotor that cannot follow: it starts with torque to spare for load and inertia. */
+/* The vector does not wait for the rotor. The ramp leaves torque for load and inertia. */
 static void plan(drive_t *drive, const drive_command_t *command)
 {
     const step_t ramp = drive->cfg->startup.ramp;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the drive does below the speed at which the back-EMF tells the rotor's angle.
+ * Start-up and low speed, where the back-EMF is too small to find the rotor angle.
  *
- * A current vector is imposed whose angle the drive sets; the rotor follows it like a synchronous machine follows
- * its supply, displaced by the load angle. The current control is soft, so that the windings' resistance damps
- * the rotor's swinging as a short circuit would. Above track_speed the observer runs free beside it; above
- * handover_speed it takes over when its residual says that it has found the rotor, else the start is repeated.
+ * The drive imposes a current vector at an angle of its own (open-loop I/f). The rotor follows it as a synchronous machine
+ * follows its supply, displaced by the load angle. The current control is soft, so that the resistance of the windings
+ * damps the swinging of the rotor, as a short circuit would. Above track_speed the observer runs free beside it. Above
+ * handover_speed the observer takes over when its residual is small enough, that is, when it has found the rotor. Else
+ * the start is repeated.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -14,16 +15,16 @@
 
 #include "drive.h"
 
-/* From READY: look for a rotor that turns. */
+/* From READY: begin CATCH_SPIN. */
 void low_speed_start(drive_t *drive);
 
-/* One tick of CATCH_SPIN, the whole of it. May end in ALIGN, or in RUN from the next tick on. */
+/* One complete tick of CATCH_SPIN. May change to ALIGN, or to RUN from the next tick on. */
 void low_speed_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
-/* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: the imposed current. The end of ALIGN changes the state. */
+/* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. Changes the state at the end of ALIGN. */
 void low_speed_step(drive_t *drive);
 
-/* The slow period's parts in these states; may change the state. left: ticks to the end of the period. */
+/* The parts of a slow period in these states. May change the state. left: ticks to the end of the period. */
 void low_speed_motion(drive_t *drive, const drive_command_t *command, uint32_t left);
 
 /* Whether the observer runs free. */

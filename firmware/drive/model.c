@@ -42,8 +42,8 @@ static void apply_flux(model_t *model, const model_nominal_t *nominal)
 }
 
 /*
- * W1, W3 and η of paper A with R and L: T·R/L, T/L and what keeps κ = η·(φ/L)². One ratio after the other: their
- * product may be more than 2.
+ * W1, W3 and η of paper A for the corrected R and L: T·R/L, T/L, and η such that κ = η·(φ/L)² stays. The ratios are applied
+ * one after the other, because their product may be above 2.
  */
 static void apply_weights(model_t *model, const model_nominal_t *nominal)
 {

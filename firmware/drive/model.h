@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The motor model in force: the configured one with resistance, inductance and magnet flux corrected by
- * what the drive has measured.
+ * The motor model in force: the configured values of resistance, inductance and magnet flux, each corrected by
+ * the drive's measurements.
  *
- * Each correction is a ratio to the configured value, within ±limit_q14 around 1, and can be switched
- * off. It reaches the observer's weights and, but for the inductance, the feed-forward of both current
- * loops. Corrected numbers are rounded down and saturate at their formats.
+ * A correction is a ratio to the configured value, limited to 1 ± limit_q14. A limit of 0 switches it off. All three act
+ * on the weights of the observer; resistance and flux also on the feed-forward of both current loops. Corrected numbers
+ * are rounded down and saturate at the ends of their formats.
  *
- * Flux: at speed the observer's static error e' along d is the flux error, (φ̂ − φ)/L_d: an integrator removes it.
+ * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An integrator removes it.
  */
 #ifndef MODEL_H
 #define MODEL_H
@@ -20,11 +20,11 @@
 #define MODEL_RATIO_ONE (16384) /* Q14 */
 
 typedef struct {
-    int32_t resistance_limit_q14; /* |ratio − 1| at most, 0…15000; 0: off */
+    int32_t resistance_limit_q14; /* limit of |ratio − 1|, 0…15000; 0: off */
     int32_t inductance_limit_q14; /* 0…8192 */
     int32_t flux_limit_q14;       /* 0…8192 */
-    int32_t flux_rate;            /* ratio in Q30 a slow period = −e'_d · flux_rate, 0…32767 */
-    step_t flux_speed_min;        /* flux is corrected from this speed on, 0…2^29 */
+    int32_t flux_rate; /* change of the Q30 ratio per slow period = −e'_d · flux_rate, 0…32767 */
+    step_t flux_speed_min; /* the flux is corrected from this speed on, 0…2^29 */
 } model_cfg_t;
 
 typedef struct {
@@ -44,16 +44,17 @@ typedef struct {
     const current_loop_cfg_t *hold_loop;
 } model_nominal_t;
 
+/* All ratios 1. */
 void model_reset(model_t *model, const model_nominal_t *nominal);
 
 /*
- * Take over a measured resistance (U_b/I_b, Q13) and inductance (ratio, Q14), both 1…32767, limited. Two
- * divisions. Not each tick.
+ * Take over a measured resistance (U_b/I_b, Q13) and inductance (ratio, Q14), both 1…32767. The corrections are limited
+ * as configured. Two divisions, so not in every tick.
  */
 void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                int32_t resistance_q13, int32_t inductance_q14);
 
-/* Follow the flux, once a slow period. error_d: e'_d of the observer, Q15 of I_b, ±8192. */
+/* Correct the flux. Once per slow period. error_d: e'_d of the observer, Q15 of I_b, ±8192. */
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed);
 

@@ -42,7 +42,7 @@ static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
                                      fault);
 }
 
-/* The rotor has come to rest on the imposed current. */
+/* Whether the rotor rests on the imposed current. */
 static bool is_at_rest(const drive_t *drive)
 {
     const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->frame_speed == 0);
@@ -52,9 +52,9 @@ static bool is_at_rest(const drive_t *drive)
 }
 
 /*
- * Control of an imposed current is soft: what a swinging rotor drives on top of it is no sign of an open wire, which
- * takes half of it or all. At rest its error counts half, while the rotor is dragged or pulled in not at all: there
- * the phases and the start-up tell.
+ * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open wire takes half of the
+ * imposed current or all of it. So at rest the error counts half. While the rotor is pulled in or turned it does not
+ * count; there the check of the phases and the start-up find the fault.
  */
 static dq_t controlled_current(const drive_t *drive)
 {
@@ -81,7 +81,7 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
         .reference = drive->signals.current_ref,
         .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
     };
-    /* The error along the flux is mostly the flux's own, which is tracked. Below RUN the start-up judges. */
+    /* The error along d is mostly an error of the flux, which the model corrects. Below RUN the start-up checks the observer. */
     const dq_t residual = {.d = 0, .q = running ? drive->observer.error.q : 0};
     fault_id_t id = supervision_check_current(&drive->supervision, cfg, &measured, fault);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is watched in the course of time: gathers the drive's signals for supervision, derating and the guard of the
- * configuration, and latches what they find.
+ * Gives the signals of the drive to supervision, derating and the guard of the configuration, and latches the faults that
+ * they find.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -10,7 +10,7 @@
 
 #include "drive.h"
 
-/* In every state, the monitor's parts of a slow period that ends after `left` more ticks. A fault opens the gates in this tick. */
+/* In every state and tick. left: ticks to the end of the slow period. A fault opens the gates in this tick. */
 void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left);
 
 #endif

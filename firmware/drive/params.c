@@ -172,7 +172,7 @@ static const char *check_reach(const char *before, const drive_cfg_t *cfg,
     return bad;
 }
 
-/* A sample at the end of the converter exceeds the limit whatever the offset: see protection.h. */
+/* A sample at an end of the converter range exceeds the limit with any offset, see protection.h. */
 static const char *check_rails(const char *before, const drive_cfg_t *cfg)
 {
     const char *bad = before;
@@ -187,7 +187,7 @@ static const char *check_rails(const char *before, const drive_cfg_t *cfg)
     return bad;
 }
 
-/* What one part asks for must be within what another allows. */
+/* Fields of one part that must be within the limits of another part. */
 static const char *check_agreement(const char *before, const drive_cfg_t *cfg)
 {
     const char *bad = before;
@@ -398,7 +398,7 @@ static const char *check_voltage_drive(const char *before, const voltage_drive_c
     return bad;
 }
 
-/* With a sensor nothing has to be found, and the observer's speed is the sensor's: it must not be trained. */
+/* With a sensor there is no start-up, and the observer has the speed of the sensor, so it must not be trained. */
 static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
 {
     const char *bad = before;

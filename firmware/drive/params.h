@@ -2,9 +2,8 @@
 /*
  * The whole configuration of a drive in per-unit integers, and its check.
  *
- * Written by one piece of code from motor, board and tuning files in SI units (host_sim/config), which
- * also documents how each number comes about; docs/design.md lists bases and formats. Constant while the
- * drive runs.
+ * host_sim/config writes it from motor, board and tuning files in SI units and documents how it computes each
+ * number. docs/design.md lists bases and formats. Constant while the drive runs.
  */
 #ifndef PARAMS_H
 #define PARAMS_H
@@ -24,11 +23,10 @@
 #include <stdint.h>
 
 typedef struct {
-    uint32_t current_shift; /* ADC counts to Q15 of I_b (twice full scale): 15 − bits, 0…7 */
-    uint32_t bus_shift;     /* ADC counts to Q15 of U_b: 15 − bits, 0…7 */
-    uint32_t offset_log2;   /* offset calibration averages 2^offset_log2 samples, 0…12 */
-    uint32_t
-        sensor_pole_pairs; /* electrical turns in one of the angle sensor, 0…50; 0: no sensor */
+    uint32_t current_shift;     /* ADC counts to Q15 of I_b (twice full scale): 15 − bits, 0…7 */
+    uint32_t bus_shift;         /* ADC counts to Q15 of U_b: 15 − bits, 0…7 */
+    uint32_t offset_log2;       /* offset calibration averages 2^offset_log2 samples, 0…12 */
+    uint32_t sensor_pole_pairs; /* electrical turns per turn of the angle sensor, 0…50; 0: none */
 } sampling_cfg_t;
 
 /* i_d* in RUN, with or without a start-up. */
@@ -39,11 +37,11 @@ typedef struct {
 
 /* RUN without current regulators. */
 typedef struct {
-    uint32_t
-        enabled; /* 0: never; 1: whenever a speed is commanded and it is safe, see voltage_drive.h */
+    /* 0: never; 1: when a speed is commanded and the conditions of voltage_drive.h hold */
+    uint32_t enabled;
     pi_cfg_t pi;      /* speed error Q15 of 2·Ω_b in, U in Q15 of U_b out; paper B (28)–(30) */
-    step_t speed_min; /* current control below it, 0…2^29 */
-    uint32_t settle_periods; /* slow periods for which all has to be calm before, 1…10000 */
+    step_t speed_min; /* current control below this speed, 0…2^29 */
+    uint32_t settle_periods; /* slow periods for which the conditions must hold, 1…10000 */
     phase_compensator_cfg_t compensator;
 } voltage_drive_cfg_t;
 
@@ -59,19 +57,19 @@ typedef struct {
     derating_cfg_t derating;
     speed_loop_cfg_t speed_loop;
     position_loop_cfg_t position_loop;
-    current_loop_cfg_t
-        hold_loop; /* of an imposed current: soft, so that the windings damp the rotor */
+    /* regulators of an imposed current: soft, so that the windings damp the rotor */
+    current_loop_cfg_t hold_loop;
     startup_cfg_t startup;
     run_cfg_t run;
     model_cfg_t model;
     supervision_cfg_t supervision;
     voltage_drive_cfg_t voltage_drive;
-    uint32_t crc; /* of all before, see config_guard.h; the last field */
+    uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;
 
 /*
- * Check every field but crc against the range its arithmetic needs. Returns NULL when all hold, else the name
- * of the first field that does not, as a constant string.
+ * Check every field but crc against the range that the arithmetic needs. Returns NULL when all fields are within their
+ * ranges, else the name of the first that is not, as a constant string. Pure, any context.
  */
 const char *params_check(const drive_cfg_t *cfg);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Protection: which measurement means that the gates must open now.
+ * Protection: the limits of a single sample. A sample beyond a limit opens the gates at once.
  *
- * Called each control tick before anything else is computed; a fault is latched by the drive and the
- * gates open in the same tick. Pure. Currents Q15 of I_b, bus Q15 of U_b.
+ * The drive calls it in every control tick before the control. It latches the fault and opens the gates in the same tick.
+ * Pure. Currents Q15 of I_b, bus Q15 of U_b.
  */
 #ifndef PROTECTION_H
 #define PROTECTION_H
@@ -20,14 +20,14 @@ typedef struct {
     int32_t offset_max; /* |sensor offset|, Q15 of I_b */
 } protection_cfg_t;
 
-/* The limits in force: those of the configuration, or out of reach while a measurement means nothing. */
+/* The limits in force: those of the configuration, or out of reach while a measurement has no meaning. */
 typedef struct {
     int32_t current_max;
     int32_t bus_max;
     int32_t bus_min;
 } protection_limits_t;
 
-/* What is watched in this tick. */
+/* The samples of this tick. */
 typedef struct {
     int32_t phase_a; /* −16384…16383 */
     int32_t phase_b;
@@ -35,23 +35,23 @@ typedef struct {
     bool break_input;
 } protection_in_t;
 
-/* Too high a bus is watched always, the currents and too low a bus while the drive runs. */
+/* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
 
-/* The first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
+/* Returns the first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in);
 
-/* The record of a fault that protection_check found, or ADC_SATURATED: measured value and limit; its tick is left 0. */
+/* Returns the record of a fault of protection_check, or of ADC_SATURATED: measured value and limit. Its tick is 0. */
 fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
                           fault_id_t id);
 
 /*
- * Whether a raw count, to be shifted left by `shift`, is at an end of its converter. params_check sees
- * to it that such a sample is an over-current too; it is then named FAULT_ADC_SATURATED.
+ * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it, 15 − bits. params_check
+ * ensures that such a sample is an over-current too. The drive then names the fault FAULT_ADC_SATURATED.
  */
 bool protection_saturated(uint16_t count, uint32_t shift);
 
-/* Offsets of both sensors from mid-scale, after calibration: the record, or id FAULT_NONE. */
+/* Checks the offsets of both sensors from mid-scale after the calibration. Returns the record, or one with FAULT_NONE. */
 fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);
 
 #endif

@@ -43,7 +43,7 @@ static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segm
     return &recorder->entries[behind - 1U];
 }
 
-/* Bit by bit in place of comparing: one branch. */
+/* Compared by bit operations, so that there is only one branch. */
 static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 {
     const uint32_t target = fx_unsigned(in->command.target);
@@ -91,7 +91,7 @@ static void enter_segment(recorder_t *recorder, const drive_in_t *in)
     recorder->at = put_change(recorder, first_of(recorder, next), in);
 }
 
-/* Frozen, or there is an offer, or no room: where this tick's entries go, NULL if nowhere. */
+/* Where the entries of this tick go; NULL when the recording is frozen or there is no room. */
 static recorder_entry_t *turn_over(recorder_t *recorder, uint32_t tick, const drive_in_t *in)
 {
     const bool fits = recorder->offered && (recorder->next_tick == tick);
@@ -131,7 +131,7 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
     }
 }
 
-/* As at the start, with the same memory. While it is frozen the interrupt leaves all of it alone. */
+/* Restart with the same memory. The interrupt does not touch a frozen recorder. */
 static void begin_anew(recorder_t *recorder)
 {
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
@@ -166,8 +166,8 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
 }
 
 /*
- * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment full looks at
- * `offered`, any other at the stop: they are written last, and behind all that they offer.
+ * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment full reads `offered`,
+ * any other tick reads the stop. So both are written last, after everything that belongs to the offer.
  */
 static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t next)
 {
@@ -208,7 +208,7 @@ static void trigger(recorder_t *recorder, uint32_t tick)
     recorder->trigger = tick;
 }
 
-/* post_ticks were recorded after that of the trigger. */
+/* Whether post_ticks were recorded after the tick of the trigger. */
 static bool is_over(const recorder_t *recorder, uint32_t tick)
 {
     return recorder->triggered && (recorder->current != NONE) &&

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A frozen recording as text: one line after the other, to be sent whenever there is room.
+ * A frozen recording as lines of text, which the caller sends one by one.
  *
  * The recording is a file of 32-bit words
  *
@@ -10,11 +10,11 @@
  *     entries          recorder_entry_t, 4 words each
  *     end              CRC-32 of all words before it
  *
- * and each line holds RECORDER_LINE_WORDS of them, the last one with zeros behind the end: a '~', then in base64
- * the line's number, its words, and the CRC-32 of both; bytes of a word lowest first. A line of anything else
- * has no '~' at its beginning, so other text may come in between. A logger may put text in front of a line.
+ * Each line holds RECORDER_LINE_WORDS of these words; the last line is filled up with zeros. A line is a '~' and then,
+ * in base64, the number of the line, its words and the CRC-32 of both, the lowest byte of a word first. Other text may
+ * come between the lines, because it does not begin with '~'. A logger may put text in front of a line.
  *
- * Context: background. It reads only what is frozen; the caller holds the recording until the last line.
+ * Context: background. It reads frozen data only; the caller holds the recording until the last line.
  */
 #ifndef RECORDER_DUMP_H
 #define RECORDER_DUMP_H
@@ -33,19 +33,19 @@
 #define RECORDER_NAME_WORDS (24U)
 
 /*
- * What the frames do not say. The scales give the integers their units; none acts on the replay. Each is a fact of motor or
- * board in a unit that fits 32 bits over the whole range of its key, as the comment says.
+ * Facts that the frames do not contain. They give the integers their units and do not influence a replay. Each is a
+ * fact of motor or board, in a unit in which the whole range of its key fits 32 bits.
  */
 typedef struct {
     uint32_t tick_ps;                     /* 10^7…5·10^8: 100…2 kHz */
     uint32_t current_full_scale_ua;       /* ±, 0.1…2000 A */
     uint32_t bus_full_scale_uv;           /* 5…2000 V */
     uint32_t pole_pairs;                  /* 1…50 */
-    uint32_t build[RECORDER_BUILD_WORDS]; /* of the image; zeros: the simulator */
-    uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, zeros behind */
+    uint32_t build[RECORDER_BUILD_WORDS]; /* build-id of the image; zeros: the simulator */
+    uint32_t name[RECORDER_NAME_WORDS];   /* motor, board, tuning: characters, then zeros */
 } recorder_about_t;
 
-/* Puts a text where zeros are; what does not fit is cut off. */
+/* Writes a name into `about->name`, which is zero before. Text that does not fit is cut off. */
 void recorder_about_name(recorder_about_t *about, const char *name);
 
 /* All its members are words, in this order. */
@@ -53,7 +53,7 @@ typedef struct {
     uint32_t magic;
     uint32_t version;
     uint32_t words;        /* of the file */
-    uint32_t config_words; /* a recording of other sizes is of another firmware */
+    uint32_t config_words; /* this and the next: differ when the recording is of another firmware */
     uint32_t state_words;
     uint32_t entries;
     uint32_t first_tick; /* of the frames */
@@ -78,16 +78,16 @@ typedef struct {
     uint32_t crc; /* of the words before `next` */
 } recorder_dump_t;
 
-/* Begin with the first line. The recorder is frozen and held; `about` is copied. */
+/* Begin with the first line. The recorder must be frozen and held; `about` is copied. */
 void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, const drive_cfg_t *cfg,
                          const recorder_about_t *about);
 
-/* How many lines there are in all. */
+/* Returns the total number of lines. */
 uint32_t recorder_dump_lines(const recorder_dump_t *dump);
 
 /*
- * The next line: RECORDER_LINE_CHARACTERS, and a 0 behind them. False, and nothing written, when there is none left.
- * Some 20000 instructions.
+ * Writes the next line: RECORDER_LINE_CHARACTERS and a terminating 0. Returns false, and writes nothing, when there is no
+ * line left. About 20000 instructions.
  */
 bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTERS + 1U]);
 

@@ -69,7 +69,7 @@ static int32_t range_of(const supervision_t *state, uint32_t phase)
     return state->highest[phase] - state->lowest[phase];
 }
 
-/* What a weak phase means: an open wire has no current, a dead channel some. c is not measured. */
+/* The fault of a weak phase: an open wire has no current, a dead channel reads a constant one. c is not measured. */
 static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg, uint32_t weak,
                        int32_t current, int32_t limit)
 {
@@ -82,7 +82,7 @@ static fault_t suspect(const supervision_t *state, const supervision_cfg_t *cfg,
     };
 }
 
-/* The end of an arc: which phase hardly moved, and for how many arcs now. */
+/* The end of an arc: finds the weak phase, and counts its arcs in a row. */
 static fault_id_t compare_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                  const int32_t current[SUPERVISION_PHASES], fault_t *fault)
 {
@@ -194,7 +194,7 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
     return id;
 }
 
-/* A mean moves on by one sample; returns where it was. */
+/* Adds a sample to a mean. Returns the mean before. */
 static int32_t average(int32_t *sum, int32_t sample, uint32_t shift)
 {
     const int32_t before = *sum;

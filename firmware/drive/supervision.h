@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Supervision: faults that show in the course of time, looked at in small steps between the motion loops.
+ * Supervision: faults that only several samples can show, checked in small steps between the motion loops.
  *
- * What a single sample proves is protection's; here a measurement has to be wrong for a while. Each check
- * counts up while its sign of trouble is there and down while it is not, or takes a mean, so that neither
- * a transient nor noise makes a fault. The phases are looked at once a slow period; of the other checks
- * there is one a slow period, in turn. Once round is the supervision period, in which all counts below
- * are meant.
+ * A fault of a single sample belongs to protection.h; here a measurement has to be wrong for a while. A check either
+ * counts up while its symptom is present and down while it is not, or it takes a mean. So neither a transient nor noise
+ * causes a fault. The phases are checked once per slow period. Of the other checks one runs per slow period, in turn. One
+ * round of them is the supervision period. All periods below are supervision periods unless they are called slow.
  *
- * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. A check
- * returns what it found with value and limit in `fault`, else FAULT_NONE and leaves `fault` alone.
+ * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. A check returns the fault
+ * that it found, with value and limit in `fault`. Without a fault it returns FAULT_NONE and does not change `fault`.
  */
 #ifndef SUPERVISION_H
 #define SUPERVISION_H
@@ -25,19 +24,19 @@
 #define SUPERVISION_PHASES (3U)
 
 typedef struct {
-    int32_t
-        phase_range_min; /* phases are compared when one moved more than this, or has to carry it, 1…65535 */
-    int32_t phase_zero_max; /* one that stays within this of zero is an open wire, 0…16384 */
-    step_t phase_speed_max; /* above it an arc has too few samples to compare, 1…2^30 */
-    uint32_t
-        swing_periods; /* what a swing on an imposed current cannot explain lasts for more slow periods */
-    int32_t
-        voltage_max; /* CURRENT_IMPLAUSIBLE: an imposed current needs more than the model says and this, Q15 of U_b,
-                                  1…32767 */
+    /* phases are compared when the range or the reference of one is above this, 1…65535 */
+    int32_t phase_range_min;
+    int32_t phase_zero_max; /* a phase that stays within ± this is an open wire, 0…16384 */
+    step_t phase_speed_max; /* above this speed an arc has too few samples to compare, 1…2^30 */
+    /* slow periods; a symptom on an imposed current that lasts longer is not caused by a swinging rotor */
+    uint32_t swing_periods;
+    /* CURRENT_IMPLAUSIBLE: voltage of an imposed current beyond that of the model, Q15 of U_b, 1…32767 */
+    int32_t voltage_max;
     int32_t follow_error_max; /* LOST_PHASE: mean error of the current control, 1…65535 */
-    int32_t residual_max;     /* OBSERVER_LOST: mean of the larger model error, 1…8191 */
+    int32_t residual_max;     /* OBSERVER_LOST: mean of the larger current error, 1…8191 */
     uint32_t mean_shift;      /* both means are over 2^mean_shift periods, 0…14 */
-    step_t speed_error_max; /* SPEED_IMPLAUSIBLE: |ω̂ − reference| with torque to spare, 1…2^30 … */
+    /* SPEED_IMPLAUSIBLE: |ω̂ − reference| above this while the torque is not at its limit, 1…2^30 … */
+    step_t speed_error_max;
     uint32_t speed_error_periods; /* … for longer */
     uint32_t runaway_periods;     /* SPEED_IMPLAUSIBLE: ω̂ at the observer's limit for longer */
     step_t overspeed;             /* OVERSPEED: |ω̂| above it, 1…2^30 … */
@@ -45,45 +44,46 @@ typedef struct {
     int32_t stall_current;        /* STALL: |i_q*| at its limit and at least this, 1…16384, … */
     step_t stall_speed;           /* … with |ω̂| below this, 1…2^29 … */
     uint32_t stall_periods;       /* … for longer */
-    uint32_t late_max;            /* LATE: more late ticks than these … */
+    uint32_t late_max;            /* LATE: more late ticks than this … */
     uint32_t late_window;         /* … in this many periods, ≥ 1 */
 } supervision_cfg_t;
 
 typedef struct {
-    uint32_t step;         /* of the other checks, the next one, 0…SUPERVISION_STEPS − 1 */
-    uint32_t late;         /* late ticks in this window */
-    uint32_t late_periods; /* of this window */
-    int32_t start_q16;     /* where this arc began, Q16 electrical turns */
-    uint32_t samples;      /* of this arc; 0: begin anew */
+    uint32_t step;                      /* the next of the other checks, 0…SUPERVISION_STEPS − 1 */
+    uint32_t late;                      /* late ticks in this window */
+    uint32_t late_periods;              /* of this window */
+    int32_t start_q16;                  /* angle at the start of this arc, Q16 electrical turns */
+    uint32_t samples;                   /* of this arc; 0: begin a new one */
     int32_t lowest[SUPERVISION_PHASES]; /* of each phase in this arc */
     int32_t highest[SUPERVISION_PHASES];
     uint32_t weak;      /* the phase that did not move in the last arcs … */
-    uint32_t weak_arcs; /* … and in how many in a row */
-    fault_t suspect;    /* what the last weak arc would be; none after a healthy one */
-    uint32_t absent;    /* the phase without the current imposed on it, or SUPERVISION_PHASES … */
+    uint32_t weak_arcs; /* … and the number of these arcs in a row */
+    fault_t suspect;    /* the fault that the last weak arc indicates; none after a healthy arc */
+    uint32_t absent;    /* the phase that lacks its imposed current, or SUPERVISION_PHASES … */
     uint32_t absent_periods; /* … and for how many slow periods */
-    uint32_t unexplained;    /* slow periods with too much voltage, up and down */
+    uint32_t unexplained;    /* slow periods with too much voltage, counted up and down */
     dq_t off_current;        /* mean error of the current, Q15 times 2^mean_shift */
-    uint32_t off_reference;  /* counts of periods, up and down */
+    uint32_t off_reference;  /* this and the next three: periods, counted up and down */
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
     int32_t residual; /* Q15 times 2^mean_shift */
 } supervision_t;
 
-/* Forget everything: at a start. */
+/* Clear all counts and means. Call at a start. */
 void supervision_reset(supervision_t *state);
 
 typedef struct {
     int32_t a; /* phase currents, −16384…16383 */
     int32_t b;
-    int32_t turns_q16; /* of the angle that currents are turned with; wraps */
+    int32_t turns_q16; /* angle of the frame, Q16 electrical turns; wraps */
     step_t speed;
 } supervision_phases_t;
 
 /*
- * LOST_PHASE, ADC_STUCK: over an arc of half an electrical turn a phase moved less than an eighth of the
- * strongest, three arcs in a row. Never at standstill, where currents are constant. An arc has at least 8 samples.
+ * LOST_PHASE, ADC_STUCK: over an arc of half an electrical turn, the range of a phase was less than an eighth of the
+ * largest range, in three arcs in a row. An arc has at least 8 samples. At standstill there is no arc, because the
+ * currents are constant.
  */
 fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_t *cfg,
                                     const supervision_phases_t *in, fault_t *fault);
@@ -91,18 +91,18 @@ fault_id_t supervision_check_phases(supervision_t *state, const supervision_cfg_
 typedef struct {
     int32_t a; /* phase currents, −16384…16383 */
     int32_t b;
-    ab_t expected; /* the reference, ±32767 */
-    dq_t voltage;  /* of the current control beyond what the model explains, Q15 of U_b */
-    int32_t emf;   /* of a rotor that goes with the frame, Q15 of U_b, 0…97500 */
+    ab_t expected; /* current reference, ±32767 */
+    dq_t voltage;  /* of the current control less that of the model, Q15 of U_b */
+    int32_t emf;   /* of a rotor at the speed of the frame, Q15 of U_b, 0…97500 */
 } supervision_imposed_t;
 
-/* A current is imposed from here on: what supervision_check_imposed has counted begins anew. */
+/* Call when the drive begins to impose a current: clears the counts of supervision_check_imposed. */
 void supervision_forget_imposed(supervision_t *state);
 
 /*
- * Where a current is imposed. LOST_PHASE: a phase stays at zero that has to carry a current; a swinging rotor can hold
- * it there for a part of a swing only. CURRENT_IMPLAUSIBLE: voltage that the current as measured cannot need; a sensor
- * does not tell what flows. Once a slow period.
+ * For an imposed current, once per slow period. LOST_PHASE: a phase that should carry a current stays at zero; a swinging
+ * rotor can cause that only for a part of a swing. CURRENT_IMPLAUSIBLE: the voltage is larger than the measured current
+ * can need, so a sensor does not measure the current that flows.
  */
 fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_imposed_t *in, fault_t *fault);
@@ -110,20 +110,20 @@ fault_id_t supervision_check_imposed(supervision_t *state, const supervision_cfg
 typedef struct {
     dq_t current;
     dq_t reference;
-    bool excused; /* the rotor turns: EMF may take the voltage, and the phases tell more */
+    bool excused; /* do not judge: the rotor turns, and its EMF may use up the voltage */
 } supervision_current_t;
 
 /*
- * LOST_PHASE at standstill or where currents are imposed: in the mean the current does not follow its
- * reference. There all of the voltage is for it, so not even a voltage at its limit is an excuse. The mean
- * has a sign, so that a reference that jitters is none.
+ * LOST_PHASE at standstill or with an imposed current: the mean current does not follow its
+ * reference. There the whole voltage is available for the current, so a voltage at its limit does not excuse it. The
+ * mean has a sign, so the error of a reference that jitters cancels.
  */
 fault_id_t supervision_check_current(supervision_t *state, const supervision_cfg_t *cfg,
                                      const supervision_current_t *in, fault_t *fault);
 
 /*
- * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last turn had a weak phase
- * the fault is that one's: it is what lost the observer.
+ * OBSERVER_LOST: error is measured less modelled current, −8192…8191. When the last arc had a weak phase,
+ * the fault of that phase is returned instead, because it is the cause.
  */
 fault_id_t supervision_check_observer(supervision_t *state, const supervision_cfg_t *cfg,
                                       dq_t error, fault_t *fault);
@@ -131,20 +131,20 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
 typedef struct {
     step_t speed; /* ω̂ */
     step_t reference;
-    step_t speed_limit;   /* the observer's */
+    step_t speed_limit;   /* of the observer */
     int32_t current_ref;  /* i_q* */
-    bool torque_at_limit; /* i_q* is */
+    bool torque_at_limit; /* i_q* is at its limit */
 } supervision_speed_t;
 
-/* SPEED_IMPLAUSIBLE, OVERSPEED, STALL: in closed loop. */
+/* SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. */
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);
 
-/* LATE: in any state, in each tick that follows a late one. */
+/* LATE. In any state; call in each tick that follows a late one. */
 fault_id_t supervision_count_late(supervision_t *state, const supervision_cfg_t *cfg,
                                   fault_t *fault);
 
-/* Once a period: the window in which they are counted goes on, and ends. */
+/* Once per supervision period: advances the window in which late ticks are counted. */
 void supervision_forget_late(supervision_t *state, const supervision_cfg_t *cfg);
 
 #endif

@@ -36,7 +36,7 @@ void vector_control_reset(drive_t *drive)
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
-/* The voltage that acted since the last instant: its duty ratio times the mean bus of that period. */
+/* The voltage that acted since the last instant: duty ratio times the mean bus voltage of that period. */
 static ab_t applied_voltage(const drive_t *drive)
 {
     const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
@@ -48,8 +48,8 @@ static ab_t applied_voltage(const drive_t *drive)
 }
 
 /*
- * What legs are given back for their dead time must not follow a leg that the dead time itself holds at zero: the sign
- * of its current is that of the smooth vector.
+ * The dead-time compensation must not use the measured current of a leg that the dead time itself holds at zero. So the
+ * sign comes from the filtered current vector.
  */
 static void measure_frame(drive_t *drive)
 {
@@ -115,7 +115,7 @@ void vector_control_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* The speed asked for and the rotor's own are both so low that a current has to be imposed. */
+/* Commanded speed and rotor speed are both so low that a current has to be imposed. */
 static bool is_slow(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -125,8 +125,8 @@ static bool is_slow(const drive_t *drive)
 }
 
 /*
- * i_d* in RUN: below the speed at which the observer hands back, the current to be imposed fades in. Above, what
- * keeps the current vector from getting so small that all legs switch within the dead time's zero crossing.
+ * i_d* in RUN. Below the speed at which the observer hands back, it rises to the current that will be imposed. Above, it
+ * keeps the current vector large enough that not all legs switch near their zero crossing.
  */
 static int32_t next_current_d(const drive_t *drive)
 {
@@ -141,8 +141,8 @@ static int32_t next_current_d(const drive_t *drive)
 }
 
 /*
- * The speed that sets the observer's static part: its own where it is far from zero, below that the speed asked for, as
- * a swing of the estimate through zero would turn the sign and keep itself up.
+ * The speed for ρ of the observer: its estimate when that is far from zero, else the commanded speed. A swing of the
+ * estimate through zero would change the sign of ρ and sustain itself.
  */
 static step_t calm_speed(const drive_t *drive)
 {
@@ -163,7 +163,7 @@ void vector_control_refine(drive_t *drive)
     nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
 }
 
-/* The frame turns forwards by `angle`: what is constant in space turns backwards in it. */
+/* The frame turns forwards by `angle`. A vector that is constant in space turns backwards in it. */
 static void turn_frame(drive_t *drive, angle_t angle)
 {
     const sincos_t turn = trig_sincos(angle);
@@ -174,7 +174,7 @@ static void turn_frame(drive_t *drive, angle_t angle)
     current_loop_turn(&drive->current_loop, turn);
 }
 
-/* Back to an imposed current: the frame's d axis becomes the direction of the present reference. */
+/* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
 static void hand_back(drive_t *drive)
 {
     const dq_t reference = drive->signals.current_ref;
@@ -194,7 +194,7 @@ static void hand_back(drive_t *drive)
     supervision_forget_imposed(&drive->supervision);
 }
 
-/* RUN hands back when the imposed current has faded in. */
+/* RUN changes to HOLD when the imposed current has risen to its level. */
 static void watch_speed(drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
@@ -259,7 +259,7 @@ void vector_control_motion(drive_t *drive, const drive_command_t *command, uint3
     }
 }
 
-/* The alignment's voltage step: v_d drops once and stays, the loop's integrals rest. */
+/* The voltage step of the alignment: v_d drops once and stays; the integrals of the loop do not change. */
 static void step_voltage(drive_t *drive)
 {
     if (drive->align.tick == 1U) {
@@ -282,9 +282,9 @@ static void control_currents(drive_t *drive, bool running)
 }
 
 /*
- * The current in the period to come, for what the legs are given back. In RUN it is the reference, and a quarter of what
- * is still lacking: the reference alone is wrong about a leg that the current has not left yet, the measurement alone
- * lets noise and ripple through. An imposed current is controlled softly: its mean.
+ * The current in the period to come, for the dead-time compensation. In RUN it is the reference plus a quarter of the
+ * difference to the measurement. The reference alone has the wrong sign for a leg whose current has not changed yet; the
+ * measurement alone has noise and ripple. An imposed current is controlled softly, so its mean is used.
  */
 static dq_t expected_current(const drive_signals_t *s, bool running)
 {
@@ -321,7 +321,7 @@ static void modulate(drive_t *drive, bool running, compare_t *out)
     modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab, given_back, out);
 }
 
-/* While it does not run free, θ̂ goes with the frame and closes up to it. */
+/* While the observer does not run free, θ̂ advances with the frame and approaches it. */
 static step_t closing_step(const drive_t *drive)
 {
     const angle_t distance =

@@ -19,7 +19,7 @@ static int32_t emf(const drive_t *drive, step_t speed)
     return fx_sat16(fx_asr(speed_q15 * drive->model.run_loop.emf_q13, CURRENT_LOOP_GAIN_BITS));
 }
 
-/* Go on from magnitude and lead, with the speed that is asked for. */
+/* Start with this magnitude and lead, and with the commanded speed. */
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
     const step_t reference = drive->speed_loop.reference;
@@ -49,7 +49,7 @@ void voltage_drive_step(drive_t *drive)
     s->current_ref.q = fx_sat15(fx_approach(s->current_ref.q, s->current.q, MEAN_SHIFT));
 }
 
-/* What the current loop's feed-forward will be with the current that flows. */
+/* The feed-forward of the current loop at the present current. */
 static dq_t modelled_voltage(const drive_t *drive)
 {
     const current_loop_cfg_t *const loop = &drive->model.run_loop;
@@ -66,8 +66,8 @@ static dq_t modelled_voltage(const drive_t *drive)
 }
 
 /*
- * Back to current control: its integrals are what the voltage has beyond the model, its torque current what flows. The
- * compensator has left no i_d, and there may be no start-up whose slope would take the rest away.
+ * Change back to current control. The integrals are set to the voltage less that of the model, the torque current to the
+ * present one. i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove it.
  */
 static void return_to_current(drive_t *drive)
 {
@@ -105,7 +105,7 @@ static int32_t present_lead(dq_t voltage)
     return fx_clamp(fx_signed(lead), -QUARTER_TURN_STEP, QUARTER_TURN_STEP);
 }
 
-/* Asked for and fast enough; to be left again 1/4 below. */
+/* The voltage drive is commanded and the speed is high enough. The limit to leave it is 1/4 lower. */
 static bool is_wanted(const drive_t *drive, const drive_command_t *command, step_t speed_min)
 {
     const bool asked =
@@ -115,7 +115,7 @@ static bool is_wanted(const drive_t *drive, const drive_command_t *command, step
            (fx_abs(drive->observer.speed) >= speed_min);
 }
 
-/* More than current control would let flow, by derating or by the motor. */
+/* The current exceeds the limit of current control, by derating or by the motor. */
 static bool is_overloaded(const drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
@@ -127,7 +127,7 @@ static bool is_overloaded(const drive_t *drive)
            (length > fx_max(range.upper, -range.lower));
 }
 
-/* The lead is at its end towards braking, or the current so small that the legs switch within its zero crossing. */
+/* The lead is at its limit towards braking, or the current is so small that the legs switch near its zero crossing. */
 static bool is_at_end(const drive_t *drive)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
@@ -152,7 +152,7 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* Speed and currents are where they are asked for, and the voltage is where the compensator may hold it. */
+/* Speed and currents have reached their references, and the voltage is within the range of the compensator. */
 static bool is_calm(const drive_t *drive, step_t target)
 {
     const step_t speed_max = drive->cfg->speed_loop.speed_max;

@@ -2,16 +2,18 @@
 /*
  * Paper B's phase-compensated voltage drive: RUN without current regulators.
  *
- * The speed PI, (28)–(30), sets the magnitude U of the voltage, the phase compensator its angle (phase_compensator.h):
- *     U = K_p·e + K_i·∫e + ω*·φ, |U| within the voltage circle; its sign is the direction
- * The EMF at the speed asked for is fed forward, so that the PI has only what the load takes.
+ * The speed PI, (28)–(30), sets the magnitude U of the voltage. The phase compensator sets its angle (phase_compensator.h):
+ *     U = K_p·e + K_i·∫e + ω*·φ, |U| within the voltage circle; the sign of U is the direction of rotation
+ * The EMF at the commanded speed is fed forward, so the PI only has to supply the voltage that the load needs.
  *
- * RUN begins with current control, and the drive changes over when that is safe: a speed of at least speed_min is
- * commanded and reached to 1/16, the currents are where they are asked for, without i_d, and the voltage lies within
- * the compensator's leads, all that for settle_periods. Where dead time makes a least current necessary i_d has to stay
- * while i_q is less, so there the load has to have it. Nothing limits the current here, so the drive changes back at once
- * where it is more than current control would let flow, and for a position or a lower speed; and where lead or current
- * have been at their lower end for settle_periods. Neither way jumps: each begins with the voltage that acts.
+ * RUN begins with current control. The drive changes to voltage control when all of these hold for settle_periods: the
+ * commanded speed is at least speed_min; the speed has reached it to 1/16; the currents have reached their references
+ * and i_d is zero; the voltage lies within the range of the compensator's lead. With dead-time compensation there is a
+ * least current, and i_d is not zero while i_q is below it; then the change needs a load.
+ *
+ * Nothing limits the current here. So the drive changes back at once when the current exceeds the limit of current
+ * control, and for a position command or a speed below speed_min. It also changes back when lead or current have been at
+ * their lower limit for settle_periods. Both changes begin with the voltage that acts, so nothing jumps.
  *
  * Part of the drive; called from drive_step only.
  */
@@ -20,13 +22,13 @@
 
 #include "drive.h"
 
-/* Each tick: the voltage to apply, and the mean of the current in place of a reference of it. */
+/* Each tick: sets the voltage to apply, and the mean of the current in place of a current reference. */
 void voltage_drive_step(drive_t *drive);
 
-/* Once a slow period: speed PI, or the change back. command: of the user. */
+/* Once per slow period: speed PI, or the change back to current control. */
 void voltage_drive_motion(drive_t *drive, const drive_command_t *command);
 
-/* Once a slow period under current control: whether it may be left, and the change. */
+/* Once per slow period under current control: checks the conditions above and changes to voltage control. */
 void voltage_drive_offer(drive_t *drive, const drive_command_t *command);
 
 #endif

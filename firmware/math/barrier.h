@@ -2,18 +2,18 @@
 /*
  * Order of memory accesses between the background and an interrupt on the same core.
  *
- * `volatile` orders volatile accesses among themselves only: the compiler may move any other across them. An
- * interrupt on one core sees what the interrupted code has done so far in the order of its instructions, so the
- * order in which the compiler leaves them is all that counts. No instruction is made for it; against a second core
- * or a DMA it is of no use.
+ * `volatile` orders volatile accesses among themselves only; the compiler may move any other access across them.
+ * An interrupt sees the accesses of the interrupted code in the order of its instructions. So it is enough to keep
+ * the compiler from changing that order. The barrier makes no instruction. It does not order accesses for a second
+ * core or a DMA.
  */
 #ifndef BARRIER_H
 #define BARRIER_H
 
 /*
- * No access to memory is moved across it by the compiler, in either direction. To be called by the background, in
- * front of what tells the interrupt that data are ready and behind what tells the background so; the interrupt itself
- * cannot be interrupted by the background and needs none. It is atomic_signal_fence() of C11, without <stdatomic.h>.
+ * The compiler moves no memory access across it, in either direction. The background calls it before it tells the
+ * interrupt that data are ready, and after it has read that the interrupt's data are ready. The interrupt needs none,
+ * because the background cannot interrupt it. It is atomic_signal_fence() of C11, without <stdatomic.h>.
  */
 static inline void barrier_compiler(void)
 {

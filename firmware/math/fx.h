@@ -3,7 +3,7 @@
  * Fixed-point arithmetic: saturation, shifts and mixed-width products.
  *
  * Formats. Qn means an integer that stands for value = integer / 2^n. Signals are Q15 in 16 bits
- * (±1 per unit), controller and observer states are 32 bits wide with guard bits above ±1, so that a
+ * (±1 per unit). Controller and observer states are 32 bits wide with guard bits above ±1, so that a
  * sum of a few products needs one clamp at its end and not one at each term.
  *
  * Cost. A 32×32→64 product is one instruction on Cortex-M3 and later but a library call on M0+; the
@@ -23,7 +23,7 @@
 /* One turn is 2^32, so angles wrap by themselves. Turns, not radians. */
 typedef uint32_t angle_t;
 
-/* Angle advance per control tick, signed, same unit as angle_t. 2^32 is one turn a tick. */
+/* Angle advance in a control tick, signed, in the unit of angle_t. 2^32 is one turn a tick. */
 typedef int32_t step_t;
 
 #define FX_Q15_MAX (32767)
@@ -46,7 +46,7 @@ static inline int32_t fx_clamp(int32_t x, int32_t lo, int32_t hi)
     return fx_min(fx_max(x, lo), hi);
 }
 
-/* From `from` towards `to`, by at most `step` ≥ 0. `from` and a step in either direction fit into 32 bits. */
+/* `from` moved towards `to` by at most `step` ≥ 0. `from` ± `step` must fit into 32 bits. */
 static inline int32_t fx_towards(int32_t from, int32_t to, int32_t step)
 {
     return (to > from) ? fx_min(from + step, to) : fx_max(from - step, to);

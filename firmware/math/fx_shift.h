@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The one shift of signed numbers that everything here is built on. */
+/* The right shift of signed numbers. All other functions of this folder use this one. */
 #ifndef FX_SHIFT_H
 #define FX_SHIFT_H
 

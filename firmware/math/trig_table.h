@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables behind trig.c. Generated values, see tools/gen_trig_table.py. Private to firmware/math. */
+/* Tables of trig.c. Generated values, see tools/gen_trig_table.py. Private to firmware/math. */
 #ifndef TRIG_TABLE_H
 #define TRIG_TABLE_H
 
@@ -14,9 +14,10 @@
 #define TRIG_FRACTION_MASK (0x1FFFU)
 
 /*
- * s(k) = 32767·sin(2π·k / 1024), k = 0…1279: one turn, a quarter more for the cosine. An entry is
- * the number next to 2^16·(s(k) + ½) of which the lower 12 bits are the slope 2^3·(s(k + 1) − s(k)),
- * rounded and signed: (entry + slope·fraction) >> 16 is the sine, rounded, for a fraction of 13 bits.
+ * s(k) = 32767·sin(2π·k / 1024), k = 0…1279: one turn, and a quarter turn more for the cosine. One word holds
+ * value and slope: the lower 12 bits are the slope 2^3·(s(k + 1) − s(k)), rounded and signed, and the entry is the
+ * number with these lower bits that is nearest to 2^16·(s(k) + ½). (entry + slope·fraction) >> 16 is the rounded sine
+ * for a fraction of 13 bits.
  */
 extern const int32_t trig_sin_table[1280];
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Functions of which the proof needs another, equal formulation: tests/proof/port. The rest of the firmware is proven as
- * it stands.
+ * Conversions between signed and unsigned words, and the low-pass. The proof reads an equal form of these functions
+ * (tests/proof/port) and the rest of the firmware as it is.
  *
- * Words of which the sign bit is read anew, as angles and counters that wrap are. To a reader as to a checker, a
- * conversion that changes the value looks like one that should not. These change it; all others in the firmware keep
- * it. Every supported compiler converts to a signed type modulo 2^n. Any x, no instruction. Pure, any context.
+ * Angles and counters that wrap use these conversions: the bits stay, the value may change. No other conversion in the
+ * firmware changes a value, so a reader or a checker can tell the two apart. Every supported compiler converts to a
+ * signed type modulo 2^n. Range: any x. No instruction. Pure, any context.
  */
 #ifndef FX_PLAIN_H
 #define FX_PLAIN_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Arithmetic for which some cores have an instruction: in plain C, for all others.
+ * Arithmetic for which some cores have an instruction. This is the form in plain C, for all other cores.
  *
- * The build chooses one folder of port/ for the core; all give the same results, bit for bit. Saturating
- * functions take any int32_t.
+ * The build chooses one folder of port/ for the core. All folders give the same results, bit for bit. The saturating
+ * functions take any int32_t. Pure, any context.
  */
 #ifndef FX_PORT_H
 #define FX_PORT_H
@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-/* x saturated to a signed number of `bits` bits: those that fit are their own sign extension. */
+/* x saturated to a signed number of `bits` bits. x fits when extending the sign of its lower bits gives x again. */
 static inline int32_t fx_sat(int32_t x, uint32_t bits)
 {
     const uint32_t ones = ((uint32_t)1U << (bits - 1U)) - 1U;
@@ -68,8 +68,8 @@ static inline int32_t fx_usat15(int32_t x)
 }
 
 /*
- * sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t; the caller
- * knows that the sum fits. With a = a_hi·2^16 + a_lo: a_hi·b + floor(a_lo·b / 2^16), |a_lo·b| < 2^31.
+ * sum + floor(a·b / 2^16), exact for every a and for −32768 ≤ b ≤ 32767 given as int32_t. The caller
+ * makes sure that the sum fits 32 bits. With a = a_hi·2^16 + a_lo: a_hi·b + floor(a_lo·b / 2^16), |a_lo·b| < 2^31.
  */
 static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
 {
@@ -79,7 +79,7 @@ static inline int32_t fx_mla_32x16(int32_t sum, int32_t a, int32_t b)
     return sum + ((a_hi * b) + fx_asr((int32_t)a_lo * b, 16U));
 }
 
-/* Number of zeros above the highest one of x, x > 0. */
+/* Number of zero bits above the highest set bit of x, x > 0. */
 static inline uint32_t fx_leading_zeros(uint32_t x)
 {
     uint32_t rest = x;
