@@ -2,12 +2,12 @@
 /*
  * The whole contract between the control interrupt and the hardware.
  *
- * Exactly one binding is linked, chosen by the build. A binding owns the PWM timer, the converters and
- * the gate drivers; nothing above it knows a register. docs/porting.md says how to write one.
+ * The build links exactly one binding. A binding owns the PWM timer, the converters and
+ * the gate drivers; no code above it uses a register. docs/porting.md says how to write one.
  *
- * Timing. The PWM is centre aligned and the control interrupt runs once a PWM period, started by the
- * conversion taken in the middle of the low-side on-time (t_k). Compare values handed to hal_apply()
- * in that interrupt are preloaded and act from t_k+1, the next such instant, for one period.
+ * Timing. The PWM is centre aligned. The control interrupt runs once per PWM period, started by the
+ * conversion in the middle of the low-side on-time (t_k). hal_apply() preloads the compare values in
+ * that interrupt. They act for one period from t_k+1, the next such instant.
  */
 #ifndef HAL_H
 #define HAL_H
@@ -21,16 +21,16 @@ typedef struct hal hal_t;
 
 /*
  * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, angle, flags) with the
- * conversions of t_k; the temperature may be an older one, the angle is 0 without a sensor.
+ * conversions of t_k. The temperature may be an older one. The angle is 0 without a sensor.
  * Context: control interrupt, first. Does not wait: the conversions are complete when it is called.
  */
 void hal_sample(hal_t *hal, drive_in_t *in);
 
 /*
  * Preload the three compare values, and open or enable the gates. Opening acts at once, by hardware
- * where there is a main output enable; enabling acts no later than t_k+1.
- * Context: control interrupt, last. Must finish before t_k+1: a tick that does not leaves equal duty on
- * all phases from t_k+1 to t_k+2, thus no voltage, and the next frame has DRIVE_FLAG_LATE.
+ * where there is a main output enable. Enabling acts at t_k+1 at the latest.
+ * Context: control interrupt, last. Must finish before t_k+1. After a tick that does not, the binding has equal
+ * duty on all phases from t_k+1 to t_k+2, thus no voltage, and sets DRIVE_FLAG_LATE in the next frame.
  */
 void hal_apply(hal_t *hal, const drive_out_t *out);
 

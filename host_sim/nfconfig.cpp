@@ -64,21 +64,46 @@ void show(const Choice &choice)
 {
     const nf::Config config = load(choice);
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
-        std::cout << fmt::format("{:32}{:>12}  {}\n", row.path, row.value, row.meaning);
+        std::cout << fmt::format("{:39}{:>12}  {}\n", row.path, row.value, row.meaning);
     }
     print_notes(config);
 }
 
-void print_keys()
+// Of "motor.pole_pairs" "motor".
+std::string table_of(const std::string &key)
 {
-    std::cout << fmt::format("{:36}{:36}{:12}{}\n", "key", "allowed", "default", "meaning");
+    return key.substr(0, key.find('.'));
+}
+
+// Each table once, in the order of the keys.
+std::vector<std::string> tables()
+{
+    std::vector<std::string> names;
     for (const nf::Field &field : nf::schema()) {
-        std::cout << fmt::format("{:36}{:36}{:12}{}\n", field.name(), field.allowed(),
-                                 field.default_text(), field.meaning());
+        if (names.empty() || names.back() != table_of(field.name())) {
+            names.push_back(table_of(field.name()));
+        }
+    }
+    return names;
+}
+
+void print_key(const std::string &table, const std::string &name, const std::string &allowed,
+               const std::string &by_default, const std::string &meaning)
+{
+    if (table.empty() || table_of(name) == table) {
+        std::cout << fmt::format("{:35} {:35} {:13} {}\n", name, allowed, by_default, meaning);
+    }
+}
+
+// Of all tables where `table` is empty.
+void print_keys(const std::string &table)
+{
+    std::cout << fmt::format("{:35} {:35} {:13} {}\n", "key", "allowed", "default", "meaning");
+    for (const nf::Field &field : nf::schema()) {
+        print_key(table, field.name(), field.allowed(), field.default_text(), field.meaning());
     }
     for (const nf::EntryValue &value : nf::entry_values()) {
-        std::cout << fmt::format("{:36}{:36}{:12}{}\n", value.name(), value.allowed(),
-                                 "one of them", value.help);
+        print_key(table, value.name(), value.allowed(), "one of them", value.help);
     }
 }
 
@@ -93,10 +118,12 @@ void print_conversions()
     }
 }
 
-void print_keys_and_conversions()
+void print_keys_and_conversions(const std::string &table)
 {
-    print_keys();
-    print_conversions();
+    print_keys(table);
+    if (table.empty() || table == "motor") {
+        print_conversions();
+    }
 }
 
 void print_names(const char *kind, const std::vector<std::string> &names)
@@ -136,10 +163,13 @@ int run(int argc, char **argv)
     CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
     add_choice(*table, choice);
     table->callback([&] { show(choice); });
-    app.add_subcommand(
-           "keys",
-           "Every key with range, default and meaning; how to get the motor's from a data sheet")
-        ->callback(print_keys_and_conversions);
+    CLI::App *keys = app.add_subcommand(
+        "keys",
+        "Every key with range, default and meaning; how to get the motor's from a data sheet");
+    std::string table_name;
+    keys->add_option("TABLE", table_name, "Only the keys of this table, for instance motor")
+        ->check(CLI::IsMember(tables()));
+    keys->callback([&] { print_keys_and_conversions(table_name); });
     app.add_subcommand("list", "The files that can be referred to by name")->callback(print_lists);
     if (const std::optional<int> status = nf::parse(app, argc, argv)) {
         return *status;

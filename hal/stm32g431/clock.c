@@ -42,12 +42,15 @@ static bool raise_power(void)
            reg_wait(FLASH_ACR, FLASH_ACR_LATENCY, WAIT_STATES_170MHZ);
 }
 
-static bool start_pll(void)
+/* The oscillator of 16 MHz, from which the PLL is fed. */
+static bool start_oscillator(void)
 {
     reg_set(RCC_CR, RCC_CR_HSION);
-    if (!reg_wait(RCC_CR, RCC_CR_HSIRDY, RCC_CR_HSIRDY)) {
-        return false;
-    }
+    return reg_wait(RCC_CR, RCC_CR_HSIRDY, RCC_CR_HSIRDY);
+}
+
+static bool start_pll(void)
+{
     reg_write(RCC_PLLCFGR,
               RCC_PLLCFGR_SRC_HSI16 | RCC_PLLCFGR_M_4 | RCC_PLLCFGR_N_85 | RCC_PLLCFGR_REN);
     reg_set(RCC_CR, RCC_CR_PLLON);
@@ -59,17 +62,17 @@ static bool switch_to_pll(void)
 {
     reg_change(RCC_CFGR, RCC_CFGR_HPRE, RCC_CFGR_HPRE_2);
     reg_change(RCC_CFGR, RCC_CFGR_SW, RCC_CFGR_SW_PLL);
-    if (!reg_wait(RCC_CFGR, RCC_CFGR_SWS, RCC_CFGR_SWS_PLL)) {
-        return false;
+    const bool is_switched = reg_wait(RCC_CFGR, RCC_CFGR_SWS, RCC_CFGR_SWS_PLL);
+    if (is_switched) {
+        clock_wait_us(1U);
+        reg_clear(RCC_CFGR, RCC_CFGR_HPRE);
     }
-    clock_wait_us(1U);
-    reg_clear(RCC_CFGR, RCC_CFGR_HPRE);
-    return true;
+    return is_switched;
 }
 
 bool clock_init(void)
 {
-    return raise_power() && start_pll() && switch_to_pll();
+    return raise_power() && start_oscillator() && start_pll() && switch_to_pll();
 }
 
 static void set_mode(uint32_t port, uint32_t pin, uint32_t mode)

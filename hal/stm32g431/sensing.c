@@ -46,16 +46,19 @@ static void start_amplifiers(void)
     reg_write(OPAMP3_CSR, amplifier | OPAMP_CSR_INTEN);
 }
 
-/* RM0440 21.4.6, 21.4.8, 21.4.9: out of deep power down, calibrated, enabled. */
-static bool wake_converter(uint32_t adc)
+/* RM0440 21.4.6, 21.4.8: out of deep power down, and calibrated. */
+static bool calibrate_converter(uint32_t adc)
 {
     reg_write(adc + ADC_CR, 0U);
     reg_write(adc + ADC_CR, ADC_CR_ADVREGEN);
     clock_wait_us(WAKE_US);
     reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADCAL);
-    if (!reg_wait(adc + ADC_CR, ADC_CR_ADCAL, 0U)) {
-        return false;
-    }
+    return reg_wait(adc + ADC_CR, ADC_CR_ADCAL, 0U);
+}
+
+/* RM0440 21.4.9. */
+static bool enable_converter(uint32_t adc)
+{
     clock_wait_us(1U); /* four of its cycles between calibration and enabling */
     reg_write(adc + ADC_ISR, ADC_ISR_ADRDY);
     reg_write(adc + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN);
@@ -94,24 +97,41 @@ static bool forget_first(void)
     return convert_once(ADC1) && convert_once(ADC2);
 }
 
-bool sensing_init(uint16_t *temperature)
+static bool wake_converter(uint32_t adc)
+{
+    return calibrate_converter(adc) && enable_converter(adc);
+}
+
+static void set_sequences(void)
 {
     const uint32_t shunt_code = codes_sampling(BOARD.adc_sampling_ns);
 
-    start_amplifiers();
-    reg_write(ADC12_CCR, ADC12_CCR_HCLK_4);
-    if (!wake_converter(ADC1) || !wake_converter(ADC2)) {
-        return false;
-    }
     set_sequence(ADC1, CHANNEL_BUS, CHANNEL_TEMPERATURE, shunt_code);
     set_sequence(ADC2, CHANNEL_AMPLIFIER_3, CHANNEL_SHUNT, shunt_code);
-    if (!forget_first() || !convert_once(ADC1)) {
-        return false;
-    }
-    *temperature = sensing_temperature();
+}
+
+/* Both converters wait for the timer's triggers. */
+static void arm(void)
+{
     reg_write(ADC2 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
     reg_write(ADC1 + ADC_CR, ADC_CR_ADVREGEN | ADC_CR_ADEN | ADC_CR_JADSTART);
-    return true;
+}
+
+bool sensing_init(uint16_t *temperature)
+{
+    bool is_ready = false;
+
+    start_amplifiers();
+    reg_write(ADC12_CCR, ADC12_CCR_HCLK_4);
+    if (wake_converter(ADC1) && wake_converter(ADC2)) {
+        set_sequences();
+        is_ready = forget_first() && convert_once(ADC1);
+    }
+    if (is_ready) {
+        *temperature = sensing_temperature();
+        arm();
+    }
+    return is_ready;
 }
 
 void sensing_start(void)

@@ -220,8 +220,9 @@ Author author_of(const Layer &layer)
 void take(const Layer &layer, Config &config)
 {
     apply_layer(layer, config);
+    const Author author = author_of(layer);
     for (const Setting &setting : layer.settings) {
-        config.origins.at(setting.field->name()).author = author_of(layer);
+        config.origins.at(setting.field->name()).author = author;
     }
     if (!layer.path.empty()) {
         config.sources.read.push_back(layer.path);

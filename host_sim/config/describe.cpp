@@ -206,9 +206,11 @@ void add_adaptation(Rows &to)
            to.rpm(c.rho_speed_min));
 }
 
-void add_pi(Rows &to, const std::string &name, const pi_cfg_t &c)
+// `source` says what the gains follow from.
+void add_pi(Rows &to, const std::string &name, const pi_cfg_t &c, const std::string &source = "")
 {
-    to.add(name + ".kp", c.kp, "K_p = {:.5g} per unit", scaled(c.kp, static_cast<int>(c.kp_shift)));
+    to.add(name + ".kp", c.kp, "K_p = {:.5g} per unit{}",
+           scaled(c.kp, static_cast<int>(c.kp_shift)), source);
     to.add(name + ".ki", c.ki, "K_i·T = {:.5g} per unit",
            scaled(c.ki, static_cast<int>(c.ki_shift) + PI_INTEGRAL_BITS));
     to.add(name + ".kp_shift", c.kp_shift, "of K_p");
@@ -234,7 +236,8 @@ void add_current_loop(Rows &to, const std::string &name, const current_loop_cfg_
 void add_speed_loop(Rows &to)
 {
     const speed_loop_cfg_t &c = to.built.speed_loop;
-    add_pi(to, "speed_loop.pi", c.pi);
+    add_pi(to, "speed_loop.pi", c.pi,
+           fmt::format(", for a bandwidth of {:.5g} Hz", to.tuning.speed_bandwidth_hz));
     to.add("speed_loop.ramp", c.ramp, "{:.6g} rpm/s",
            to.bases.rpm_from_step(c.ramp) / to.slow_period());
     to.add("speed_loop.speed_max", c.speed_max, "{:.6g} rpm", to.bases.rpm_from_step(c.speed_max));

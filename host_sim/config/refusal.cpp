@@ -128,16 +128,49 @@ std::optional<SettingError> error_of(const Config &config)
     return {};
 }
 
+// A number of a configuration that is tried with other values, and has its own again at the end.
+class Tried
+{
+public:
+    explicit Tried(double *place) : place_(place), own_(place == nullptr ? 0 : *place)
+    {
+    }
+    Tried(const Tried &) = delete;
+    Tried &operator=(const Tried &) = delete;
+    ~Tried()
+    {
+        if (place_ != nullptr) {
+            *place_ = own_;
+        }
+    }
+
+    bool is_number() const
+    {
+        return place_ != nullptr;
+    }
+    double own() const
+    {
+        return own_;
+    }
+    void put(double value)
+    {
+        *place_ = value;
+    }
+
+private:
+    double *place_;
+    double own_;
+};
+
 // One limit may lie behind another: the key is put on each until it is no longer refused.
-Misfit last_limit(const Config &config, SettingError error)
+Misfit last_limit(Config &config, SettingError error)
 {
     const Field &field = *find_field(error.key);
     const auto is_allowed = [&](double limit) { return limit >= field.min && limit <= field.max; };
-    Config at_limit = config;
-    double *const place = place_of(field, at_limit);
-    while (place != nullptr && is_allowed(rounded(error.limit))) {
-        *place = rounded(error.limit);
-        const std::optional<SettingError> next = error_of(at_limit);
+    Tried tried(place_of(field, config));
+    while (tried.is_number() && is_allowed(rounded(error.limit))) {
+        tried.put(rounded(error.limit));
+        const std::optional<SettingError> next = error_of(config);
         if (!next || next->key != error.key) {
             return {error, false};
         }
@@ -149,34 +182,35 @@ Misfit last_limit(const Config &config, SettingError error)
         error.limit = next->limit;
         error.reason = next->reason;
     }
-    return {error, place != nullptr};
+    return {error, tried.is_number()};
 }
 
 // By what share of it the limit is another one after `moved` was; a limit that is gone, or gives way to one of that key's
 // own, moved without end.
-double limit_moved(const Config &other, const SettingError &error, const Field &moved)
+double limit_moved(Config &config, const SettingError &error, const Field &moved)
 {
-    const std::optional<SettingError> found = error_of(other);
+    const std::optional<SettingError> found = error_of(config);
     if (!found || found->key == moved.name()) {
         return HUGE_VAL;
     }
     if (found->key != error.key) {
         return 0;
     }
-    const double change = std::abs(last_limit(other, *found).error.limit.value - error.limit.value);
+    const double change =
+        std::abs(last_limit(config, *found).error.limit.value - error.limit.value);
     return change > 0 ? change / std::abs(error.limit.value) : 0;
 }
 
 constexpr double SHARE = 0.01; // by which a key is moved to see what it does
 
 // How much a key moves the limit. Where a base steps from one power of two to the next, one way only does.
-double weight_of(const Field &field, const Config &config, const SettingError &error)
+double weight_of(const Field &field, Config &config, const SettingError &error)
 {
     double weight = HUGE_VAL;
+    Tried tried(place_of(field, config));
     for (const double factor : {1 - SHARE, 1 + SHARE}) {
-        Config other = config;
-        *place_of(field, other) *= factor;
-        weight = std::min(weight, limit_moved(other, error, field));
+        tried.put(tried.own() * factor);
+        weight = std::min(weight, limit_moved(config, error, field));
     }
     return weight;
 }
@@ -197,16 +231,15 @@ bool is_rather(const Culprit &other, const Culprit &culprit)
 }
 
 // Of the keys beside the refused one that `may_be` lets be blamed, the one to blame. Null where none moves the limit.
-const Field *culprit_of(const Config &config, const SettingError &error,
+const Field *culprit_of(Config &config, const SettingError &error,
                         const std::function<bool(Author)> &may_be)
 {
     constexpr double LEAST = SHARE / 4; // what the fourth root of a key does
     Culprit culprit;
     for (const Field &field : schema()) {
-        Config copy = config;
         const auto origin = config.origins.find(field.name());
         if (origin == config.origins.end() || !may_be(origin->second.author) ||
-            field.name() == error.key || place_of(field, copy) == nullptr) {
+            field.name() == error.key || place_of(field, config) == nullptr) {
             continue;
         }
         const Culprit other = {&field, origin->second.author, weight_of(field, config, error)};
@@ -259,11 +292,12 @@ void refuse(const Config &config, const SettingError &error)
              std::string(error.key) + " follows from it by rule and does not fit the firmware",
              std::string("another motor, or write ") + error.key);
     }
-    const Misfit misfit = last_limit(config, error);
+    Config trial = config;
+    const Misfit misfit = last_limit(trial, error);
     const std::string key = written_key(config, error.key);
     const auto found = config.origins.find(key);
     const bool is_default = found == config.origins.end();
-    const Field *culprit = culprit_of(config, misfit.error, [&](Author author) {
+    const Field *culprit = culprit_of(trial, misfit.error, [&](Author author) {
         return misfit.is_hopeless || is_default || author > found->second.author;
     });
     if (culprit == nullptr) {

@@ -9,6 +9,7 @@ extern "C" {
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <unordered_map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -424,9 +425,15 @@ const std::vector<Field> &schema()
 
 const Field *find_field(const std::string &name)
 {
-    const auto found = std::find_if(FIELDS.begin(), FIELDS.end(),
-                                    [&](const Field &field) { return field.name() == name; });
-    return found == FIELDS.end() ? nullptr : &*found;
+    static const auto by_name = [] {
+        std::unordered_map<std::string, const Field *> all;
+        for (const Field &field : FIELDS) {
+            all.emplace(field.name(), &field);
+        }
+        return all;
+    }();
+    const auto found = by_name.find(name);
+    return found == by_name.end() ? nullptr : found->second;
 }
 
 bool may_hold(FileKind kind, const std::string &section)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// Refuses text that toml++ 3.3 does not survive, before it sees it:
+// Refuses text that toml++ up to 3.4 does not survive, before it sees it:
 //   characters outside ASCII that are in no string or comment reach its __builtin_unreachable();
 //   dotted keys nest without limit, and each level costs stack.
 // No valid file of ours has either.

@@ -1,7 +1,24 @@
 # SPDX-License-Identifier: MIT
+# nf_precompile(<target>)
+#
+# C++ of the host takes the headers of the libraries, precompiled for nf_output, or for nf_design with Eigen; where
+# CMAKE_DISABLE_PRECOMPILE_HEADERS is off, as in the preset host-asan.
+function(nf_precompile target)
+    get_target_property(sources ${target} SOURCES)
+    if(NOT TARGET nf_output OR sources MATCHES "[.]c(;|$)" OR target MATCHES "^nf_(output|design)$")
+        return()
+    endif()
+    get_target_property(linked ${target} LINK_LIBRARIES)
+    if(TARGET nf_design AND linked MATCHES "nf_(design|twins)")
+        target_precompile_headers(${target} REUSE_FROM nf_design)
+    else()
+        target_precompile_headers(${target} REUSE_FROM nf_output)
+    endif()
+endfunction()
+
 # nf_add_floor(<target> SOURCES <file>... [LINK <target>...])
 #
-# One floor of the house: a static library whose folder is its public include folder.
+# One floor: a static library whose folder is its public include folder.
 # It sees the headers of the floors it links and no others, so an upward include
 # does not compile.
 function(nf_add_floor target)
@@ -10,6 +27,7 @@ function(nf_add_floor target)
     target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
     target_compile_features(${target} PUBLIC c_std_11)
     target_link_libraries(${target} PUBLIC ${arg_LINK} PRIVATE nf_warnings)
+    nf_precompile(${target})
     if(target MATCHES "^nf_(math|control|drive|app)$")
         nf_count(${target})
     else()
@@ -24,5 +42,6 @@ function(nf_add_program target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
     add_executable(${target} ${arg_SOURCES})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
+    nf_precompile(${target})
     set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()

@@ -24,5 +24,24 @@ function(nf_add_unit_test name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
     add_executable(${name} ${arg_SOURCES})
     target_link_libraries(${name} PRIVATE ${arg_LINK} unity nf_warnings)
+    nf_precompile(${name})
     add_test(NAME ${name} COMMAND ${name})
+endfunction()
+
+# Counts that another build has left are not those of this one.
+set(counts ${CMAKE_BINARY_DIR}/profiles)
+if(NF_COVERAGE)
+    add_custom_target(no_counts ALL COMMAND ${CMAKE_COMMAND} -E rm -rf ${counts})
+endif()
+
+# nf_count_tests()
+#
+# Of each test of this folder, which calls it last: its counts are left in profiles/<test>.<process>.profraw.
+function(nf_count_tests)
+    if(NF_COVERAGE)
+        get_property(tests DIRECTORY PROPERTY TESTS)
+        foreach(test IN LISTS tests)
+            set_property(TEST ${test} APPEND PROPERTY ENVIRONMENT "LLVM_PROFILE_FILE=${counts}/${test}.%p.profraw")
+        endforeach()
+    endif()
 endfunction()
