@@ -45,7 +45,8 @@ def c_array(declaration, values, suffix=""):
 
 
 def main():
-    print("/* Written by tools/gen_trig_table.py; do not edit. */\n"
+    print("/* SPDX-License-Identifier: MIT */\n"
+          "/* Written by tools/gen_trig_table.py; do not edit. */\n"
           "/* clang-format off */\n"
           '#include "trig_table.h"\n')
     print(c_array("int32_t trig_sin_table", sine_table()))

@@ -70,9 +70,9 @@ def chosen_panels(names, trace):
 
 def trace_command(args):
     from report import style
-    from report.assemble import save
     from report.draw import draw
     from report.layouts import Layout
+    from report.picture import save
     from report.runs import read_trace
     trace = read_trace(args.file).cut(args.start, args.end)
     panels = chosen_panels(args.panels, trace)
@@ -96,11 +96,11 @@ def report_command(args):
 
 
 def deadtime_command(args):
-    from deadtime import figure, measure, section, table
+    from deadtime import figure, measure, table
     from report import style
-    from report.assemble import save
+    from report.picture import save
     measurement = measure.measure(args.motorsim, args.sets or SETS)
-    path = args.out / f"{section.KEY}.json"
+    path = args.out / f"{figure.KEY}.json"
     measure.write(measurement, path)
     print(table.text(measurement))
     save(figure.draw(measurement, style.PRINT), style.PRINT, path.with_suffix(".png"))
@@ -177,7 +177,7 @@ def add_design(commands):
 
 
 def main(arguments=None):
-    problem = own_python.missing("matplotlib", "numpy")
+    problem = own_python.missing("jinja2", "matplotlib", "numpy")
     if problem:
         sys.exit(f"plot.py: {problem}")
     from report.runs import PlotError

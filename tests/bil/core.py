@@ -8,6 +8,7 @@ Exceptions are taken between two blocks.
 
 import ctypes
 import functools
+import hashlib
 import struct
 import sys
 from pathlib import Path
@@ -35,9 +36,12 @@ WFI = b"\x30\xbf"
 THREAD = 0x100           # the priority of what is no exception
 FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3,
          arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR]
+REGISTERS = [*range(arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R12 + 1), *FRAME[5:], arm.UC_ARM_REG_SP]
 M4 = next(model for model in MODELS if model.core == "cortex-m4")
 Costs = ctypes.c_uint16 * (FLASH_SIZE // 2)
 COST_OF = ctypes.CFUNCTYPE(ctypes.c_uint16, ctypes.c_uint64, ctypes.c_uint32)
+READ = ctypes.CFUNCTYPE(ctypes.c_uint64, ctypes.c_uint64, ctypes.c_uint32)
+WRITE = ctypes.CFUNCTYPE(None, ctypes.c_uint64, ctypes.c_uint32, ctypes.c_uint64)
 
 
 class Clock(ctypes.Structure):
@@ -45,7 +49,19 @@ class Clock(ctypes.Structure):
 
     _fields_ = [("now", ctypes.c_int64), ("limit", ctypes.c_int64), ("cycle", ctypes.c_int64),
                 ("stopped", ctypes.c_int64), ("flash", ctypes.c_uint64), ("stop", ctypes.c_void_p),
-                ("cost_of", COST_OF), ("cost", ctypes.POINTER(ctypes.c_uint16))]
+                ("cost_of", COST_OF), ("cost", ctypes.POINTER(ctypes.c_uint16)), ("access", ctypes.c_int64),
+                ("held", ctypes.c_uint64), ("value", ctypes.c_uint64), ("read", READ), ("write", WRITE)]
+
+
+class Page(ctypes.Structure):
+    """core_clock.c: one of registers."""
+
+    _fields_ = [("clock", ctypes.POINTER(Clock)), ("address", ctypes.c_uint64)]
+
+
+def succeed(status):
+    if status != unicorn.UC_ERR_OK:
+        raise unicorn.UcError(status)
 
 
 @functools.cache
@@ -73,17 +89,17 @@ class Core:
         self.uc.mem_map(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE)
         for address, data in elf.segments(image):
             self.uc.mem_write(address, data)
-        for page in self.bus.pages(PAGE):
-            self.uc.mmio_map(page, PAGE, self._read, page, self._write, page)
         self.uc.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._invalid)
-        self._start_clock(library)
+        self._library = ctypes.CDLL(str(library))
+        self._start_clock()
+        self._map_registers()
         if decisions.RECORD:
             decisions.RECORD.watch(self.uc._uch, image, self._library, uclib, unicorn.UC_HOOK_CODE)
         stack, start = struct.unpack("<II", self.uc.mem_read(FLASH, 8))
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_PC, start)
 
-    def _start_clock(self, library):
+    def _start_clock(self):
         """Unicorn's Python would call a function of Python only, which costs more than the emulation."""
         decoder, costs = _decoded(bytes(self.uc.mem_read(FLASH, FLASH_SIZE)))
 
@@ -100,13 +116,23 @@ class Core:
         clock.cost = costs
         clock.cost_of = COST_OF(cost_of)
         clock.stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
-        self._library = ctypes.CDLL(str(library))
-        hook = ctypes.cast(self._library.core_clock_block, ctypes.c_void_p)
+        hook = self._in_c("core_clock_block")
         handle = ctypes.c_size_t()
-        status = uclib.uc_hook_add(self.uc._uch, ctypes.byref(handle), unicorn.UC_HOOK_BLOCK, hook,
-                                   ctypes.byref(clock), ctypes.c_uint64(1), ctypes.c_uint64(0))
-        if status != unicorn.UC_ERR_OK:
-            raise unicorn.UcError(status)
+        succeed(uclib.uc_hook_add(self.uc._uch, ctypes.byref(handle), unicorn.UC_HOOK_BLOCK, hook,
+                                  ctypes.byref(clock), ctypes.c_uint64(1), ctypes.c_uint64(0)))
+
+    def _in_c(self, name):
+        return ctypes.cast(getattr(self._library, name), ctypes.c_void_p)
+
+    def _map_registers(self):
+        """Past unicorn's Python, as in _start_clock."""
+        clock = self.chip.clock
+        clock.access = ACCESS_CYCLES
+        clock.read, clock.write = READ(self._read), WRITE(self._write)
+        self._pages = [Page(ctypes.pointer(clock), address) for address in self.bus.pages(PAGE)]
+        read, write = self._in_c("core_clock_read"), self._in_c("core_clock_write")
+        for page in self._pages:
+            succeed(uclib.uc_mmio_map(self.uc._uch, page.address, PAGE, read, ctypes.byref(page), write, ctypes.byref(page)))
 
     def _guarded(self, access, *arguments):
         """What goes wrong must not pass through the emulator: it is kept until that has stopped."""
@@ -117,11 +143,17 @@ class Core:
             self.uc.emu_stop()
             return 0
 
-    def _read(self, _, offset, size, page):
-        return self._guarded(self._do_read, page + offset, size)
+    def _read(self, address, size):
+        return self._guarded(self._do_read, address, size)
 
-    def _write(self, _, offset, size, value, page):
-        self._guarded(self._do_write, page + offset, size, value)
+    def _write(self, address, size, value):
+        self._guarded(self._do_write, address, size, value)
+
+    def hold(self, address, value):
+        """For a register that is being read: looks at it see this again until something is due, or the image does
+        something else."""
+        if not self._counting:
+            self.chip.clock.held, self.chip.clock.value = address, value
 
     def _pass_access(self):
         if (now := self.chip.clock.now + ACCESS_CYCLES) < self._limit:
@@ -168,6 +200,12 @@ class Core:
             failure, self.failure = self.failure, None
             raise failure
         return bool(self.chip.clock.stopped)
+
+    def alive(self):
+        """A digest of all that the program can go on from: its registers, and the memory without what lies beyond the stack."""
+        registers = [self.uc.reg_read(register) for register in REGISTERS]
+        stack = self.uc.reg_read(arm.UC_ARM_REG_SP)
+        return hashlib.sha256(struct.pack("<17I", *registers) + self.uc.mem_read(stack, RAM + RAM_SIZE - stack)).hexdigest()
 
     def left(self):
         """Whether an exception has come to its end."""

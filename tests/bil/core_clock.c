@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What unicorn calls so often that it has to be in C: before each block of instructions the time of the emulated core
- * (core.py), some hundred times in a control tick, and before a decision of the board's code which way it goes
- * (decisions.py).
+ * (core.py), some hundred times in a control tick; at each access to a register, as many see again what the one before
+ * them saw; and before a decision of the board's code which way it goes (decisions.py).
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -20,7 +20,17 @@ typedef struct {
     void (*stop)(void *core);
     uint16_t (*cost_of)(uint64_t address, uint32_t size);
     uint16_t *cost; /* of each half-word: cycles of the block that begins there; 0: not known yet */
+    int64_t access; /* cycles of an access to a register */
+    uint64_t held;  /* the register that shows the same again, see core_clock_read; 0: none */
+    uint64_t value; /* what it shows */
+    uint64_t (*read)(uint64_t address, uint32_t size);
+    void (*write)(uint64_t address, uint32_t size, uint64_t value);
 } core_clock_t;
+
+typedef struct {
+    core_clock_t *clock;
+    uint64_t address;
+} core_page_t;
 
 typedef struct {
     int (*read)(void *core, int id, uint32_t *value);
@@ -36,6 +46,8 @@ enum {
 
 void core_clock_block(void *core, uint64_t address, uint32_t size, void *context);
 void core_clock_decision(void *core, uint64_t address, uint32_t size, void *context);
+uint64_t core_clock_read(void *core, uint64_t offset, uint32_t size, void *context);
+void core_clock_write(void *core, uint64_t offset, uint32_t size, uint64_t value, void *context);
 
 void core_clock_block(void *core, uint64_t address, uint32_t size, void *context)
 {
@@ -51,6 +63,32 @@ void core_clock_block(void *core, uint64_t address, uint32_t size, void *context
         *cost = clock->cost_of(address, size);
     }
     clock->now += *cost * clock->cycle;
+}
+
+/* A register is held until something is due, or another access comes. */
+uint64_t core_clock_read(void *core, uint64_t offset, uint32_t size, void *context)
+{
+    const core_page_t *const page = context;
+    core_clock_t *const clock = page->clock;
+    const uint64_t address = page->address + offset;
+    const bool nothing_is_due = (clock->now + clock->access) < clock->limit;
+
+    (void)core;
+    if ((address == clock->held) && (size == sizeof(uint32_t)) && nothing_is_due) {
+        clock->now += clock->access;
+        return clock->value;
+    }
+    clock->held = 0U;
+    return clock->read(address, size);
+}
+
+void core_clock_write(void *core, uint64_t offset, uint32_t size, uint64_t value, void *context)
+{
+    const core_page_t *const page = context;
+
+    (void)core;
+    page->clock->held = 0U;
+    page->clock->write(page->address + offset, size, value);
 }
 
 /* Armv7-M ARM, A7.3.1: of each pair of conditions the second is the opposite of the first. */

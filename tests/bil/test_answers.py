@@ -79,19 +79,28 @@ def make(**arguments):
     return made
 
 
+def block_of(made, wait):
+    return next(one for one in made.chip.blocks if one.name == wait.block)
+
+
 def register_of(made, wait):
-    return next(one for one in made.chip.blocks if one.name == wait.block).register(wait.key)
+    return block_of(made, wait).register(wait.key)
 
 
-def hook(made, wait, refuses):
-    """`refuses` says of each look whether there is no answer yet, from whether the chip has one."""
+def hook(made, wait, refuses, for_ever=False):
+    """`refuses` says of each look whether there is no answer yet, from whether the chip has one; with `for_ever` what it
+    has refused once it goes on to refuse, and is not asked at each of the looks that follow one another."""
     register = register_of(made, wait)
+    address, = (at for at, (key, _) in block_of(made, wait).by_address.items() if key == wait.key)
     before = register.on_read or (lambda: register.value)
 
     def read():
         value = before()
         refused = value & wait.behind == wait.behind and refuses(value & wait.mask != wait.refused)
-        return value & ~wait.mask | wait.refused if refused else value
+        shown = value & ~wait.mask | wait.refused if refused else value
+        if refused and for_ever:
+            made.core.hold(address, shown)
+        return shown
 
     register.on_read = read
 
@@ -160,13 +169,13 @@ class Answers(unittest.TestCase):
         self.boot([COUNTED], lambda made, wait: hook(made, wait, lambda has: refuses(True)))
 
     def test_a_direction_that_never_changes_does_not_keep_it(self):
-        self.boot([ALWAYS_DOWN], lambda made, wait: hook(made, wait, lambda _: True))
+        self.boot([ALWAYS_DOWN], lambda made, wait: hook(made, wait, lambda _: True, for_ever=True))
 
     def tells(self, wait, **arguments):
         made = make(**arguments)
         watchdog = made.chip.watchdog
         watchdog.fire = lambda: setattr(watchdog, "due", NEVER)  # what if it did not bite either
-        hook(made, wait, never(wait.answers))
+        hook(made, wait, never(wait.answers), for_ever=True)
         said = ""
         for _ in range(round(GIVING_UP_S / LOOK_S)):
             made.go_on(LOOK_S)

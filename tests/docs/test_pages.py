@@ -1,16 +1,38 @@
 # SPDX-License-Identifier: MIT
 """docs.pages: what a reader of the guides counts on."""
 
+import json
 import re
 import unittest
+from itertools import combinations
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GUIDES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [*GUIDES, *(ROOT / "docs/api").glob("*.md")]
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
 ONE_PAGE = 140      # lines of the README
-SENTENCE_MIN = 60   # characters: shorter lines, as of a command, may well stand twice
+RUN = 9             # words in a row: fewer may well be a turn of phrase
+CODE = re.compile(r"^```.*?^```$|^ {4}[^\n]*$", re.MULTILINE | re.DOTALL)  # commands and their output may stand twice
+
+
+def prose(text):
+    """Its paragraphs, items and rows, without code and without where links lead."""
+    text = re.sub(r"\]\([^)]*\)", "]", CODE.sub("", text))
+    return re.split(r"\n\s*\n|\n(?=[|*-]|\d+\. )", text)
+
+
+def runs(text):
+    """Each RUN words that follow one another, however the lines are wrapped."""
+    words = (re.findall(r"\w+", part.lower()) for part in prose(text))
+    return {" ".join(of_part[at:at + RUN]) for of_part in words for at in range(len(of_part) - RUN + 1)}
+
+
+def said_twice(pages):
+    """(name, name, words) of each run that two of the pages have; name → text."""
+    said = {name: runs(text) for name, text in pages.items()}
+    return [(one, other, words) for one, other in combinations(said, 2) for words in sorted(said[one] & said[other])]
 
 
 class Pages(unittest.TestCase):
@@ -28,11 +50,29 @@ class Pages(unittest.TestCase):
         for header in [*(ROOT / "firmware").glob("*/*.h"), ROOT / "hal/hal.h"]:
             self.assertIn(f"doxygenfile}} {header.name}\n", shown)
 
-    def test_no_line_of_the_readme_stands_in_a_guide_again(self):
-        guides = [page for page in (ROOT / "docs").glob("*.md") if page.name != "index.md"]
-        said = {line for page in guides for line in page.read_text(encoding="utf-8").splitlines()}
-        twice = [line for line in README.splitlines() if len(line) >= SENTENCE_MIN and line in said]
-        self.assertEqual(twice, [])
+    def test_every_link_of_a_packed_page_leads_to_a_packed_file(self):
+        packed = [ROOT / name for name in json.loads((ROOT / "library.json").read_text(encoding="utf-8"))["export"]["include"]]
+        for page in (path for path in packed if path.suffix == ".md"):
+            for link in LINK.findall(page.read_text(encoding="utf-8")):
+                target = (page.parent / link).resolve()
+                self.assertTrue("://" in link or any(target.is_relative_to(path) for path in packed), f"{page.name}: {link}")
+
+    def test_no_sentence_stands_on_two_pages(self):
+        self.assertEqual(said_twice({page.name: page.read_text(encoding="utf-8") for page in GUIDES}), [])
+
+
+class TheTest(unittest.TestCase):
+    SENTENCE = "The core is one function: counts in, compare values out, without a clock."
+
+    def test_a_sentence_in_another_wrap_with_a_link_in_it_is_found(self):
+        again = "    a command\n\nSo it is. The core is\none [function](api.md): counts in, compare\nvalues out, without a clock."
+        found = said_twice({"one": self.SENTENCE, "other": again})
+        self.assertIn(("one", "other", "the core is one function counts in compare values"), found)
+
+    def test_code_and_the_end_of_one_item_with_the_next_are_not_a_sentence(self):
+        for apart in (f"    {self.SENTENCE}", f"```console\n{self.SENTENCE}\n```",
+                      "- The core is one function: counts in\n- compare values out, without a clock."):
+            self.assertEqual(said_twice({"one": self.SENTENCE, "other": apart}), [])
 
 
 if __name__ == "__main__":

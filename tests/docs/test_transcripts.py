@@ -5,7 +5,8 @@ test_transcripts.py PROGRAMS GDB     PROGRAMS: the folder that has motorsim, nfc
 
 A transcript is a block of a guide that is marked `console`. A line that begins with `$ ` is a command. Lines that begin
 with a prompt in brackets are typed into the program of the command before: the stepper, or gdb. All others are output; a line
-`...` stands for any number of lines. The blocks of a guide run one after the other in one folder.
+`...` stands for any number of lines. The blocks of a guide run one after the other in one folder. A block that is marked `toml`
+and begins with `# NAME.toml` is written there as that file, before them.
 """
 import os
 import re
@@ -19,6 +20,7 @@ from pathlib import Path
 PROGRAMS, GDB = Path(sys.argv[1]).resolve(), sys.argv[2]
 ROOT = Path(__file__).resolve().parents[2]
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"^```toml\n(# ([\w.]+\.toml)\n.*?)^```$", re.MULTILINE | re.DOTALL)
 TYPED = re.compile(r"^(\([^)]+\)) (.+)$")
 
 
@@ -87,7 +89,10 @@ class Transcripts(unittest.TestCase):
 
     def test_each_command_prints_what_the_guide_shows(self):
         for guide in guides():
-            for block in BLOCK.findall(guide.read_text(encoding="utf-8")):
+            text = guide.read_text(encoding="utf-8")
+            for written, name in FILE.findall(text):
+                (self.folder / name).write_text(written, encoding="utf-8")
+            for block in BLOCK.findall(text):
                 for command, shown, typed in commands(block):
                     with self.subTest(guide=guide.name, command=command):
                         self.assertIsNone(departure(shown, run(command, typed, self.folder)))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * In the build with counters: what each Unity test runs alone. --wrap puts this in the place of Unity's own runner. The
- * counts of a test go to <title>.<test>.profraw beside <title>.%p.profraw, the file that LLVM_PROFILE_FILE names.
+ * counts of a test go to <title>.<test>.profraw beside <title>.%p.profraw, the file that LLVM_PROFILE_FILE names. Where it
+ * names no such file, as by hand, all tests are counted together.
  */
 #include "unity.h"
 
@@ -24,9 +25,8 @@ static void leave_counts(const char *of_program, const char *name)
     const char *const process = strstr(of_program, "%p");
     char path[PATH_BYTES];
 
-    if ((process == NULL) ||
-        (snprintf(path, sizeof path, "%.*s%s.profraw", (int)(process - of_program), of_program,
-                  name) >= (int)sizeof path)) {
+    if (snprintf(path, sizeof path, "%.*s%s.profraw", (int)(process - of_program), of_program,
+                 name) >= (int)sizeof path) {
         abort();
     }
     __llvm_profile_set_filename(path);
@@ -40,7 +40,7 @@ void __wrap_UnityDefaultTestRun(UnityTestFunction function, const char *name, in
 {
     const char *const of_program = getenv("LLVM_PROFILE_FILE");
 
-    if (of_program == NULL) { /* run by hand: all tests are counted together */
+    if ((of_program == NULL) || (strstr(of_program, "%p") == NULL)) {
         __real_UnityDefaultTestRun(function, name, line);
         return;
     }

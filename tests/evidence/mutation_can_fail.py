@@ -109,7 +109,7 @@ class RegisterCanFail(RegisterTests, unittest.TestCase):
 def candidates(killed, survivors):
     def candidate(number, killed_by):
         mutant = mutants.Mutant("a.c", number, "f", 0, 1, "", "a line", f"mutant {number}")
-        return mutation.Candidate(mutant, None, None, killed_by=killed_by)
+        return mutation.Candidate(mutant, killed_by)
 
     return [candidate(number, "a test" if number < killed else None) for number in range(killed + survivors)]
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""evidence.traceability_can_fail: each kind of broken link is found, in a copy of the register and the sources."""
+"""evidence.traceability_can_fail: each kind of broken link is found, in a copy of the register and the sources; and what
+stands in a source in an uncommon form is read as the compiler reads it."""
 
 import shutil
 import tempfile
@@ -7,6 +8,7 @@ import unittest
 from pathlib import Path
 
 import part
+import syntax
 import traceability
 
 BUILD = part.ROOT / "build" / "host"
@@ -34,30 +36,75 @@ FAULTS = {
     "an equation that is not cited": ("firmware/control/rotor_position.h", "paper A (23). ", "",
                                       "A (23): no comment beside rotor_position_step names it"),
     "an equation that there is not": ("firmware/control/rotor_position.h", "paper A (23)", "paper A (24)",
-                                      "rotor_position.h:2: there is no equation (24) of paper A"),
+                                      "there is no equation (24) of paper A"),
     "a function that nothing asks for": ("firmware/control/rotor_position.h", "#endif", "int32_t rotor_extra(void);\n#endif",
                                          "no equation and no requirement names rotor_extra"),
+    "the same, declared over lines": ("firmware/control/rotor_position.h", "#endif",
+                                      "int32_t\nrotor_extra(int32_t (*first)(void),\n            int32_t second);\n#endif",
+                                      "no equation and no requirement names rotor_extra"),
 }
 
+# Language, header, source, the functions in them: name, file and line, whether it is defined there.
+FORMS = {
+    "a declaration over lines": ("c", "int32_t\nrotor_extra(int32_t (*first)(void),\n            int32_t second);", "",
+                                 [("rotor_extra", "a.h:2", False)]),
+    "a declaration in a comment": ("c", "/*\nint32_t rotor_extra(void);\n*/", "", []),
+    "the marks of a comment in strings": ("c", 'const char A[] = "/*";\nint32_t rotor_extra(void);\nconst char B[] = "*/";', "",
+                                          [("rotor_extra", "a.h:2", False)]),
+    "a declaration in the text of a macro": ("c", "#define ROTOR do { \\\nint32_t rotor_extra(void); \\\n} while (0)", "", []),
+    "a macro in place of a loop": ("c", "", "void rotor_extra(void)\n{\n    FOR_EACH(leg) {\n    }\n}",
+                                   [("rotor_extra", "a.c:1", True)]),
+    "a function that a macro defines": ("c", "", "#define ROTOR(name) int32_t name(void) { return 0; }\nROTOR(rotor_extra)",
+                                        [("rotor_extra", "a.c:2", True)]),
+    "a structure that is returned": ("c", "", "rotor_t rotor_extra(int32_t a)\n{\n    return (rotor_t){a, a};\n}",
+                                     [("rotor_extra", "a.c:1", True)]),
+    "a method": ("c++", "class Rotor {\n    angle_t extra() const;\n};", "angle_t Rotor::extra() const\n{\n}",
+                 [("extra", "a.h:2", False), ("extra", "a.cpp:1", True)]),
+}
+CITING = """/*
+ * By (4) and, as paper A
+ * says, (5)–(6), paper A (7).
+ */
+const char NO_COMMENT[] = "paper B (8)"; // (9)
+"""
+UNITY_TESTS = """int main(void)
+{
+    RUN_TEST(test_one); // RUN_TEST(test_in_a_comment);
+    RUN_TEST(
+        test_over_lines);
+    puts("RUN_TEST(test_in_a_string)");
+}
+"""
+PYTHON_TESTS = '''
+class Tests:
+    def test_one(self):
+        """
+        def test_in_a_string(self):
+        """
+    def test_over_lines(
+            self):
+        pass
+'''
 
 NOTHING_COUNTED = {"counted": [], "tests": {}}
 
 
-def copy(folder):
-    for name in (*traceability.SOURCES, REGISTER.parent):
-        shutil.copytree(part.ROOT / name, folder / name)
-
-
 class TraceabilityCanFail(unittest.TestCase):
-    def findings(self, path=None, text="", fault="", ran=NOTHING_COUNTED):
-        with tempfile.TemporaryDirectory() as folder:
-            root = Path(folder)
-            copy(root)
-            if path:
-                content = (root / path).read_text(encoding="utf-8")
-                self.assertIn(text, content, path)
-                (root / path).write_text(content.replace(text, fault), encoding="utf-8")
-            return traceability.Finder(root, BUILD, REGISTER, ran).check()
+    @classmethod
+    def setUpClass(cls):
+        cls.root = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        for name in (*traceability.SOURCES, REGISTER.parent):
+            shutil.copytree(part.ROOT / name, cls.root / name)
+
+    def findings(self, path=REGISTER, text="", fault="", ran=NOTHING_COUNTED):
+        """With `fault` in place of `text` in a file, which is as it was afterwards."""
+        content = (self.root / path).read_text(encoding="utf-8")
+        self.assertIn(text, content, path)
+        try:
+            (self.root / path).write_text(content.replace(text, fault) if text else content, encoding="utf-8")
+            return traceability.Finder(self.root, BUILD, REGISTER, ran).check()
+        finally:
+            (self.root / path).write_text(content, encoding="utf-8")
 
     def test_nothing_is_found_in_what_there_is(self):
         self.assertEqual(self.findings(), [])
@@ -97,6 +144,32 @@ class TraceabilityCanFail(unittest.TestCase):
 
     def test_an_entry_without_a_counted_test_is_not_asked(self):
         self.assertEqual(self.found_of_runs(own=["drive_step"], whole=["drive_step"], programs=[]), [])
+
+
+class SourcesAreReadAsTheCompilerReadsThem(unittest.TestCase):
+    def read(self, language, header, source):
+        suffix = {"c": ".c", "c++": ".cpp"}[language]
+        return syntax.parsed(language, ((Path("a.h"), header), (Path("a").with_suffix(suffix), source)), traceability.PAPER)
+
+    def test_each_form_of_a_function(self):
+        for name, (language, header, source, there) in FORMS.items():
+            with self.subTest(name):
+                functions, _ = self.read(language, header, source)
+                self.assertEqual([(function, str(place), defined) for function, place, defined in functions], there)
+
+    def test_the_equations_of_comments_with_their_lines(self):
+        _, comments = self.read("c", "// (3)", CITING)
+        cited = [(*equation, str(place)) for equation, place in traceability.cited(comments)]
+        self.assertEqual(sorted(cited), [("A", 3, "a.h:1"), ("A", 4, "a.c:2"), ("A", 5, "a.c:3"), ("A", 6, "a.c:3"),
+                                         ("A", 7, "a.c:3"), ("A", 9, "a.c:5")])
+
+    def test_each_test_of_a_program_and_of_a_module(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in (("a.c", UNITY_TESTS), ("a.cpp", UNITY_TESTS), ("a.py", PYTHON_TESTS)):
+                path = Path(folder) / name
+                path.write_text(text, encoding="utf-8")
+                with self.subTest(name):
+                    self.assertEqual(syntax.test_functions(path), {"test_one", "test_over_lines"})
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ NAMES = ("--motor", "motor.toml", "--board", "board.toml")
 FOREIGN = """\
 cmake_minimum_required(VERSION 3.25)
 project(foreign VERSION 1.0.0 LANGUAGES C)
+set(CMAKE_MODULE_PATH ${CMAKE_CURRENT_SOURCE_DIR})
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 if(WITH)
     add_subdirectory(${WITH} neurofoc)
@@ -111,6 +112,8 @@ class Added(Package):
     def configure_foreign(self, build, *options):
         (self.folder / "CMakeLists.txt").write_text(FOREIGN, encoding="utf-8")
         (self.folder / "foreign.c").write_text("int main(void) { return 0; }\n", encoding="utf-8")
+        for module in (ROOT / "tools/cmake").glob("*.cmake"):
+            (self.folder / module.name).write_text('message(FATAL_ERROR "a module of the foreign project")\n', encoding="utf-8")
         self.configure(self.folder, build, *options)
         cache = (self.folder / build / "CMakeCache.txt").read_text(encoding="utf-8")
         commands = json.loads((self.folder / build / "compile_commands.json").read_text(encoding="utf-8"))

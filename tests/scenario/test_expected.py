@@ -5,8 +5,9 @@ The limits in the scenario files say what a user may rely on and leave room. The
 drive does: a change that moves one by more than a fifth, for better or worse, has to be understood and
 the table changed with it. Of a set with noise a figure is the mean over four seeds.
 
-test_expected.py MOTORSIM RUN... [Expected.test_case]...
-                                     holds the table, which has to be of just these runs, SCENARIO:SET
+test_expected.py MOTORSIM RESULTS RUN... [Expected.test_case]...
+                                     holds the table, which has to be of just these runs, SCENARIO:SET; the tests of their
+                                     limits have left in the folder RESULTS what they measured with the first seed
 test_expected.py MOTORSIM --measure  prints the table as it is measured now, and writes the rows of docs/results.md
 """
 
@@ -22,6 +23,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 MOTORSIM, *ARGUMENTS = sys.argv[1:]
+MEASURES = ARGUMENTS == ["--measure"]
+RESULTS_FOLDER = None if MEASURES else Path(ARGUMENTS.pop(0))
 RUNS = [word for word in ARGUMENTS if ":" in word]
 CASES = [word for word in ARGUMENTS if ":" not in word]
 ROOT = Path(__file__).resolve().parents[2]
@@ -142,6 +145,10 @@ EXPECTED = {
 
 
 def measured(scenario, imperfection, seed):
+    if RESULTS_FOLDER and seed == SEEDS[0]:
+        result = json.loads((RESULTS_FOLDER / f"{scenario}.{imperfection}.json").read_text(encoding="utf-8"))
+        assert result["seed"] == seed, f"{scenario} has the seed {result['seed']}"
+        return result
     sets = [word for name in imperfection.split("+") for word in ("--with", name)]
     done = subprocess.run([MOTORSIM, "run", scenario, *sets, "--json", "-", "--set",
                            f"scenario.seed={seed}"], text=True, capture_output=True, check=False)
@@ -275,7 +282,7 @@ class Expected(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if ARGUMENTS == ["--measure"]:
+    if MEASURES:
         print_measured()
     else:
         unittest.main(argv=[sys.argv[0], *CASES])

@@ -5,6 +5,7 @@ import contextlib
 import io
 import os
 from pathlib import Path
+from unittest import mock
 
 from support import FolderTest
 from robustness import campaign, cli, results
@@ -51,9 +52,11 @@ class CampaignTest(FolderTest):
                 status = ended.code
         return status, out.getvalue(), err.getvalue()
 
-    def run_mine(self, *words, out="out"):
-        return self.called("run", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
-                           self.folder / out, *words)
+    def run_mine(self, *words, out="out", draws=False):
+        """Without the map of the runs, if that is not what is tested: to draw it takes longer than the runs."""
+        with contextlib.nullcontext() if draws else mock.patch("robustness.fail_map.write", return_value=None):
+            return self.called("run", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
+                               self.folder / out, *words)
 
     def rows(self, out="out"):
         return results.read(self.folder / out)[1]

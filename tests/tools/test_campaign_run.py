@@ -89,7 +89,7 @@ class Running(CampaignTest):
 
     def test_the_files_beside_the_results(self):
         self.file()
-        _, out, _ = self.run_mine()
+        _, out, _ = self.run_mine(draws=True)
         for name in ("runs.csv", "failures.txt", "map.png"):
             self.assertIn(str(self.folder / "out" / name), out.splitlines())
         lines = (self.folder / "out" / "runs.csv").read_text(encoding="utf-8").splitlines()
@@ -116,7 +116,7 @@ class Running(CampaignTest):
 
     def test_report_repeats_the_summary(self):
         self.file()
-        first = self.run_mine()
+        first = self.run_mine(draws=True)
         again = self.called("report", self.folder / "mine.toml", "--motorsim", MOTORSIM, "--out",
                             self.folder / "out")
         self.assertEqual((first[0], first[1]), (again[0], again[1]))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""tools/dev demo, with stand-ins for what it calls: what it builds, and what it says of runs that do not hold."""
+"""tools/dev with stand-ins for what it calls. demo: what it builds, and what it says of runs that do not hold. quick: what
+it builds and runs, and that a failure ends it."""
 
 import os
 import re
@@ -24,7 +25,7 @@ esac
 RECORDER = '#!/bin/sh\necho "$@" >>"$LOG"\n'
 
 
-class Demo(unittest.TestCase):
+class Dev(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -37,6 +38,7 @@ class Demo(unittest.TestCase):
             self.script(name, "#!/bin/sh\n")
         self.script("build/host/motorsim", MOTORSIM)
         self.script("bin/cmake", RECORDER)
+        self.script("bin/ctest", RECORDER + "exit $STATUS\n")
 
     def write(self, name, text):
         path = self.root / name
@@ -48,19 +50,44 @@ class Demo(unittest.TestCase):
         path = self.write(name, text)
         path.chmod(path.stat().st_mode | stat.S_IXUSR)
 
-    def demo(self, status=HOLDS, contrast=BROKEN):
+    def dev(self, command, status=HOLDS, contrast=BROKEN):
         environment = {**os.environ, "PATH": f"{self.root / 'bin'}:{os.environ['PATH']}", "LOG": str(self.root / "cmake.log"),
                        "STATUS": str(status), "CONTRAST_STATUS": str(contrast)}
-        return subprocess.run([self.root / "tools/dev", "demo"], env=environment, text=True,
+        return subprocess.run([self.root / "tools/dev", command], env=environment, text=True,
                               capture_output=True, check=False)
 
-    def test_it_builds_what_it_runs_and_nothing_else(self):
+    def called(self):
+        return (self.root / "cmake.log").read_text(encoding="utf-8")
+
+
+class Quick(Dev):
+    FOLDERS = ("tests/unit", "tests/board", "tests/scenario")
+
+    def test_it_builds_and_runs_the_tests_of_the_firmware_and_the_format_gate(self):
+        done = self.dev("quick")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        built = re.search(r"^--build .*--target (.*)$", self.called(), re.M)[1].split()
+        self.assertEqual(built, ["motorsim", *(f"{folder}/all" for folder in self.FOLDERS)])
+        for folder in self.FOLDERS:
+            self.assertTrue((ROOT / folder / "CMakeLists.txt").is_file(), folder)
+            self.assertRegex(self.called(), rf"(?m)^--test-dir build/host/{folder} .*--no-tests=error")
+        self.assertIn("-R ^gate\\.format$", self.called())
+
+    def test_a_test_that_fails_is_a_failure(self):
+        self.assertEqual(self.dev("quick", status=BROKEN).returncode, BROKEN)
+
+
+class Demo(Dev):
+    def demo(self, status=HOLDS, contrast=BROKEN):
+        return self.dev("demo", status, contrast)
+
+    def test_it_builds_the_programs_of_readme_and_guides_and_nothing_else(self):
         done = self.demo()
         self.assertEqual(done.returncode, 0, done.stderr)
         built = re.search(r"^--build .*--target (.*)$", (self.root / "cmake.log").read_text(encoding="utf-8"), re.M)[1]
-        demo = re.search(r"^demo\(\) \{\n(.*?)^\}", (ROOT / "tools/dev").read_text(encoding="utf-8"), re.M | re.S)[1]
-        run = set(re.findall(r"build/host/(\w+)", demo)) | {"motorsim"}  # by demo_run, and by plot.py deadtime
-        self.assertEqual(set(built.split()), run)
+        pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+        named = {name for page in pages for name in re.findall(r"build/host/(\w+)", page.read_text(encoding="utf-8"))}
+        self.assertEqual(set(built.split()), named)
 
     def test_each_scenario_of_the_report_is_run(self):
         self.demo()

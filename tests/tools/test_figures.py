@@ -5,11 +5,11 @@ import unittest
 
 from support import COARSE_S, FolderTest
 from report import claim, style
-from report.assemble import save
 from report.caption import alternative, caption
 from report.draw import draw
 from report.layouts import SCENARIOS, layouts, overview
 from report.panels import CATALOGUE, Panel
+from report.picture import save
 from report.runs import PlotError, read_runs
 from report.svg import svg
 

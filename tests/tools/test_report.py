@@ -3,13 +3,19 @@
 
 import json
 import re
+import tempfile
 import unittest
 from html.parser import HTMLParser
+from pathlib import Path
 
-from support import FolderTest
+from jinja2 import UndefinedError
+
+import synthetic
+from support import COARSE_S, FolderTest
 from report import claim
 from report.assemble import write_report
 from report.page import metric_text, page
+from report.render import render
 from report.runs import Run, read_runs
 
 VOID = {"meta", "link", "br", "img", "hr", "input"}
@@ -85,16 +91,21 @@ class Claim(unittest.TestCase):
             self.assertEqual(metric_text(value), text)
 
 
-class Report(FolderTest):
-    def report(self):
-        path = write_report(self.folder, self.folder / "out" / "report")
-        return path, path.read_text(encoding="utf-8")
+class OfOneFolder(unittest.TestCase):
+    """A page of several runs, which is written once."""
 
-    def test_a_complete_page_from_one_folder(self):
+    @classmethod
+    def setUpClass(cls):
+        made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(made.cleanup)
+        cls.folder = Path(made.name)
         for name, scenario in (("s1", "s1"), ("s2", "s2"), ("s3", "s3"), ("s2_robust", "s2")):
-            self.run_files(name, scenario)
-        path, text = self.report()
-        checked = Page(text)
+            synthetic.write(cls.folder, name, scenario, period=COARSE_S)
+        cls.path = write_report(cls.folder, cls.folder / "out" / "report")
+        cls.text = cls.path.read_text(encoding="utf-8")
+
+    def test_it_is_complete(self):
+        checked = Page(self.text)
         self.assertEqual(checked.open, [])
         self.assertEqual(len(checked.ids), len(set(checked.ids)))
         for name in ("s1_fig5", "s2_fig6", "s2_fig8", "s2_robust_fig8", "s3_fig7"):
@@ -103,17 +114,26 @@ class Report(FolderTest):
         self.assertTrue(all(checked.labels))
 
     def test_references_stay_in_the_folder(self):
-        self.run_files("s2")
-        path, text = self.report()
-        checked = Page(text)
+        checked = Page(self.text)
         for reference in checked.references:
             if reference.startswith("#"):
                 self.assertIn(reference[1:], checked.ids)
             else:
-                self.assertTrue((path.parent / reference).is_file(), reference)
-        for address in re.findall(r"https?://[^\s\"']+", text):
+                self.assertTrue((self.path.parent / reference).is_file(), reference)
+        for address in re.findall(r"https?://[^\s\"']+", self.text):
             self.assertTrue(address.startswith("http://www.w3.org/"), address)
-        self.assertNotIn(str(self.folder), text)
+        self.assertNotIn(str(self.folder), self.text)
+
+    def test_the_part_before_zero_is_not_judged(self):
+        for shown in read_runs(self.folder):
+            self.assertLess(shown.trace["time_s"][0], 0.0)
+        self.assertNotIn("at −0.", self.text)
+
+
+class Report(FolderTest):
+    def report(self):
+        path = write_report(self.folder, self.folder / "out" / "report")
+        return path, path.read_text(encoding="utf-8")
 
     def test_a_scenario_that_the_paper_does_not_have(self):
         self.run_files("coast", "s1")
@@ -133,16 +153,13 @@ class Report(FolderTest):
             self.assertNotIn(raw, text)
         self.assertEqual(Page(text).open, [])
 
+    def test_a_value_that_a_template_lacks_is_an_error(self):
+        with self.assertRaisesRegex(UndefinedError, "'columns' is undefined"):
+            render("report/voltage_drive.jinja", key="k", rows=[])
+
     def test_same_runs_same_page(self):
         self.run_files("s3")
         self.assertEqual(self.report()[1], self.report()[1])
-
-    def test_the_part_before_zero_is_not_judged(self):
-        self.run_files("s2")
-        shown, = read_runs(self.folder)
-        self.assertLess(shown.trace["time_s"][0], 0.0)
-        _, text = self.report()
-        self.assertNotIn("at −0.", text)
 
 
 if __name__ == "__main__":

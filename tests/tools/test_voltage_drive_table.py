@@ -37,7 +37,7 @@ class Table(unittest.TestCase):
         name, _, text = voltage_drive.entries([steady(3.0, state="FAULT", faults=["OVERCURRENT@5"])], lambda run: "ideal")[0]
         self.assertIn(f'id="{name}"', text)
         self.assertIn("<th scope=row>S4, ideal</th>", text)
-        self.assertIn("OVERCURRENT@5", text)
+        self.assertIn(f"colspan={len(voltage_drive.COLUMNS)}>OVERCURRENT@5</td>", text)
 
     def test_other_scenarios_make_no_table(self):
         self.assertEqual(voltage_drive.entries([Run("s1", None, {"scenario": "s1"})], str), [])

@@ -305,7 +305,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_sine_and_cosine_of_all_65536_directions_stay_within_the_bound);
     RUN_TEST(test_sine_and_cosine_of_seeded_angles_stay_within_the_bound);
-    RUN_TEST(test_sine_of_every_distinct_input_stays_within_the_bound);
     RUN_TEST(test_cosine_is_the_sine_a_quarter_turn_on);
     RUN_TEST(test_sine_is_exact_on_the_axes);
     RUN_TEST(test_sine_of_the_table_points_is_rounded_and_symmetric);
@@ -321,5 +320,7 @@ int main(void)
     RUN_TEST(test_square_root_of_the_ends_of_the_range);
     RUN_TEST(test_square_root_is_the_floor_for_seeded_arguments);
     RUN_TEST(test_square_root_is_the_floor_at_the_edges_of_every_table_interval);
+    /* Last what takes most of the time: of the mutants most are killed before. */
+    RUN_TEST(test_sine_of_every_distinct_input_stays_within_the_bound);
     return UNITY_END();
 }

@@ -13,6 +13,7 @@ from report.style import LIGHT, settings
 
 LOOKS = ({"color": LIGHT["actual"], "zorder": 6}, {"color": LIGHT["estimated"], "zorder": 5})
 NAMES = ("given back", "not given back")
+KEY = "deadtime"    # of its files, and on a page
 TITLE = "Dead time of 2 µs and device drop of 1.2 V on 310 V: given back or not"
 SPECTRUM = range(2, harmonics.ORDERS + 1)
 BAR = 0.38              # of the distance between two orders

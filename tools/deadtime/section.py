@@ -2,11 +2,9 @@
 """The section of the report: figure and table."""
 
 from deadtime import table
-from deadtime.figure import TITLE, draw
-from report.assemble import picture
-from report.page import figure
-
-KEY = "deadtime"
+from deadtime.figure import KEY, TITLE, draw
+from report.picture import picture
+from report.render import render
 
 
 def caption(measurement):
@@ -21,9 +19,5 @@ def entry(measurement, folder):
     """Identifier, title and HTML for page(); writes the PNG into the folder of the report."""
     words = caption(measurement), f"{TITLE}. {caption(measurement)}"
     drawn = picture(KEY, "Current and angle", words, lambda shape: draw(measurement, shape), folder)
-    return KEY, "dead time", f"""<section class="run" id="{KEY}">
-<h2>{TITLE}</h2>
-{figure(drawn)}
-<h3>All points</h3>
-{table.html_table(measurement)}
-</section>"""
+    return KEY, "dead time", render("deadtime/section.jinja", key=KEY, title=TITLE, picture=drawn,
+                                    columns=table.heads("Point"), rows=table.rows(measurement))

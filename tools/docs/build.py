@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Builds the documentation site; `tools/dev docs` calls it.
 
-build.py --out FOLDER [--warnings-as-errors]
+build.py --out FOLDER
 
 Doxygen reads the firmware's headers into XML, Sphinx makes pages of docs/ and of that. Any warning is an error: an unknown
 link, a page that no table of contents names, a header that Doxygen cannot read.

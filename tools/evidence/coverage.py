@@ -8,8 +8,8 @@ places, as a header's functions are, counts where it is covered in one of them.
 What cannot be covered stands in tests/evidence/justified.toml, line by line with its reason; a justification of
 something that is covered, or that is not there, is a finding too.
 
-Each test leaves its own counts: which functions it runs goes to --ran, for evidence.traceability. Of the simulator, too,
-but not of tools/design, whose tests this build does not have.
+The tests have run in the build of gate.asan, where each leaves its own counts. Which functions it runs goes to --ran, for
+evidence.traceability, with those of the simulator. Tests of tools/design are not counted.
 """
 
 import argparse
@@ -17,23 +17,21 @@ import glob
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
 from collections import Counter, defaultdict
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import ctested
 import part
 
-PRESET = "host-coverage"
+BUILD = part.ROOT / "build/host-asan"
+PROFILES = BUILD / "profiles"
 COUNTED = ("firmware/math", "firmware/control", "firmware/drive", "firmware/app",
            *(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")))
 TESTS = ("unit", "board", "scenario")  # that have to cover it
 OTHERS = ("config", "reference", "debug")  # of which only the functions that they run are asked
-TARGETS = ("motorsim", *(f"tests/{folder}/all" for folder in TESTS + OTHERS))
 REGISTER = Path("tests/evidence/justified.toml")
 KEYS = {"file", "function", "text", "kind", "reason"}
 KINDS = {"statement": "statements", "branch": "branches", "mcdc": "MC/DC conditions"}
@@ -63,32 +61,8 @@ def objects_of(build):
     return sorted(path for folder in folders for path in folder.rglob("*.o"))
 
 
-def run_test(test, profiles):
-    """Runs it; its counts are <name>.<process>.profraw, those of a Unity test in it <name>.<test>.profraw."""
-    environment = {**os.environ, **test.environment, "LLVM_PROFILE_FILE": str(profiles / f"{test.title}.%p.profraw")}
-    run = subprocess.run(test.command, cwd=test.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                         text=True, errors="replace", check=False)
-    return None if test.passes(run.returncode, run.stdout) else f"{run.stdout}evidence.coverage: {test.title} fails"
-
-
-def run_tests(root, definitions):
-    """Builds with counters and runs the tests: the object files, the folder of the counts, and the tests of each folder."""
-    build = root / "build" / PRESET
-    profiles = build / "profiles"
-    quietly(["cmake", "--preset", PRESET, *(f"-D{definition}" for definition in definitions)], cwd=root)
-    quietly(["cmake", "--build", "--preset", PRESET, "--target", *TARGETS], cwd=root)
-    shutil.rmtree(profiles, ignore_errors=True)
-    profiles.mkdir()
-    tests = {folder: list(ctested.listed(build, f"tests/{folder}").values()) for folder in TESTS + OTHERS}
-    with ThreadPoolExecutor(2) as pool:
-        failed = list(filter(None, pool.map(lambda test: run_test(test, profiles), sum(tests.values(), []))))
-    if failed:
-        sys.exit("\n".join(failed))
-    return objects_of(build), profiles, tests
-
-
 def raw_of(profiles, test):
-    """Its counts: of each process, and of each Unity test in it (tests/evidence/each_test.c)."""
+    """Its counts: of each process (nf_count_tests), and of each Unity test in it (tests/evidence/each_test.c)."""
     return sorted(profiles.glob(f"{glob.escape(test.title)}.*.profraw"))
 
 
@@ -285,17 +259,15 @@ def report(measured, excused):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--define", action="append", default=[], metavar="NAME=VALUE",
-                        help="for the build with counters, as of cmake -D; may be repeated")
     parser.add_argument("--ran", type=Path, help="write which functions each test runs, as JSON")
     args = part.arguments(parser)
     root = part.ROOT
-    objects, profiles, tests = run_tests(root, args.define)
+    tests = {folder: list(ctested.listed(BUILD, f"tests/{folder}").values()) for folder in TESTS + OTHERS}
     if args.ran:
         args.ran.parent.mkdir(parents=True, exist_ok=True)
-        args.ran.write_text(json.dumps(what_ran(profiles, tests), indent=1) + "\n", encoding="utf-8")
+        args.ran.write_text(json.dumps(what_ran(PROFILES, tests), indent=1) + "\n", encoding="utf-8")
     covering = [test for folder in TESTS for test in tests[folder]]
-    measured = measure(export(objects, merged(profiles, covering, "all", "-sparse")), root)
+    measured = measure(export(objects_of(BUILD), merged(PROFILES, covering, "all", "-sparse")), root)
     bad, reasons, excused = judge(measured, root, root / REGISTER)
     bad += not_built(measured, root)
     figures, rows = report(measured, excused)

@@ -9,6 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 
+def found(expression, output):
+    """As ctest searches: a point stands for the end of a line too."""
+    return re.search(expression, output, re.DOTALL)
+
+
 @dataclass(frozen=True)
 class Test:
     """`title`: its name, with the arguments that were added."""
@@ -18,13 +23,16 @@ class Test:
     folder: Path
     environment: dict
     pass_expressions: tuple
+    fail_expressions: tuple = ()
 
     def with_arguments(self, title, arguments):
         return replace(self, title=title, command=(*self.command, *arguments))
 
     def passes(self, status, output):
+        if status < 0 or any(found(expression, output) for expression in self.fail_expressions):
+            return False
         if self.pass_expressions:
-            return any(re.search(expression, output) for expression in self.pass_expressions)
+            return any(found(expression, output) for expression in self.pass_expressions)
         return status == 0
 
 
@@ -42,5 +50,6 @@ def listed(build, folder="", whole=True):
         if "command" in test and not properties.get("DISABLED"):
             environment = dict(pair.split("=", 1) for pair in properties.get("ENVIRONMENT", []))
             found[test["name"]] = Test(test["name"], tuple(test["command"]), Path(properties.get("WORKING_DIRECTORY", build)),
-                                       environment, tuple(properties.get("PASS_REGULAR_EXPRESSION", [])))
+                                       environment, tuple(properties.get("PASS_REGULAR_EXPRESSION", [])),
+                                       tuple(properties.get("FAIL_REGULAR_EXPRESSION", [])))
     return found

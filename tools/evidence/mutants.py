@@ -18,7 +18,7 @@ import subprocess
 from dataclasses import dataclass
 
 from clang.cindex import CursorKind as Kind
-from clang.cindex import Index
+from clang.cindex import Index, TypeKind
 
 OPERATORS = {
     "+": ("-",), "-": ("+",), "*": ("+",), "/": ("*",), "<<": (">>",), ">>": ("<<",), "&": ("|",), "|": ("&",),
@@ -35,6 +35,19 @@ DEFINITIONS = (Kind.FUNCTION_DECL, Kind.CXX_METHOD)
 
 
 @dataclass(frozen=True)
+class Whole:
+    """The definition of a C function: from `start` to `end` of the file's bytes, its name, its body."""
+
+    spelling: str
+    start: int
+    name: int
+    body: int
+    end: int
+    parameters: tuple
+    returns_nothing: bool
+
+
+@dataclass(frozen=True)
 class Mutant:
     """`start`…`end` of the file's bytes replaced by `text`. `before`, `after`: the lines it is in, as one."""
 
@@ -46,6 +59,7 @@ class Mutant:
     text: str
     before: str
     after: str
+    whole: Whole = None  # of a C function
 
     def applied(self, source):
         return source[:self.start] + self.text.encode() + source[self.end:]
@@ -76,6 +90,13 @@ def parsed(path, folders):
     if errors:
         raise ValueError(f"{path}: {errors[0]}")
     return list(definitions(unit.cursor, path))
+
+
+def whole_of(cursor):
+    body = next(child for child in cursor.get_children() if child.kind == Kind.COMPOUND_STMT)
+    return Whole(cursor.spelling, cursor.extent.start.offset, cursor.location.offset, body.extent.start.offset,
+                 cursor.extent.end.offset, tuple(argument.spelling for argument in cursor.get_arguments()),
+                 cursor.result_type.kind == TypeKind.VOID)
 
 
 class Function:
@@ -225,10 +246,11 @@ def mutants(root, path, folders):
     source = (root / path).read_bytes()
     found = []
     for cursor in parsed(root / path, [root / folder for folder in folders]):
+        whole = None if str(path).endswith(".cpp") else whole_of(cursor)
         for start, end, text in sorted(Function(source, cursor).edits):
             if source[start:end].decode() == text:
                 continue
             before, after = lines(source, start, end, text)
             found.append(Mutant(str(path), source.count(b"\n", 0, start) + 1, cursor.spelling, start, end, text,
-                                before, after))
+                                before, after, whole))
     return found

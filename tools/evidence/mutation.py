@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """evidence.mutation: the tests find nearly every small fault in what the drive computes.
 
-Each mutant (mutants.py) of a file is compiled as the build compiles the file and put into the tests of its area; it is
-killed when one of them fails, crashes or does not end. A mutant that the compiler refuses, that gives the object code of
-the original or of an earlier mutant is none. What survives is tested once more with each shift checked: one by too many
-bits is undefined, and what the PC makes of it another core does not.
+Each mutant (mutants.py) is compiled with the options of the build and put into the tests of its area: those of a C file
+all in one object (schemata.py), of a C++ file each alone. It is killed when one of them fails, crashes or does not end. A
+mutant is discarded when the compiler refuses it, or makes the code of the original or of an earlier mutant of it; the others
+are distinct. What survives in
+the firmware is tested once more with each shift checked: one by too many bits is undefined, and what the PC makes of it
+another core does not.
 
 Of control and math all mutants are made, and what survives has to stand in the register (survivors.toml) with its reason.
 Of the other areas a sample is drawn by a fixed seed, the same mutants as long as their lines are, and a share is asked
@@ -25,6 +27,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import threading
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -35,6 +38,7 @@ from rich.progress import track
 
 import mutants
 import part
+import schemata
 
 REGISTER = part.ROOT / "tests/evidence/survivors.toml"
 KEYS = {"file", "function", "kind", "reason", "line", "mutants"}
@@ -120,23 +124,23 @@ class Test:
     seconds: int = 0
 
     def linked(self, build, extra, replaced, program):
-        """Links it with the object `extra` before all libraries; `replaced`: the end of that one's name for which it stands."""
+        """Links it with the objects `extra` before all libraries; `replaced`: the end of the name for which they stand."""
         command = [word for word in self.link if not word.endswith(replaced)]
         first = next(at for at, word in enumerate(command) if word.endswith(".o") or word.endswith(".a"))
-        command[first:first] = ["-fno-use-linker-plugin", str(extra)]  # nothing here has link-time optimisation
+        # Nothing here has link-time optimisation.
+        command[first:first] = ["-fno-use-linker-plugin", "-Wl,--strip-debug", *map(str, extra)]
         command[command.index("-o") + 1] = str(program)
         return subprocess.run(command, cwd=build, capture_output=True, check=False).returncode == 0
 
-    def run(self, program):
-        """What fails in it first, None when all is well."""
-        limit = ["prlimit", f"--cpu={self.seconds}"] if self.seconds else []
-        # By lines, not by blocks: the rest of it need not run.
-        with subprocess.Popen(["stdbuf", "-oL", *limit, program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                              text=True, errors="replace") as run:
+    def run(self, program, chosen=0):
+        """What fails in it first with the mutant of that number, None when all is well."""
+        environment = {**os.environ, "NF_MUTANT": str(chosen), "NF_SECONDS": str(self.seconds)}
+        with subprocess.Popen([program], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, errors="replace",
+                              env=environment) as run:
             for line in run.stdout:
                 failed = FAILED.match(line)
                 if failed:
-                    run.kill()
+                    run.kill()  # the rest of it need not run
                     return f"{self.name}: {failed[1]}"
         return f"{self.name}: ended with {run.returncode}" if run.returncode else None
 
@@ -192,7 +196,7 @@ class Subject:
     compile: list
     tests: list
     is_header: bool
-    replaced: str
+    unit: str  # the source whose object it is in
 
 
 def subject(build, path, others=()):
@@ -204,15 +208,12 @@ def subject(build, path, others=()):
     if not tests:
         raise SystemExit(f"{path}: none of the tests {', '.join(names)} is built")
     compiled = f"tests/unit/test_{module}.c" if is_header else path
-    return Subject(path, build.compile_command(compiled, tests), tests, is_header, f"/{Path(compiled).name}.o")
+    return Subject(path, build.compile_command(compiled, tests), tests, is_header, compiled)
 
 
 @dataclass
 class Candidate:
     mutant: mutants.Mutant
-    subject: Subject
-    object: Path
-    code: bytes = b""
     killed_by: str = None
 
 
@@ -223,7 +224,7 @@ def compiled(build, subject_, text, object_, options=()):
     source = folder / Path(subject_.path).name
     source.write_bytes(text)
     if subject_.is_header:
-        unit = build.root / "tests/unit" / f"test_{module_of(subject_.path)}.c"
+        unit = build.root / subject_.unit
         command = [*subject_.compile, *options, "-include", str(source), "-o", str(object_), "-c", str(unit)]
     else:
         # By its bare name: the object holds the name it was compiled by.
@@ -232,27 +233,34 @@ def compiled(build, subject_, text, object_, options=()):
     return object_.read_bytes() if run.returncode == 0 else None
 
 
-def killer(build, candidate, object_):
-    """Which test of the subject fails with this object, None if all pass."""
-    program, found = object_.with_suffix(".test"), None
-    for test in candidate.subject.tests:
-        if not test.linked(build.folder, object_, candidate.subject.replaced, program):
-            raise SystemExit(f"{candidate.mutant.path}:{candidate.mutant.line}: {test.name} cannot be linked with it")
-        found = test.run(program)
-        if found:
-            break
-    program.unlink(missing_ok=True)
-    return found
+class Programs:
+    """The tests of a subject, linked with an object that stands for its own."""
+
+    def __init__(self, build, subject_, object_, chooser):
+        self.build, self.subject = build, subject_
+        self.extra = [object_, chooser]
+        self.programs = {}
+        self.linking = threading.Lock()
+
+    def program(self, test):
+        with self.linking:
+            if test.name not in self.programs:
+                program = self.extra[0].with_name(f"{self.extra[0].stem}.{test.name}")
+                if not test.linked(self.build.folder, self.extra, f"/{Path(self.subject.unit).name}.o", program):
+                    raise SystemExit(f"{self.subject.path}: {test.name} cannot be linked with its mutants")
+                self.programs[test.name] = program
+            return self.programs[test.name]
+
+    def killer(self, chosen=0):
+        """Which test of the subject fails with that mutant, None if all pass."""
+        return next(filter(None, (test.run(self.program(test), chosen) for test in self.subject.tests)), None)
 
 
-def judge(build, candidate):
-    """Which test kills it, as the build compiles it or with each shift checked."""
-    candidate.killed_by = killer(build, candidate, candidate.object)
-    if not candidate.killed_by:
-        checked = candidate.object.with_name(f"checked_{candidate.object.name}")
-        text = candidate.mutant.applied((build.root / candidate.mutant.path).read_bytes())
-        compiled(build, candidate.subject, text, checked, SHIFTS_CHECKED)
-        candidate.killed_by = killer(build, candidate, checked)
+def chooser(folder):
+    """The object that says which mutant runs."""
+    object_ = folder / "chosen_mutant.o"
+    subprocess.run(["gcc", "-O1", "-o", object_, "-c", schemata.CHOICE], check=True)
+    return object_
 
 
 def each(pool, do, items, what):
@@ -262,33 +270,85 @@ def each(pool, do, items, what):
                       disable=not console.is_terminal, transient=True))
 
 
-def examined(build, subjects, made, folder, jobs):
-    """Of the mutants made of the subjects those that are ones, judged."""
-    originals = {}
-    for subject_ in subjects:
-        text = (build.root / subject_.path).read_bytes()
-        original = compiled(build, subject_, text, folder / f"original_{len(originals)}.o")
-        if original is None:
-            raise SystemExit(f"{subject_.path}: does not compile")
-        originals[subject_.path] = original
-    of_path = {subject_.path: subject_ for subject_ in subjects}
-    candidates = [Candidate(mutant, of_path[mutant.path], folder / f"{at}.o") for at, mutant in enumerate(made)]
+def same_alone(build, subject_, numbered, folder, pool):
+    """Those of the mutants whose file the compiler refuses, or makes the same of as of the original or of an earlier one."""
+    def code(number):
+        return compiled(build, subject_, numbered[number].applied(source), folder / f"{number}.o")
 
-    def compile_it(candidate):
-        source = (build.root / candidate.mutant.path).read_bytes()
-        candidate.code = compiled(build, candidate.subject, candidate.mutant.applied(source), candidate.object)
+    source = (build.root / subject_.path).read_bytes()
+    original = compiled(build, subject_, source, folder / "original.o")
+    if original is None:
+        raise SystemExit(f"{subject_.path}: does not compile")
+    seen, same = {original, None}, set()
+    for number, made in zip(numbered, pool.map(code, numbered)):
+        same |= {number} if made in seen else set()
+        seen.add(made)
+    return same
 
-    with ThreadPoolExecutor(jobs) as pool:
-        each(pool, compile_it, candidates, "compiling mutants")
-        seen = {(path, code) for path, code in originals.items()}
-        real = []
-        for candidate in candidates:
-            key = (candidate.mutant.path, candidate.code)
-            if candidate.code is not None and key not in seen:
-                seen.add(key)
-                real.append(candidate)
-        each(pool, lambda candidate: judge(build, candidate), real, "testing mutants")
-    return real
+
+class Alone:
+    """The mutants of a C++ file, each compiled and linked alone."""
+
+    def __init__(self, build, subject_, numbered, folder, choice, pool):
+        folder.mkdir()
+        self.build, self.subject, self.folder, self.choice = build, subject_, folder, choice
+        self.numbered = numbered
+        same = same_alone(build, subject_, numbered, folder, pool)
+        self.different = [number for number in numbered if number not in same]
+
+    def killer(self, number):
+        return Programs(self.build, self.subject, self.folder / f"{number}.o", self.choice).killer()
+
+    def survive(self, numbers, _):
+        """A PC alone computes it: no shift to be checked."""
+        return dict.fromkeys(numbers)
+
+
+class Together:
+    """The mutants of a C file, all in one object."""
+
+    def __init__(self, build, subject_, numbered, folder, choice, pool):
+        folder.mkdir()
+        self.build, self.subject, self.folder, self.choice, self.pool = build, subject_, folder, choice, pool
+        self.numbered = numbered
+        made = schemata.Schemata(subject_, build.root, folder / "plain", numbered)
+        self.different = list(made.different())
+        self.killer = Programs(build, subject_, made.object, choice).killer
+
+    def survive(self, numbers, register):
+        """Number → what kills it with each shift checked, None if nothing does; without those that are discarded alone."""
+        survivors = {number: self.numbered[number] for number in numbers}
+        checked = schemata.Schemata(self.subject, self.build.root, self.folder / "checked", survivors, SHIFTS_CHECKED)
+        killer = Programs(self.build, self.subject, checked.object, self.choice).killer
+        found = dict(zip(survivors, self.pool.map(killer, survivors)))
+        unknown = {number: mutant for number, mutant in survivors.items() if not found[number] and key(mutant) not in register}
+        discarded = same_alone(self.build, self.subject, unknown, self.folder, self.pool) if unknown else ()
+        return {number: killed_by for number, killed_by in found.items() if number not in discarded}
+
+
+def examined(build, subjects, made, folder, jobs, register=()):
+    """The distinct ones of the mutants made of the subjects, judged."""
+    choice = chooser(folder)
+    numbered = {subject_.path: {} for subject_ in subjects}
+    for number, mutant in enumerate(made, 1):
+        numbered[mutant.path][number] = mutant
+    distinct = {}
+    with ThreadPoolExecutor(jobs) as files, ThreadPoolExecutor(jobs) as pool:
+        def prepared(subject_):
+            way = Alone if subject_.path.endswith(".cpp") else Together
+            return way(build, subject_, numbered[subject_.path], folder / f"of_{subjects.index(subject_)}", choice, pool)
+
+        ways = each(files, prepared, [one for one in subjects if numbered[one.path]], "compiling mutants")
+        asked = [(way, number) for way in ways for number in way.different]
+        killers = each(pool, lambda one: one[0].killer(one[1]), asked, "testing mutants")
+        for (_, number), killed_by in zip(asked, killers):
+            distinct[number] = killed_by
+        for way in ways:
+            survivors = [number for number in way.different if not distinct[number]]
+            for number in survivors:
+                del distinct[number]
+            distinct |= way.survive(survivors, register) if survivors else {}
+    return [Candidate(made[number - 1], killed_by) for number, killed_by in sorted(distinct.items())]
 
 
 def registered(path):
@@ -310,23 +370,23 @@ def key(mutant):
     return mutant.path, mutant.function, mutant.before, mutant.after
 
 
-def findings(real, register, made, all_registered=True):
-    """What is not in the register, and what is there without need. `made`: all mutants, also those that are none."""
-    survivors = {key(candidate.mutant): candidate.mutant for candidate in real if not candidate.killed_by}
-    killed = {key(candidate.mutant) for candidate in real} - set(survivors)
+def findings(distinct, register, made, all_registered=True):
+    """What is not in the register, and what is there without need. `made`: all mutants, also those that are discarded."""
+    survivors = {key(candidate.mutant): candidate.mutant for candidate in distinct if not candidate.killed_by}
+    killed = {key(candidate.mutant) for candidate in distinct} - set(survivors)
     for place, mutant in survivors.items():
         if all_registered and place not in register:
             yield f"{mutant.path}:{mutant.line}: ({mutant.function}) survives: {mutant.before} → {mutant.after}"
-    # What this compiler proves to be none may survive with another one.
+    # What is discarded with this compiler may survive with another one.
     there, paths = set(map(key, made)) - killed, {mutant.path for mutant in made}
     for place in register:
         if place[0] in paths and place not in there:
             yield f"{place[0]}:1: ({place[1]}) registered, but killed or not there: {place[2]} → {place[3]}"
 
 
-def idle(real, made):
+def idle(distinct, made):
     """Functions of which no mutant changes the object code: inline ones that their test does not call."""
-    changed = {(candidate.mutant.path, candidate.mutant.function) for candidate in real}
+    changed = {(candidate.mutant.path, candidate.mutant.function) for candidate in distinct}
     lines = {(mutant.path, mutant.function): mutant.line for mutant in made}
     for (path, function), line in lines.items():
         if (path, function) not in changed:
@@ -337,9 +397,9 @@ def share(killed, total):
     return 100.0 * killed / total if total else 0.0
 
 
-def tables(real, register):
+def tables(distinct, register):
     by_file = {}
-    for candidate in real:
+    for candidate in distinct:
         row = by_file.setdefault(candidate.mutant.path, [0, 0, 0])
         row[0] += 1
         row[1] += bool(candidate.killed_by)
@@ -347,23 +407,24 @@ def tables(real, register):
     rows = [[path, total, killed, equivalent, f"{share(killed, total - equivalent):.1f} %"]
             for path, (total, killed, equivalent) in by_file.items()]
     survivors = [[f"{c.mutant.path}: {c.mutant.function}", c.mutant.before, c.mutant.after,
-                  *register.get(key(c.mutant), ("", "not in the register"))] for c in real if not c.killed_by]
+                  *register.get(key(c.mutant), ("", "not in the register"))] for c in distinct if not c.killed_by]
     killed = sum(row[2] for row in rows)
-    of_all = f"{killed} of {len(real)} are killed, {share(killed, len(real)):.1f} %, with the equivalent ones among them."
+    of_all = (f"{killed} of {len(distinct)} are killed, {share(killed, len(distinct)):.1f} %, "
+              "with the equivalent ones among them.")
     return [part.table("Mutants by file", ["File", "Mutants", "Killed", "Equivalent", "Killed of the others"], rows,
                        of_all),
             part.table("Survivors", ["Function", "Line", "Mutant", "Kind", "Reason"], survivors)]
 
 
-def rate(area, real, register):
+def rate(area, distinct, register):
     """The share killed of those that change something."""
-    killed = sum(1 for candidate in real if candidate.killed_by)
-    equivalent = sum(register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT for candidate in real)
-    count = len(real) - equivalent
+    killed = sum(1 for candidate in distinct if candidate.killed_by)
+    equivalent = sum(register.get(key(candidate.mutant), ("",))[0] == EQUIVALENT for candidate in distinct)
+    count = len(distinct) - equivalent
     value, least = share(killed, count), area.least(max(count, 1))
-    of = f"a sample of {len(real)}" if area.sample else "all"
+    of = f"a sample of {len(distinct)}" if area.sample else "all"
     return part.figure(f"{area.name}: mutants killed, of {of} that change what is computed", f"{value:.1f} %",
-                       f"at least {least:.1f} %", bool(real) and least <= value)
+                       f"at least {least:.1f} %", bool(distinct) and least <= value)
 
 
 def main():
@@ -382,11 +443,12 @@ def main():
             continue
         subjects = [subject(build, path, area.tests) for path in sorted({mutant.path for mutant in sample})]
         with tempfile.TemporaryDirectory() as folder:
-            real = examined(build, subjects, [mutant for mutant in made if mutant in sample], Path(folder), args.jobs)
-        rates.append(rate(area, real, register))
-        found += findings(real, register, made, area.sample == 0)
-        found += idle(real, made) if area.sample == 0 else ()
-        everything += real
+            distinct = examined(build, subjects, [mutant for mutant in made if mutant in sample], Path(folder), args.jobs,
+                                register)
+        rates.append(rate(area, distinct, register))
+        found += findings(distinct, register, made, area.sample == 0)
+        found += idle(distinct, made) if area.sample == 0 else ()
+        everything += distinct
     if args.kills:
         for candidate in everything:
             mutant = candidate.mutant

@@ -27,6 +27,7 @@ import part
 import rebuilt
 
 REGISTER = Path("tests/evidence/planted.toml")
+IN_LOOP = "target.loop."  # programs of unittest, which take its options
 KEYS = {"name", "class", "file", "old", "new", "tests"}
 CLASSES = ("board", "drive", "config", "gate")
 SEED = 20240611  # of a sample: the same one each time
@@ -187,6 +188,8 @@ class Runner:
         if not reached:
             verdict.wrong.append(f"{test.title} runs nothing of {verdict.fault.file}")
             return
+        if test.title.startswith(IN_LOOP):
+            words.append("--failfast")
         passed, said = self.run(test, copy, words, place, LIMIT_S + LIMIT_TIMES * seconds)
         if passed:
             verdict.wrong.append(f"{test.title} passes with the fault in")

@@ -23,64 +23,25 @@ from pathlib import Path
 
 import ctested
 import part
+from syntax import Place, test_functions, unit, units
 
 REGISTER = Path("tests/evidence/requirements.toml")
 EQUATIONS = {"A": 23, "B": 60}  # of each paper, numbered from 1
-# Of each section of the requirements, and of the house's rules and the firmware's own design: C1.1, H1, F1 and so on.
+# Of each group the number of its requirements; the head of the register says which group is what.
 REQUIREMENTS = {"C1.": 3, "C2.": 3, "C3.": 8, "C4.": 8, "C5.": 6, "C6.": 12, "C7.": 8, "H": 19, "F": 26}
 RAN = part.ROOT / "build/host/evidence/ran.json"
-SOURCES = ("firmware", "hal", "host_sim", "tools/design")
+SOURCES = {"firmware": "c", "hal": "c", "host_sim": "c++", "tools/design": "c++"}  # and the language its headers are for
 PUBLIC = "firmware"  # whose headers declare nothing that no entry names
 KEYS = {"id", "title", "source", "functions", "scope", "tests", "status", "note"}
 STATUSES = MET, DEPARTS, NOT_MET = "met", "departs", "not met"
 
-COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
-STRING = re.compile(r'"(?:\\.|[^"\\\n])*"')
-DEFINED = re.compile(r"\b([A-Za-z_]\w*)\s*\((?:[^(){};]|\([^(){};]*\))*\)\s*(?:const\s*)?(?::\s[^;{}]*)?\{")
-DECLARED = re.compile(r"^(?!typedef|return|#)(?:[a-z_]\w*[ \*]+)+(\w+)\((?:[^(){};]|\([^(){};]*\))*\)\s*[;{]", re.MULTILINE)
-NO_FUNCTION = {"if", "for", "while", "switch", "catch"}
 NUMBERS = r"\(\d+\)(?:(?:–|, | and )\(\d+\))*"
 OF_A_PAPER = re.compile(rf"[Pp]aper ([AB]) ({NUMBERS})|({NUMBERS}) of\s+paper ([AB])")
 PAPER = re.compile(r"\b[Pp]aper ([AB])\b")
 BARE = re.compile(rf"(?<![\w)])({NUMBERS})")
-RUN_TEST = re.compile(r"\bRUN_TEST\((\w+)\)")
-PYTHON_TEST = re.compile(r"^\s+def (test_\w+)\(", re.MULTILINE)
 
 
 # --- What the sources say ---
-
-def c_files(root):
-    return sorted(path for folder in SOURCES for path in (root / folder).rglob("*")
-                  if path.suffix in (".h", ".c", ".cpp"))
-
-
-@functools.cache
-def text_of(path):
-    return path.read_text(encoding="utf-8")
-
-
-def code_of(path):
-    """Without comments; lines stay where they are."""
-    return COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text_of(path))
-
-
-def functions(root):
-    """Function → files that define it."""
-    found = {}
-    for path in c_files(root):
-        for name in DEFINED.findall(STRING.sub('""', code_of(path))):
-            if name not in NO_FUNCTION:
-                found.setdefault(name, set()).add(path.relative_to(root))
-    return found
-
-
-def declared(root):
-    """Each public function of the firmware with the place of its declaration."""
-    for path in sorted((root / PUBLIC).rglob("*.h")):
-        code = code_of(path)
-        for match in DECLARED.finditer(code):
-            yield match[1], f"{path.relative_to(root)}:{code.count(chr(10), 0, match.start()) + 1}"
-
 
 def numbers(text):
     """`(14)–(16), (22)` as 14, 15, 16, 22."""
@@ -88,44 +49,34 @@ def numbers(text):
         yield from range(int(first), int(last or first) + 1)
 
 
-def unit(path):
-    """A header and its source are one."""
-    return path.with_suffix("")
+def cited(comments):
+    """(paper, number) and place of each equation that the comments of a unit name. A number alone is of the one paper that
+    they name."""
+    papers = {paper for text, _ in comments for paper in PAPER.findall(text)}
+    for text, place in comments:
+        found = [(match[1] or match[4], match[2] or match[3], match.start()) for match in OF_A_PAPER.finditer(text)]
+        if len(papers) == 1:
+            rest = OF_A_PAPER.sub(lambda match: " " * len(match[0]), text)
+            found += [(*papers, match[1], match.start()) for match in BARE.finditer(rest)]
+        for paper, listed, start in found:
+            for number in numbers(listed):
+                yield (paper, number), Place(place.path, place.line + text.count("\n", 0, start))
 
 
-def papers_of_units(root):
-    """Unit → the papers that its comments name: a number alone is of the one that the unit names."""
-    named = {}
-    for path in c_files(root):
-        for comment in COMMENT.findall(text_of(path)):
-            named.setdefault(unit(path), set()).update(PAPER.findall(comment))
-    return named
+class Sources:
+    """functions: name → files that define it. public: name → where the firmware declares it. citations: (paper, number) →
+    {file: line of the first place}."""
 
-
-def cited(path, paper_of_unit):
-    """(line, paper, number) of each equation that the comments of a file name."""
-    text = text_of(path)
-    for comment in COMMENT.finditer(text):
-        rest = comment[0]
-        for match in OF_A_PAPER.finditer(comment[0]):
-            line = text.count("\n", 0, comment.start() + match.start()) + 1
-            for number in numbers(match[2] or match[3]):
-                yield line, match[1] or match[4], number
-            rest = rest[:match.start()] + re.sub(r"[^\n]", " ", match[0]) + rest[match.end():]
-        if len(paper_of_unit) == 1:
-            for match in BARE.finditer(rest):
-                line = text.count("\n", 0, comment.start() + match.start()) + 1
-                for number in numbers(match[1]):
-                    yield line, *paper_of_unit, number
-
-
-def citations(root):
-    """(paper, number) → {file: line of the first place}."""
-    papers, found = papers_of_units(root), {}
-    for path in c_files(root):
-        for line, paper, number in cited(path, papers.get(unit(path), set())):
-            found.setdefault((paper, number), {}).setdefault(path.relative_to(root), line)
-    return found
+    def __init__(self, root):
+        self.functions, self.public, self.citations = {}, {}, {}
+        for functions, comments in units(root, SOURCES, PAPER):
+            for name, place, is_defined in functions:
+                if is_defined:
+                    self.functions.setdefault(name, set()).add(place.path)
+                if place.path.suffix == ".h" and place.path.is_relative_to(PUBLIC):
+                    self.public[name] = place
+            for cited_equation, place in cited(comments):
+                self.citations.setdefault(cited_equation, {}).setdefault(place.path, place.line)
 
 
 # --- What ctest runs ---
@@ -140,12 +91,10 @@ def program_sources(build):
     return found
 
 
-def python_file(argument, folder):
+def python_files(argument, folder):
     """The test file that an argument of a command names, as a path or as a module of the folder."""
-    for path in (Path(argument), folder / argument, folder / f"{argument}.py"):
-        if path.suffix == ".py" and path.is_file():
-            return path
-    return None
+    paths = (Path(argument), folder / argument, folder / f"{argument}.py")
+    return [path for path in paths if path.suffix == ".py" and path.is_file()][:1]
 
 
 @functools.cache
@@ -156,12 +105,9 @@ def tests(build):
     for name, test in ctested.listed(build).items():
         found.setdefault(name, set()).add(name)
         for argument in test.command:
-            for path in sources.get(Path(argument).name, []):
-                for function in RUN_TEST.findall(code_of(path)):
+            for path in sources.get(Path(argument).name, python_files(argument, test.folder)):
+                for function in test_functions(path):
                     found.setdefault(function, set()).add(name)
-            path = python_file(argument, test.folder)
-            for function in PYTHON_TEST.findall(text_of(path)) if path else []:
-                found.setdefault(function, set()).add(name)
     return found
 
 
@@ -195,7 +141,7 @@ class Finder:
 
     def __init__(self, root, build, register, ran):
         self.root, self.register, self.ran = root, register, ran
-        self.functions, self.tests, self.citations = functions(root), tests(build), citations(root)
+        self.sources, self.tests = Sources(root), tests(build)
         self.entries = list(entries(root / register))
         self.bad = []
 
@@ -218,7 +164,7 @@ class Finder:
             if not any((self.root / name).rglob("*.c")):
                 self.say(entry, f"its scope {name} has no code")
         for name in entry["functions"]:
-            if name not in self.functions:
+            if name not in self.sources.functions:
                 self.say(entry, f"no function {name} is defined in {', '.join(SOURCES)}")
         for name in entry["tests"]:
             if name not in self.tests:
@@ -250,9 +196,9 @@ class Finder:
                 self.say(entry, f"{name} is run by none of {', '.join(tests)}")
 
     def check_citation(self, entry):
-        units = {unit(path) for name in entry["functions"] for path in self.functions.get(name, ())}
-        citing = self.citations.get(equation(entry["id"]), {})
-        if not units & {unit(path) for path in citing}:
+        beside = {unit(path) for name in entry["functions"] for path in self.sources.functions.get(name, ())}
+        citing = self.sources.citations.get(equation(entry["id"]), {})
+        if not beside & {unit(path) for path in citing}:
             self.say(entry, f"no comment beside {', '.join(entry['functions'])} names it")
 
     def check(self):
@@ -267,18 +213,18 @@ class Finder:
         self.bad += [f"{self.register}: {section}{number} is missing" for section, count in REQUIREMENTS.items()
                      for number in range(1, count + 1) if f"{section}{number}" not in names]
         self.bad += [f"{path}:{line}: there is no equation ({number}) of paper {paper}"
-                     for (paper, number), places in sorted(self.citations.items()) if (paper, number) not in wanted
+                     for (paper, number), places in sorted(self.sources.citations.items()) if (paper, number) not in wanted
                      for path, line in sorted(places.items())]
         named = {name for entry in self.entries for name in entry["functions"]}
         self.bad += [f"{place}: no equation and no requirement names {name}"
-                     for name, place in declared(self.root) if name not in named]
+                     for name, place in self.sources.public.items() if name not in named]
         return self.bad
 
 
 # --- For the page ---
 
 def row(entry, found):
-    where = [f"{name} ({', '.join(path.as_posix() for path in sorted(found.functions.get(name, ())))})"
+    where = [f"{name} ({', '.join(path.as_posix() for path in sorted(found.sources.functions.get(name, ())))})"
              for name in entry["functions"]] or [f"all of {', '.join(entry['scope'])}"]
     run = [name if name in found.tests.get(name, ()) else f"{name} ({', '.join(sorted(found.tests.get(name, ())))})"
            for name in entry["tests"]]
@@ -308,7 +254,7 @@ def result(found, bad):
                               key=lambda entry: equation(entry["id"])) for paper in EQUATIONS}
     requirements = [entry for entry in found.entries if not equation(entry["id"])]
     whole = [entry for entry in found.entries if not any(f": {entry['id']}: " in line for line in bad)]
-    public = dict(declared(found.root))
+    public = found.sources.public
     served = {}
     for entry in found.entries:
         for name in entry["functions"]:
@@ -329,7 +275,7 @@ def result(found, bad):
               for title, listed in (*((f"Paper {paper}", listed) for paper, listed in of_paper.items()),
                                     ("Requirements", requirements))]
     tables.append(part.table("Public functions of the firmware", ("Function", "Declared", "There for"),
-                             [(name, public[name].rsplit(":", 1)[0], ", ".join(served.get(name, ["nothing"])))
+                             [(name, public[name].path, ", ".join(served.get(name, ["nothing"])))
                               for name in sorted(public)]))
     return figures, tables
 

@@ -2,10 +2,13 @@
 """gate.format: every C and C++ file has the project's format. --fix brings it there."""
 
 import argparse
+import re
 import subprocess
 from pathlib import Path
 
 import sources
+
+PLACE = re.compile(r"[^\s:]+:\d+:\d+: ")
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
@@ -14,11 +17,8 @@ args = parser.parse_args()
 
 paths = sources.files(args.root, "*.c", "*.h", "*.cpp", "*.hpp")
 mode = ["-i"] if args.fix else ["--dry-run", "-Werror"]
-bad = []
-for path in paths:
-    run = subprocess.run(["clang-format-19", *mode, str(path)], cwd=args.root,
-                         capture_output=True, text=True)
-    if run.returncode:
-        first = run.stderr.splitlines()[0] if run.stderr else "clang-format failed"
-        bad.append(first)
+run = subprocess.run(["clang-format-19", *mode, *map(str, paths)], cwd=args.root, capture_output=True, text=True)
+bad = list({line.split(":")[0]: line for line in reversed(run.stderr.splitlines()) if PLACE.match(line)}.values())[::-1]
+if run.returncode and not bad:
+    bad = [run.stderr.strip() or f"clang-format ended with {run.returncode}"]
 sources.finish("format", bad, "Run `tools/dev format`; each line shows a file's first place.")

@@ -16,7 +16,9 @@ PORTS = Path("firmware/math/port")
 BUILTINS = Path(__file__).with_name("compiler_builtins.h")
 GENERATED = BUILTINS.with_name("generated")
 PC = "host"          # the host's HAL is not part of any product
-PORT_OF = {"stm32g431": "armv7em"}  # of a chip with one core; others are built with each
+PORT_OF = {"stm32g431": "armv7em"}  # of a chip with one core
+PORT_OF_OTHERS = "generic"
+MATH = Path("firmware/math")  # what a port is to the rest: functions of the same declarations
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--root", type=Path, default=sources.ROOT)
@@ -33,9 +35,8 @@ def binding_of(path):
     return below[0] if len(below) > 1 and below[0] != SHARED else None
 
 
-def check(binding, port):
-    """Findings in one image: rules on identifiers hold across the files of a program."""
-    files = [p for p in every_file if binding_of(p) in (None, binding)]
+def check(files, port):
+    """Findings in one program: rules on identifiers hold across its files."""
     folders = sorted({p.parent for p in files if p.suffix == ".h" and p.parent.parent != PORTS} | {port})
     run = subprocess.run(
         [tools / "cppcheck", "--quiet", "--std=c11", "--language=c", "--platform=arm32-wchar_t4",
@@ -57,11 +58,21 @@ def check(binding, port):
     return bad or ([f"cppcheck ended with {run.returncode}"] if run.returncode else [])
 
 
+def programs():
+    """(files, port): an image of each binding, and of each port that none of them has what is in reach of it alone."""
+    bindings = {binding_of(p) for p in every_file if p.suffix == ".c"} - {None}
+    ports = {p.parent.name: p.parent for p in every_file if p.suffix == ".h" and p.parent.parent == PORTS}
+    left = dict(ports)
+    for binding in sorted(bindings) or [None]:
+        name = PORT_OF.get(binding, PORT_OF_OTHERS)
+        left.pop(name, None)
+        yield [p for p in every_file if binding_of(p) in (None, binding)], ports.get(name, Path("firmware"))
+    for port in left.values():
+        yield [p for p in every_file if p.is_relative_to(MATH)], port
+
+
 every_file = [p for p in sources.files(args.root, "firmware/*.[ch]", "hal/*.[ch]") if binding_of(p) != PC]
-bindings = {binding_of(p) for p in sources.files(args.root, "hal/*.c")} - {PC}
-ports = {p.parent for p in sources.files(args.root, f"{PORTS}/*/*.h")} or {Path("firmware")}
-findings = dict.fromkeys(line for binding in sorted(bindings - {None}) or [None] for port in sorted(ports)
-                         if PORT_OF.get(binding, port.name) == port.name for line in check(binding, port))
+findings = dict.fromkeys(line for program in programs() for line in check(*program))
 if args.out:
     args.out.parent.mkdir(parents=True, exist_ok=True)
     args.out.write_text(json.dumps({"findings": list(findings), "files": [p.as_posix() for p in every_file]}, indent=1),

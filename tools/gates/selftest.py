@@ -77,6 +77,25 @@ class GatesCanFail(unittest.TestCase):
             code, output = self.run_gate(gate)
             self.assertEqual(code, 0, output)
 
+    def test_licence(self):
+        self.write("tools/good", "#!/usr/bin/env python3\n")
+        self.write("tools/good.jinja", "{% extends 'frame' %}\n")
+        self.assert_fails("licence", "firmware/math/fx.h:1: ", "tools/good:2: ",
+                          "tools/good.jinja:1: the line is not '{# SPDX-License-Identifier: MIT #}'")
+        self.run_gate("licence", "--fix")
+        code, output = self.run_gate("licence")
+        self.assertEqual(code, 0, output)
+        for path, text, place in (("firmware/math/new.h", "#include <stdint.h>\n", 1),
+                                  ("firmware/math/new.h", "/* SPDX-License-Identifier: GPL-2.0-only */\n", 1),
+                                  ("firmware/math/new.h", "\n/* SPDX-License-Identifier: MIT */\n", 1),
+                                  ("firmware/math/CMakeLists.txt", "", 1),
+                                  ("tools/new", "#!/bin/sh\necho\n", 2),
+                                  ("tools/new.rb", "# SPDX-License-Identifier: MIT\n", 1)):
+            with self.subTest(f"{path}: {text}"):
+                self.write(path, text)
+                self.assert_fails("licence", f"{path}:{place}: ")
+                (self.root / path).unlink()
+
     def test_no_float(self):
         for line, word in (("float x;", "float"), ("int x = (int)1.5e3;", "1.5e3"),
                            ("_Float32 x;", "_Float32"), ("_Float64x x;", "_Float64x"), ("__fp16 x;", "__fp16"),

@@ -1,39 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Write the report of a folder of runs: index.html and the figures as PNG files."""
 
-import matplotlib
-
-from report import claim, style, voltage_drive
+from report import claim, voltage_drive
 from report.caption import alternative, caption
 from report.draw import draw
 from report.layouts import layouts
-from report.page import TITLES, Picture, conditions, page
-from report.runs import PlotError, Run, read_runs
-from report.svg import svg
+from report.page import TITLES, conditions, page
+from report.picture import make_folder, picture
+from report.runs import Run, read_runs
 from whole_file import whole_file
-
-PNG_DPI = 200
-NO_METADATA = {"Software": None}
-
-
-def save(figure, shape, path):
-    """Write a figure; the suffix of the path decides the format."""
-    metadata = {".png": NO_METADATA, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    try:
-        with matplotlib.rc_context(style.settings(shape)):
-            figure.savefig(path, dpi=PNG_DPI, metadata=metadata.get(path.suffix))
-    except OSError as error:
-        raise PlotError(f"{path}: {error.strerror}; expected a place to write to") from error
-    except ValueError as error:
-        raise PlotError(f"{path}: {error}; expected .png, .svg or .pdf") from error
-
-
-def picture(name, title, words, draw_shape, folder):
-    """Writes name.png; draw_shape takes a Shape, words are (caption, alternative of the figure)."""
-    save(draw_shape(style.PRINT), style.PRINT, folder / f"{name}.png")
-    forms = {shape: svg(draw_shape(shape), shape, f"{name}-{suffix}", words[1])
-             for shape, suffix in ((style.WIDE, "w"), (style.NARROW, "n"))}
-    return Picture(title, words[0], forms[style.WIDE], forms[style.NARROW], f"{name}.png")
 
 
 def picture_of_run(run, layout, folder):
@@ -41,13 +16,6 @@ def picture_of_run(run, layout, folder):
     words = caption(trace, layout, bases), alternative(trace, layout, bases)
     return picture(f"{run.name}_{layout.key}", layout.title, words,
                    lambda shape: draw(trace, layout, shape, bases), folder)
-
-
-def make_folder(folder):
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PlotError(f"{folder}: {error.strerror}; expected a folder to write to") from error
 
 
 def write_report(runs_folder, folder, more=()):

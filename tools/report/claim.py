@@ -54,6 +54,11 @@ class Value:
     def within(self):
         return self.percent <= CLAIM_PERCENT
 
+    @property
+    def text(self):
+        """What two digits would show as 0 is said to be less."""
+        return "< 0.01 %" if 0 < self.percent < 0.005 else f"{self.percent:.2f} %"
+
 
 def number(metrics, key):
     """A metric as a number, or None where it is absent, null or no number."""

@@ -1,18 +1,11 @@
 # SPDX-License-Identifier: MIT
 """The section of the report on paper B's gain design: its figures, and what of the paper follows from it."""
 
-import html
-
 from report import gains
-from report.assemble import picture
-from report.page import figure
+from report.picture import picture
+from report.render import render
 
 KEY = "gain-design"
-TITLE = "Gain design of the voltage drive: paper B, section 4"
-INTRO = ("S6 to S8 are the linear drive of paper B, (48), with the gains that it calls arbitrary and optimal. The matrices that "
-         "the paper prints do not follow from the parameters that it prints, so each figure has both.")
-HOW = ("Each figure of the paper beside what its printed matrices and what its parameters give. Where they differ "
-       "the last column says why, as far as it can be told.")
 UNITS = (("_kg_m2", "kg·m²"), ("_rad_s", "rad/s"), ("_per_s", "1/s"), ("_deg", "°"), ("_rad", "rad"), ("_a", "A"), ("_v", "V"),
          ("_s", "s"))
 SYMBOLS = {"phi": "Φ", "theta": "Θ", "kp": "K_p", "ki": "K_i"}
@@ -34,10 +27,8 @@ def cell(value):
 
 
 def row(comparison):
-    values = "".join(f'<td data-label="{head}">{cell(comparison[key])}</td>'
-                     for key, head in (("paper", "paper"), ("printed", "printed matrices"), ("computed", "computed")))
-    return (f"<tr><th scope=row>{html.escape(label(comparison['quantity']))}</th>{values}"
-            f'<td data-label="remark">{html.escape(comparison["remark"])}</td></tr>')
+    return (label(comparison["quantity"]), *(cell(comparison[key]) for key in ("paper", "printed", "computed")),
+            comparison["remark"])
 
 
 def caption(design, response):
@@ -62,19 +53,5 @@ def pictures(design, folder):
 def entry(path, folder):
     """Identifier, title and HTML for page(); writes the PNGs into the folder of the report."""
     design = gains.read_design(path)
-    shown = "\n".join(figure(one) for one in pictures(design, folder))
-    rows = "\n".join(row(comparison) for comparison in design["comparison"])
-    return KEY, "gain design", f"""<section class="run" id="{KEY}">
-<h2>{TITLE}</h2>
-<p>{INTRO}</p>
-{shown}
-<h3>What can be reproduced, and what cannot</h3>
-<table class="cards">
-<caption>{HOW}</caption>
-<thead><tr><th scope=col>Figure</th><th scope=col>paper</th><th scope=col>printed matrices</th>
-<th scope=col>computed</th><th scope=col>remark</th></tr></thead>
-<tbody>
-{rows}
-</tbody>
-</table>
-</section>"""
+    return KEY, "gain design", render("report/gain_design.jinja", key=KEY, pictures=list(pictures(design, folder)),
+                                      rows=[row(comparison) for comparison in design["comparison"]])

@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from report import style
-from report.assemble import make_folder, save
+from report.picture import make_folder, save
 from report.runs import PlotError, read_text
 from report.style import LIGHT
 

@@ -75,7 +75,8 @@ def read_trace(path):
     if len(set(names)) < len(names):
         raise PlotError(f"{path}: a column name appears twice; expected each name once")
     table = split_rows(path, rows[1:], len(names))
-    trace = Trace(path, {name: column(path, name, table[:, k]) for k, name in enumerate(names)})
+    cells = zip(*table) if table else [()] * len(names)
+    trace = Trace(path, {name: column(path, name, column_cells) for name, column_cells in zip(names, cells)})
     if len(table) < 2 or not np.all(np.diff(trace[TIME]) > 0):
         raise PlotError(f"{path}: {TIME} does not rise; expected two or more samples in order")
     return trace
@@ -87,14 +88,14 @@ def split_rows(path, rows, width):
         if len(row) != width:
             raise PlotError(f"{path}: line {number} has {len(row)} fields; "
                             f"expected {width}, as in the header")
-    return np.array(table, dtype=str).reshape(-1, width)
+    return table
 
 
 def column(path, name, cells):
     if name in WORDS:
-        return np.char.strip(cells)
+        return np.array([cell.strip() for cell in cells], dtype=str)
     try:
-        values = cells.astype(float)
+        values = np.array([float(cell) for cell in cells])
     except ValueError as error:
         raise PlotError(f"{path}: column '{name}': {error}; expected numbers") from error
     if not np.isfinite(values).all():

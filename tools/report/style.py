@@ -17,6 +17,8 @@ PALETTE = {
     "third": ("#1d8a6b", "#4cc4a0"),
     "claim": ("#dff0e4", "#1d3327"),
     "window": ("#eef1f5", "#20262e"),
+    "good": ("#1a6b3c", "#6fd19a"),
+    "bad": ("#a8260f", "#ff8a73"),
 }
 LIGHT = {name: light for name, (light, dark) in PALETTE.items()}
 DARK = {name: dark for name, (light, dark) in PALETTE.items()}

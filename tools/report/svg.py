@@ -6,6 +6,7 @@ import io
 import re
 
 import matplotlib
+from markupsafe import Markup
 
 from report.style import LIGHT, settings
 
@@ -32,4 +33,4 @@ def svg(figure, shape, name, alternative):
     width = re.search(r'width="([\d.]+)pt"', text)[1]
     head = (f'<svg role="img" aria-label="{html.escape(alternative)}" '
             f'preserveAspectRatio="xMinYMin" style="max-width: {width}pt"')
-    return re.sub(r' (width|height)="[\d.]+pt"', "", text.replace("<svg", head, 1), count=2)
+    return Markup(re.sub(r' (width|height)="[\d.]+pt"', "", text.replace("<svg", head, 1), count=2))

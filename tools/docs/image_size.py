@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: MIT
+"""The tables of docs/board_bring_up.md that say what of flash and RAM the image takes, out of the image.
+
+image_size.py           says whether the page is as the image has it; exit status 1 if not
+image_size.py --write   writes the tables anew
+"""
+import argparse
+import re
+import sys
+from itertools import takewhile
+
+import generated
+
+sys.path += [str(generated.ROOT / "tools"), str(generated.ROOT / "tools/evidence")]
+import bounds  # pylint: disable=wrong-import-position
+from bench.image import Image  # pylint: disable=wrong-import-position
+
+LEAST = 512  # bytes of a part that the page names
+KINDS = {"T": "code", "W": "code", "R": "constants", "D": "initialised variables", "B": "variables"}
+FLASH, RAM = (".vectors", ".text", ".rodata", ".note.gnu.build-id", ".data"), (".stack", ".data", ".bss")
+
+
+def memory(image):
+    def of_all(names):
+        return sum(image.sections.get(name, (0, 0))[1] for name in names)
+
+    users, total = bounds.board_rows(image)
+    needed = ", ".join(f"`{name}` {size}" for name, size, _ in users)
+    return generated.table(["bytes", "what"], [
+        [of_all(FLASH), "of the flash"],
+        [of_all(RAM), "of the RAM"],
+        [of_all([".data"]), "of these with initial values"],
+        [of_all([".stack"]), f"of these as stack; at most {total} are needed: {needed}"]])
+
+
+def parts(image):
+    ordered = sorted(image.symbols, key=lambda symbol: (-symbol.size, symbol.name))
+    return generated.table(["bytes", "part", "what"], (
+        [symbol.size, f"`{re.sub(r'[.].*', '', symbol.name)}`", KINDS[symbol.kind]]
+        for symbol in takewhile(lambda symbol: symbol.size >= LEAST, ordered)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--write", action="store_true", help="write the tables anew")
+    write = parser.parse_args().write
+    image = Image(bounds.BOARD)
+    generated.finish("docs/board_bring_up.md", {"memory": memory(image), "parts": parts(image)}, "the image", write)
+
+
+if __name__ == "__main__":
+    main()
