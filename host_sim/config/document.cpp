@@ -102,6 +102,12 @@ std::string shown_list(const Node &node)
     return text + "]";
 }
 
+// Of UTF-8: any byte of a character but its first.
+bool is_inside_character(char c)
+{
+    return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
+}
+
 // Cuts a text without cutting a UTF-8 character.
 std::string shortened(const std::string &text)
 {
@@ -109,7 +115,7 @@ std::string shortened(const std::string &text)
         return text;
     }
     std::size_t end = SHOWN_MAX;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+    while (end > 0 && is_inside_character(text[end])) {
         end--;
     }
     return text.substr(0, end) + "…";
@@ -131,15 +137,27 @@ bool is_part_of_number(char c)
            c == '_';
 }
 
+// The byte at a position, which counts characters.
+std::size_t place_of(const std::string &text, const toml::source_position &position)
+{
+    std::size_t place = 0;
+    for (unsigned line = 1; line < position.line; line++) {
+        place = text.find('\n', place) + 1;
+    }
+    for (unsigned column = 1; column < position.column && place < text.size(); column++) {
+        place++;
+        while (place < text.size() && is_inside_character(text[place])) {
+            place++;
+        }
+    }
+    return place;
+}
+
 // Writes a number that is too large for a double, and at whose end the parser stopped, as infinity.
 // False when there is none.
 bool replace_too_large(std::string &text, const toml::source_position &stopped)
 {
-    std::size_t end = 0;
-    for (unsigned line = 1; line < stopped.line; line++) {
-        end = text.find('\n', end) + 1;
-    }
-    end = std::min<std::size_t>(end + stopped.column - 1, text.size());
+    const std::size_t end = place_of(text, stopped);
     std::size_t begin = end;
     while (begin > 0 && is_part_of_number(text[begin - 1])) {
         begin--;

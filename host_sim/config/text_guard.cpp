@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 namespace nf
 {
 namespace
@@ -35,6 +37,7 @@ private:
         if (c == '\n') {
             line_++;
             dots_ = 0;
+            follow_number(c);
             at_++;
         } else if (c == '#') {
             skip_comment();
@@ -48,13 +51,34 @@ private:
 
     void check(char c)
     {
-        if (static_cast<unsigned char>(c) >= 0x80) {
-            refuse("a character outside ASCII that is in no string or comment");
-        }
+        check_ascii(c);
+        follow_number(c);
         dots_ += c == '.' ? 1U : 0U;
         if (dots_ > DOTS_MAX) {
             refuse(fmt::format("more than {} dots in a line", DOTS_MAX));
         }
+    }
+
+    void check_ascii(char c) const
+    {
+        if (static_cast<unsigned char>(c) >= 0x80) {
+            refuse("a character outside ASCII that is in no string or comment");
+        }
+    }
+
+    // The parser reads a number up to a blank, a comma or a closing bracket, also over quotes: what looks like a
+    // string there is none.
+    void follow_number(char c)
+    {
+        const bool ends_value = is_in(" \t\r\n,]}", c);
+        const bool begins = may_begin_ && is_in("+-0123456789", c);
+        number_ = !ends_value && (number_ || begins);
+        may_begin_ = ends_value || is_in("=[{", c);
+    }
+
+    static bool is_in(std::string_view set, char c)
+    {
+        return set.find(c) != std::string_view::npos;
     }
 
     [[noreturn]] void refuse(const std::string &why) const
@@ -92,6 +116,9 @@ private:
     // Skips a byte of a string, and the one after a backslash.
     void skip_byte(char quote)
     {
+        if (number_) {
+            check_ascii(text_[at_]);
+        }
         const bool escapes = quote == '"' && text_[at_] == '\\';
         if (escapes && at_ + 1 < text_.size() && text_[at_ + 1] != '\n') {
             at_++;
@@ -129,6 +156,8 @@ private:
     std::size_t at_ = 0;
     unsigned line_ = 1;
     unsigned dots_ = 0;
+    bool number_ = false;   // this is part of one
+    bool may_begin_ = true; // one, with the next character
 };
 
 } // namespace

@@ -167,6 +167,9 @@ void numbers_that_are_none_are_named()
         {"scenarios/s.toml", "speed_rpm = 1000", "speed_rpm = -1e999",
          "scenarios/s.toml:8: scenario.command.speed_rpm = -inf: is not a finite number; allowed: "
          "-200000 to 200000 rpm"},
+        // Its place is counted in characters, not in bytes.
+        {"motors/m.toml", "2.125", "[\"µ\", 1e999]",
+         "motors/m.toml:4: motor.resistance_ohm = [\"µ\", inf]: is a list; allowed: 0.001 to 50 Ω"},
         {"motors/m.toml", "2.125", "+inf",
          "motors/m.toml:4: motor.resistance_ohm = inf: is not a finite number; allowed: 0.001 to "
          "50 Ω"},
@@ -463,6 +466,11 @@ void text_that_is_not_toml_is_named_with_its_line()
          "table 'motor'"},
         {"motors/m.toml", "2.125", "2.125 µ",
          "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
+        // Behind a number quotes begin no string.
+        {"motors/m.toml", "2.125", "2.125\"µ\"",
+         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
+        {"motors/m.toml", "2.125", "-[{a.'µ'",
+         "motors/m.toml:4: TOML syntax: a character outside ASCII that is in no string or comment"},
         {"motors/m.toml", "[motor]", "[.]",
          "motors/m.toml:1: TOML syntax: Error while parsing key: expected bare key starting "
          "character or string delimiter, saw '.'"},
@@ -476,6 +484,7 @@ void text_of_any_language_is_allowed_in_strings_and_comments()
     const Case cases[] = {
         {"motors/m.toml", "\"m\"", "\"µ \\\" é\" # ± '", "accepted"},
         {"motors/m.toml", "\"m\"", "'µ \" é'", "accepted"},
+        {"motors/m.toml", " = \"m\"", "=\"µ\"", "accepted"},
         {"motors/m.toml", "\"m\"", "\"\"\"µ\"é\"\"\"\"", "accepted"},
         {"motors/m.toml", "[motor]", "\xEF\xBB\xBF[motor]", "accepted"},
     };
