@@ -28,7 +28,7 @@ FAULTS = {
         "drive", "firmware/drive/drive.c", "s->phase_a = fx_sat15((int32_t)a - drive->offset_a);",
         "s->phase_a = (int32_t)a - drive->offset_a;", "signals.phase_a"),
     "a text that the TOML reader does not survive": (
-        "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "false", "unreachable program point"),
+        "config", "host_sim/config/text_guard.cpp", "static_cast<unsigned char>(c) >= 0x80", "c == 0x7F", "unreachable program point"),
     "a recording whose state is not looked at": (
         "recording", "host_sim/replay/recording.cpp", "state_problem(state, cfg); !bad.empty()",
         "state_problem(state, cfg); bad.size() > 1000", "runtime error: "),
