@@ -16,6 +16,15 @@ function(nf_precompile target)
     endif()
 endfunction()
 
+# nf_quick_to_compile(<target>)
+#
+# A source that only reads the command line: it runs once, and the library that it uses takes long to optimise. Headers
+# precompiled for optimised code do not fit it.
+function(nf_quick_to_compile target)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-O0>)
+    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
+endfunction()
+
 # nf_add_floor(<target> SOURCES <file>... [LINK <target>...])
 #
 # One floor: a static library whose folder is its public include folder.
@@ -42,6 +51,6 @@ function(nf_add_program target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LINK")
     add_executable(${target} ${arg_SOURCES})
     target_link_libraries(${target} PRIVATE ${arg_LINK} nf_warnings)
-    nf_precompile(${target})
+    nf_quick_to_compile(${target})
     set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 endfunction()

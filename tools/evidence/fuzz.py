@@ -8,8 +8,9 @@ ten seconds or a GB of memory is a finding; its input is kept, and the line that
 with the committed corpus alone: what the one before has kept in build/fuzz goes away.
 
 Each program runs at least three times as long as its planted faults (tests/evidence/fuzz_can_fail.py) took when this was
-measured: that of the configuration 5.3 to 13.8 s of a core and that of the recording 0.3 to 0.7 s, of four seeds each; those of
-the drive, the stepper and the console at most 0.6 s with the one seed tried, as they are found while the corpus is read.
+measured: that of the configuration 5.3 to 13.8 s of a core, before an input that shows it came into the corpus, and that of the
+recording 0.3 to 0.7 s, of four seeds each; those of the drive, the stepper and the console at most 0.6 s with the one seed
+tried, as they are found while the corpus is read.
 The build has changed since: C without calls at comparisons, and counters. The test still asks for each fault within the
 program's time. --seconds gives all of them another time.
 
