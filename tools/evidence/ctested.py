@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 
-def found(expression, output):
+def matches(expression, output):
     """As ctest searches: a point stands for the end of a line too."""
     return re.search(expression, output, re.DOTALL)
 
@@ -29,10 +29,10 @@ class Test:
         return replace(self, title=title, command=(*self.command, *arguments))
 
     def passes(self, status, output):
-        if status < 0 or any(found(expression, output) for expression in self.fail_expressions):
+        if status < 0 or any(matches(expression, output) for expression in self.fail_expressions):
             return False
         if self.pass_expressions:
-            return any(found(expression, output) for expression in self.pass_expressions)
+            return any(matches(expression, output) for expression in self.pass_expressions)
         return status == 0
 
 

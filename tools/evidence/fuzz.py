@@ -110,12 +110,12 @@ def outcome(name, status, said):
     return Outcome(name, runs - int(read[1]) if read and done else 0, seconds, edges, corpus, why, kept[1] if kept else "")
 
 
-def figures_of(outcomes, longer=None):
-    """Of each program: whether it found something, and whether it has been fuzzed at all; `longer`: for so many seconds."""
+def figures_of(outcomes, given=None):
+    """Of each program: whether it found something, and whether it was fuzzed for its time; `given`: the seconds of --seconds."""
     for one in outcomes:
         yield part.figure(f"{one.name}: findings", one.why or "none", "none", not one.why)
         asked = PROGRAMS[one.name]
-        seconds = longer or asked.seconds
+        seconds = given or asked.seconds
         least = asked.rate * seconds
         yield part.figure(f"{one.name}: fuzzed",
                           f"{one.seconds} s, {one.invented} inputs beyond the corpus, {one.edges} edges",

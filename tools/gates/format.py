@@ -18,7 +18,11 @@ args = parser.parse_args()
 paths = sources.files(args.root, "*.c", "*.h", "*.cpp", "*.hpp")
 mode = ["-i"] if args.fix else ["--dry-run", "-Werror"]
 run = subprocess.run(["clang-format-19", *mode, *map(str, paths)], cwd=args.root, capture_output=True, text=True)
-bad = list({line.split(":")[0]: line for line in reversed(run.stderr.splitlines()) if PLACE.match(line)}.values())[::-1]
+first = {}
+for line in run.stderr.splitlines():
+    if PLACE.match(line):
+        first.setdefault(line.split(":")[0], line)
+bad = list(first.values())
 if run.returncode and not bad:
     bad = [run.stderr.strip() or f"clang-format ended with {run.returncode}"]
 sources.finish("format", bad, "Run `tools/dev format`; each line shows a file's first place.")
