@@ -29,9 +29,7 @@ ROWS = {  # what is changed in a row that holds, and what is then said
 class RowsCanFail(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = Path(folder.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.copy = planted.copy_of(part.ROOT, cls.folder / "copy")
         cls.runner = planted.Runner(part.ROOT, BUILD)
 

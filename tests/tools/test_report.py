@@ -96,9 +96,7 @@ class OfOneFolder(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        made = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(made.cleanup)
-        cls.folder = Path(made.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         for name, scenario in (("s1", "s1"), ("s2", "s2"), ("s3", "s3"), ("s2_robust", "s2")):
             synthetic.write(cls.folder, name, scenario, period=COARSE_S)
         cls.path = write_report(cls.folder, cls.folder / "out" / "report")
