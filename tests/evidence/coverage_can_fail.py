@@ -139,7 +139,7 @@ class CoverageCanFail(unittest.TestCase):
     def test_what_a_test_runs_is_told_from_what_it_does_not(self):
         self.replace(self.test, "    pi_unwind(&pi, 1);\n", "")
         self.findings()
-        ran = coverage.what_ran(self.root, {"unit": [ONE]})
+        ran = coverage.what_ran(self.root, [ONE])
         self.assertIn("pi_step", ran["tests"]["one"][""])
         self.assertIn("pi_unwind", ran["counted"])
         self.assertNotIn("pi_unwind", ran["tests"]["one"][""])
@@ -150,7 +150,7 @@ class CoverageCanFail(unittest.TestCase):
         unity = Path(re.search(r"^UNITY_ROOT:PATH=(.*)$", cache, re.MULTILINE)[1])
         self.findings("-Wl,--wrap=UnityDefaultTestRun", f"-I{unity}", unity / "unity.c",
                       part.ROOT / "tests/evidence/each_test.c")
-        ran = coverage.what_ran(self.root, {"unit": [ONE]})["tests"]["one"]
+        ran = coverage.what_ran(self.root, [ONE])["tests"]["one"]
         self.assertEqual({name: [function for function in functions if function.startswith("pi_")]
                           for name, functions in ran.items()},
                          {"": ["pi_output", "pi_reset", "pi_step", "pi_unwind"],

@@ -9,7 +9,7 @@ What cannot be covered stands in tests/evidence/justified.toml, line by line wit
 something that is covered, or that is not there, is a finding too.
 
 The tests have run in the build of gate.asan, where each leaves its own counts. Which functions it runs goes to --ran, for
-evidence.traceability, with those of the simulator. Tests of tools/design are not counted.
+evidence.traceability, with those of the simulator: of each test that nf_count_tests() has given a place for its counts.
 """
 
 import argparse
@@ -31,7 +31,6 @@ PROFILES = BUILD / "profiles"
 COUNTED = ("firmware/math", "firmware/control", "firmware/drive", "firmware/app",
            *(f"hal/stm32g431/{name}.c" for name in ("codes", "console", "led", "temperature", "text")))
 TESTS = ("unit", "board", "scenario")  # that have to cover it
-OTHERS = ("config", "reference", "debug")  # of which only the functions that they run are asked
 REGISTER = Path("tests/evidence/justified.toml")
 KEYS = {"file", "function", "text", "kind", "reason"}
 KINDS = {"statement": "statements", "branch": "branches", "mcdc": "MC/DC conditions"}
@@ -94,7 +93,7 @@ def what_ran(profiles, tests):
     """{"counted": functions that can be seen to run, "tests": {test: {"": those that it runs, and each Unity test in it by
     its name: those that this runs}}}."""
     counted, ran = set(), {}
-    for test in sum(tests.values(), []):
+    for test in tests:
         parts = {path.name.split(".")[-2]: path for path in raw_of(profiles, test)}
         whole = functions_in(merged(profiles, [test], test.title)) if parts else {}
         counted |= set(whole)
@@ -262,11 +261,11 @@ def main():
     parser.add_argument("--ran", type=Path, help="write which functions each test runs, as JSON")
     args = part.arguments(parser)
     root = part.ROOT
-    tests = {folder: list(ctested.listed(BUILD, f"tests/{folder}").values()) for folder in TESTS + OTHERS}
     if args.ran:
+        counted = [test for test in ctested.listed(BUILD).values() if "LLVM_PROFILE_FILE" in test.environment]
         args.ran.parent.mkdir(parents=True, exist_ok=True)
-        args.ran.write_text(json.dumps(what_ran(PROFILES, tests), indent=1) + "\n", encoding="utf-8")
-    covering = [test for folder in TESTS for test in tests[folder]]
+        args.ran.write_text(json.dumps(what_ran(PROFILES, counted), indent=1) + "\n", encoding="utf-8")
+    covering = [test for folder in TESTS for test in ctested.listed(BUILD, f"tests/{folder}").values()]
     measured = measure(export(objects_of(BUILD), merged(PROFILES, covering, "all", "-sparse")), root)
     bad, reasons, excused = judge(measured, root, root / REGISTER)
     bad += not_built(measured, root)
