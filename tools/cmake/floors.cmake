@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
 # nf_precompile(<target>)
 #
-# C++ of the host takes the headers of the libraries, precompiled for nf_output, or for nf_design with Eigen; where
+# C++ of the host takes the headers of the libraries, precompiled for nf_file, or for nf_design with Eigen; where
 # CMAKE_DISABLE_PRECOMPILE_HEADERS is off, as in the preset host-asan.
 function(nf_precompile target)
     get_target_property(sources ${target} SOURCES)
-    if(NOT TARGET nf_output OR sources MATCHES "[.]c(;|$)" OR target MATCHES "^nf_(output|design)$")
+    if(NOT TARGET nf_file OR sources MATCHES "[.]c(;|$)" OR target MATCHES "^nf_(file|design)$")
         return()
     endif()
     get_target_property(linked ${target} LINK_LIBRARIES)
     if(TARGET nf_design AND linked MATCHES "nf_(design|twins)")
         target_precompile_headers(${target} REUSE_FROM nf_design)
     else()
-        target_precompile_headers(${target} REUSE_FROM nf_output)
+        target_precompile_headers(${target} REUSE_FROM nf_file)
     endif()
 endfunction()
 

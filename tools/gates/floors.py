@@ -2,8 +2,9 @@
 """gate.floors: includes go downwards only, and registers are touched in target bindings only.
 
 A firmware file includes its own floor or one below, a control module no other control
-module, and hal.h is seen by the HAL and the app alone. The plant knows no firmware.
-A folder of firmware/ or hal/ that is no floor is a finding: nobody has said what it may include.
+module, and hal.h is seen by the HAL and the app alone. The plant knows no firmware; the rest of the simulator
+sees any of it.
+A folder of firmware/, hal/ or host_sim/ that is no floor is a finding: nobody has said what it may include.
 Outside of a target's binding nothing is volatile at an address: no pointer made of a number, no cast to a pointer to
 volatile, no volatile object that the linker places.
 """
@@ -31,7 +32,19 @@ BELOW = {
     "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/app", "hal", "hal/cortex_m"],
     "host_sim/plant": [],
 }
-FLOORED = ("firmware", "hal", "host_sim/plant")  # their folders are floors, each of them
+CORE = [folder for folder in BELOW if folder.startswith("firmware/")]
+BELOW |= {
+    "host_sim/config": CORE,
+    "host_sim/file": [],
+    "host_sim/program": ["host_sim/file"],
+    "host_sim/reference": [*CORE, "host_sim/config"],
+    "host_sim/run": [*CORE, "hal/host", "host_sim/plant", "host_sim/config"],
+    "host_sim/output": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run"],
+    "host_sim/replay": [*CORE, "host_sim/config", "host_sim/run", "host_sim/output"],
+    "host_sim/debug": [*CORE, "host_sim/config", "host_sim/reference", "host_sim/run", "host_sim/output"],
+}
+FLOORED = ("firmware", "hal", "host_sim")  # their folders are floors, each of them
+PROGRAMS = {Path("host_sim/motorsim.cpp"), Path("host_sim/nfconfig.cpp")}  # above all of the simulator's floors
 TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up of real chips
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
@@ -88,11 +101,12 @@ def registers(root, paths):
 
 
 def findings(root):
-    floored = [p for p in sources.files(root, "*.c", "*.h") if any(p.is_relative_to(top) for top in FLOORED)]
+    floored = [p for p in sources.files(root, "*.c", "*.cpp", "*.h")
+               if any(p.is_relative_to(top) for top in FLOORED) and p not in PROGRAMS]
     yield from no_floor(floored)
     yield from registers(root, floored)
     paths = [p for p in floored if p.parent.as_posix() in BELOW]
-    everywhere = sources.files(root, "firmware/*.h", "hal/*.h", "host_sim/*.h")
+    everywhere = sources.files(root, "firmware/*.h", "hal/*.h", "host_sim/*.h", "firmware/*.def")
     homes = {}
     for path in everywhere:
         homes.setdefault(path.name, set()).add(path.parent.as_posix())

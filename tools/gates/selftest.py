@@ -27,6 +27,10 @@ CLEAN = {
     "hal/hal.h": '#include "drive.h"\n',
     "firmware/app/control_isr.c": '#include "hal.h"\n',
     "host_sim/plant/motor.h": "",
+    "host_sim/run/sim.h": '#include "drive.h"\n#include "motor.h"\n',
+    "host_sim/output/trace.cpp": '#include "sim.h"\n',
+    "host_sim/output/trace.h": "",
+    "host_sim/motorsim.cpp": '#include "trace.h"\n',
 }
 
 
@@ -130,14 +134,16 @@ class GatesCanFail(unittest.TestCase):
                 ("firmware/control/pi.c", '"modulator.h"'),
                 ("firmware/control/pi.c", "<stdio.h>"),
                 ("firmware/drive/drive.h", '"hal.h"'),
-                ("host_sim/plant/motor.h", '"fx.h"')):
+                ("host_sim/plant/motor.h", '"fx.h"'),
+                ("host_sim/run/sim.h", '"trace.h"'),
+                ("host_sim/output/trace.cpp", '"hal.h"')):
             with self.subTest(f"{path} includes {include}"):
                 self.setUp()
                 self.append(path, f"#include {include}\n")
                 self.assert_fails("floors", path, include)
 
     def test_floors_knows_each_folder(self):
-        for folder in ("firmware/spare", "firmware/drive/deep", "hal/newchip", "host_sim/plant/more"):
+        for folder in ("firmware/spare", "firmware/drive/deep", "hal/newchip", "host_sim/plant/more", "host_sim"):
             with self.subTest(folder):
                 self.setUp()
                 self.write(f"{folder}/new.c", '#include "motor.h"\n')

@@ -2,7 +2,7 @@
 // A recorded fault in the words and units of a person.
 #pragma once
 
-#include "config/per_unit.h"
+#include "per_unit.h"
 
 extern "C" {
 #include "fault.h"

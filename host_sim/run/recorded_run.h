@@ -2,7 +2,7 @@
 // A drive as it was in the field, what it was told from there on, and what it answered.
 #pragma once
 
-#include "config/per_unit.h"
+#include "per_unit.h"
 
 extern "C" {
 #include "drive.h"
