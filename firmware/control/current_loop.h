@@ -41,7 +41,7 @@ typedef struct {
 /*
  * The voltage that the current of one axis induces in the other axis, Q15 of U_b: speed × reactance × current.
  * |speed| ≤ 32767, reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX; with a
- * configuration that params_check accepts it does not get there. The current saturates at ±1. Each product is rounded
+ * configuration that config_check accepts it does not get there. The current saturates at ±1. Each product is rounded
  * down. Pure, any context.
  */
 static inline int32_t current_loop_cross(int32_t speed, int32_t reactance_q13, int32_t current)

@@ -12,8 +12,8 @@
 #ifndef CONFIG_GUARD_H
 #define CONFIG_GUARD_H
 
+#include "drive_cfg.h"
 #include "fault.h"
-#include "params.h"
 
 #include <stdint.h>
 

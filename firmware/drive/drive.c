@@ -2,6 +2,7 @@
 #include "drive.h"
 
 #include "angle_sensor.h"
+#include "config_check.h"
 #include "drive_state.h"
 #include "low_speed.h"
 #include "monitor.h"
@@ -203,7 +204,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     modulator_reset(&drive->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
-    bad = params_check(cfg);
+    bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";
     }

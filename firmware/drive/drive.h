@@ -28,8 +28,8 @@
 #include "catch_spin.h"
 #include "config_guard.h"
 #include "derating.h"
+#include "drive_cfg.h"
 #include "model.h"
-#include "params.h"
 #include "phase_compensator.h"
 #include "protection.h"
 #include "rotor_position.h"
@@ -157,7 +157,7 @@ typedef struct {
 /*
  * Bring the drive to INIT with this configuration, which must outlive the drive. Call before the first
  * tick, never from the interrupt. Returns NULL when the configuration is accepted. Otherwise it returns the name of the
- * field that params_check refuses, or "crc" when the checksum does not match; the drive must not be stepped then.
+ * field that config_check refuses, or "crc" when the checksum does not match; the drive must not be stepped then.
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 

@@ -46,7 +46,7 @@ fault_t protection_record(const protection_limits_t *limits, const protection_in
                           fault_id_t id);
 
 /*
- * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it, 15 − bits. params_check
+ * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it, 15 − bits. config_check
  * ensures that such a sample is an over-current too. The drive then names the fault FAULT_ADC_SATURATED.
  */
 bool protection_saturated(uint16_t count, uint32_t shift);

@@ -114,7 +114,7 @@ std::string make_header(const Config &config)
         "#ifndef DRIVE_CONFIG_H\n"
         "#define DRIVE_CONFIG_H\n"
         "\n"
-        "#include \"params.h\"\n"
+        "#include \"drive_cfg.h\"\n"
         "\n"
         "#define DRIVE_RECORDER_ENTRIES ({}U) /* of a segment: board.recorder_entries */\n"
         "#define DRIVE_POLE_PAIRS ({}U) /* motor.pole_pairs */\n"

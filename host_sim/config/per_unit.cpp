@@ -4,6 +4,10 @@
 #include "low_speed_units.h"
 #include "numbers.h"
 
+extern "C" {
+#include "config_check.h"
+}
+
 #include <algorithm>
 #include <cmath>
 
@@ -755,7 +759,7 @@ drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &boar
 {
     const drive_cfg_t c =
         convert(motor, board, settled_tuning(motor, board, as_written, scales), scales);
-    if (const char *bad = params_check(&c)) {
+    if (const char *bad = config_check(&c)) {
         throw std::logic_error(fmt::format("{} is outside its range", bad));
     }
     return c;

@@ -7,7 +7,7 @@
 
 extern "C" {
 #include "config_guard.h"
-#include "params.h"
+#include "drive_cfg.h"
 }
 
 #include <stdexcept>
@@ -67,7 +67,7 @@ TuningSettings settled_tuning(const MotorSettings &motor, const BoardSettings &b
                               const TuningSettings &as_written, const ModelScales &scales);
 
 // The firmware's numbers of the tuning that acts. Throws SettingError naming the offending key, or logic_error if
-// params_check refuses the result, which no settings within the ranges of the keys can bring about.
+// config_check refuses the result, which no settings within the ranges of the keys can bring about.
 drive_cfg_t make_drive_cfg(const MotorSettings &motor, const BoardSettings &board,
                            const TuningSettings &as_written, const ModelScales &scales);
 

@@ -6,8 +6,8 @@
 #include "vocabulary.h"
 
 extern "C" {
+#include "config_check.h"
 #include "config_guard.h"
-#include "params.h"
 }
 
 #include <algorithm>
@@ -78,7 +78,7 @@ void check_change(const SignalInfo &signal, int64_t raw, const ScriptedRun &run)
     plant_t plant{};
     hal_host_faults_t hal{};
     write_word(signal.word, raw, {plant, hal, cfg, drive});
-    const char *const refused = params_check(&cfg);
+    const char *const refused = config_check(&cfg);
     const std::string bad = refused == nullptr ? state_problem(drive, cfg) : refused;
     if (!bad.empty()) {
         throw std::runtime_error(

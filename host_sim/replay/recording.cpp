@@ -5,6 +5,7 @@
 #include "state_check.h"
 
 extern "C" {
+#include "config_check.h"
 #include "config_guard.h"
 #include "drive_words.h"
 }
@@ -105,7 +106,7 @@ drive_cfg_t configuration_of(const uint32_t *words)
                "0x{:08x}",
                cfg.crc, crc);
     }
-    if (const char *const bad = params_check(&cfg)) {
+    if (const char *const bad = config_check(&cfg)) {
         refuse("this firmware refuses the configuration: {}", bad);
     }
     return cfg;

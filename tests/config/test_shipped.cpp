@@ -9,6 +9,10 @@
 
 #include <fmt/format.h>
 
+extern "C" {
+#include "config_check.h"
+}
+
 #include "unity.h"
 
 #include <cmath>
@@ -46,7 +50,7 @@ void every_shipped_combination_fits_the_firmware()
                     continue;
                 }
                 const drive_cfg_t cfg = nf::build(nf::load_parts(motor, board, tuning));
-                TEST_ASSERT_NULL(params_check(&cfg));
+                TEST_ASSERT_NULL(config_check(&cfg));
             }
         }
     }
@@ -57,7 +61,7 @@ void every_shipped_imperfection_fits_the_firmware()
     for (const std::string &name : nf::list_imperfections()) {
         const drive_cfg_t cfg =
             nf::build(nf::load_parts("motor_a", "bench_310v", "robust", {name}));
-        TEST_ASSERT_NULL(params_check(&cfg));
+        TEST_ASSERT_NULL(config_check(&cfg));
     }
 }
 
@@ -66,7 +70,7 @@ void every_shipped_scenario_fits_the_firmware()
     for (const nf::ScenarioInfo &info : nf::list_scenarios()) {
         const nf::Config config = nf::load_scenario(info.id);
         const drive_cfg_t cfg = nf::build(config);
-        TEST_ASSERT_NULL(params_check(&cfg));
+        TEST_ASSERT_NULL(config_check(&cfg));
         TEST_ASSERT_TRUE_MESSAGE(config.scenario.notes.empty(), info.id.c_str());
     }
 }

@@ -41,17 +41,26 @@ bool may_drive(drive_state_t state)
 
 void configuration_holds(const drive_cfg_t &cfg)
 {
-#define FIELD(path, lowest, highest) \
-    within("cfg." #path, static_cast<int64_t>(cfg.path), lowest, highest);
-#include "configuration_common.def"
-    if (cfg.startup.current_hold != 0) {
+    const bool starts_up = cfg.startup.current_hold != 0;
+    const bool drives_voltage = cfg.voltage_drive.enabled != 0;
+    if (starts_up) {
         within("cfg.sampling.sensor_pole_pairs", cfg.sampling.sensor_pole_pairs, 0, 0);
-#include "configuration_startup.def"
     }
-    if (cfg.voltage_drive.enabled != 0) {
-#include "configuration_voltage_drive.def"
+#define ROW(used, path, lowest, highest) \
+    if (used) { \
+        within("cfg." #path, static_cast<int64_t>(cfg.path), lowest, highest); \
     }
-#undef FIELD
+#define CFG(path, lo, hi, quantity, meaning) ROW(true, path, lo, hi)
+#define CFG_STARTUP(path, lo, hi, quantity, meaning) ROW(starts_up, path, lo, hi)
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) \
+    ROW(true, path, starts_up ? (lo_startup) : (lo), hi)
+#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) ROW(drives_voltage, path, lo, hi)
+#include "cfg.def"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
+#undef ROW
 }
 
 void tick_holds(drive_state_t before, const drive_t &drive, const drive_in_t &in,

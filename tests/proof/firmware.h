@@ -13,6 +13,11 @@
 #include "../../firmware/drive/align.c"
 #include "../../firmware/drive/angle_sensor.c"
 #include "../../firmware/drive/catch_spin.c"
+#include "../../firmware/drive/config_check.c"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
 #include "../../firmware/drive/config_guard.c"
 #include "../../firmware/drive/crc32.c"
 #include "../../firmware/drive/derating.c"
@@ -20,7 +25,6 @@
 #include "../../firmware/drive/low_speed.c"
 #include "../../firmware/drive/model.c"
 #include "../../firmware/drive/monitor.c"
-#include "../../firmware/drive/params.c"
 #include "../../firmware/drive/protection.c"
 #include "../../firmware/drive/supervision.c"
 #include "../../firmware/drive/vector_control.c"

@@ -39,19 +39,38 @@ static void choose_words(uint32_t *words, uint32_t size)
 static void choose_configuration(void)
 {
     choose_words((uint32_t *)&cfg, sizeof(cfg));
-#define FIELD(path, lowest, highest) cfg.path = Frama_C_long_long_interval(lowest, highest);
-#include "configuration_common.def"
+#define CFG(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
+#define CFG_STARTUP(path, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG(path, lo, hi, , )
+#define CFG_VOLTAGE(path, lo, hi, quantity, meaning)
+#include "cfg.def"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
 }
 
 static void choose_startup(void)
 {
-#include "configuration_startup.def"
+#define CFG(path, lo, hi, quantity, meaning)
+#define CFG_STARTUP(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG_STARTUP(path, lo_startup, hi, , )
+#define CFG_VOLTAGE(path, lo, hi, quantity, meaning)
+#include "cfg.def"
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
+    if (cfg.startup.current_hold == 0) {
+        cfg.startup.current_hold = 1;
+    }
 }
 
 static void choose_voltage_drive(void)
 {
-#include "configuration_voltage_drive.def"
-#undef FIELD
+#define CFG_STARTUP(path, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning)
+#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
+#include "cfg.def"
 }
 
 static void choose_state(void)

@@ -12,7 +12,7 @@
 #define EXAMPLE_CFG_H
 
 #include "config_guard.h"
-#include "params.h"
+#include "drive_cfg.h"
 
 static inline sampling_cfg_t example_sampling_cfg(void)
 {

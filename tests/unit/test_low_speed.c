@@ -700,7 +700,7 @@ static void test_any_frame_keeps_the_start_in_range_and_reaches_every_state(void
     }
 }
 
-/* The largest of everything that params_check accepts. */
+/* The largest of everything that config_check accepts. */
 static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
 {
     for (uint32_t run = 0U; run < 20U; run++) {

@@ -644,7 +644,7 @@ static void test_descent_saturates_to_16_bits_on_both_sides(void)
     }
 }
 
-/* The configuration whose products are largest within what params_check accepts. */
+/* The configuration whose products are largest within what config_check accepts. */
 static nn_observer_cfg_t largest_cfg(seeded_t *seed)
 {
     return (nn_observer_cfg_t){

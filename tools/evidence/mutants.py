@@ -4,7 +4,8 @@
     operators     + with −, * with +, shifts, & with |, and each comparison with its neighbour and its opposite
     terms         one side of a sum, difference, product or condition, an assignment, a call left out
     signs         of a term, of what is assigned, handed over in a struct or returned
-    constants     one more, one less; also shifts; a real one times 2 and times 0.9
+    constants     one more, one less; also shifts; a real one times 2 and times 0.9; those of rows (cfg.def) that a function
+                  includes, too
     saturations   fx_sat…, fx_clamp, fx_min, fx_max and std's left out on one side or on both
     mix-ups       d with q, α with β, sine with cosine, upper with lower; both branches of a condition
 
@@ -14,6 +15,7 @@ bracket, so that most of these faults cannot be told to it.
 """
 
 import functools
+import re
 import subprocess
 from dataclasses import dataclass
 
@@ -32,6 +34,9 @@ MIX_UPS.update({other: name for name, other in MIX_UPS.items()})
 NAMES = {"fx_min": "fx_max", "fx_max": "fx_min", "min": "std::max", "max": "std::min"}
 WHOLE = ("int", "long")
 DEFINITIONS = (Kind.FUNCTION_DECL, Kind.CXX_METHOD)
+ROWS = re.compile(rb'^[ \t]*#include "(\w+\.def)"$', re.MULTILINE)  # in a function: its statements
+ROW = re.compile(r'^\w+\([^"\n]*', re.MULTILINE)  # up to its text
+NUMBER = re.compile(r"\b(?:0x[0-9A-Fa-f]+|\d+)\b")
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,7 @@ class Function:
 
     def __init__(self, source, cursor):
         self.source = source
+        self.path = str(cursor.location.file)
         self.edits = set()
         self.visit(cursor, None)
 
@@ -133,6 +139,8 @@ class Function:
         return bool(inner) and inner[0].kind in (Kind.INTEGER_LITERAL, Kind.FLOATING_LITERAL)
 
     def visit(self, cursor, parent):
+        if str(cursor.location.file) != self.path:  # of an included row
+            return
         handler = getattr(self, cursor.kind.name.lower(), None)
         if handler:
             handler(cursor, list(cursor.get_children()), parent)
@@ -241,6 +249,20 @@ def lines(source, start, end, replacement):
     return joined(source[first:last]), joined(source[first:start] + replacement.encode() + source[end:last])
 
 
+def of_rows(source, path, whole, folders):
+    """A constant of a row that the function includes is one more or one less: its rows then stand in place of the #include."""
+    for include in ROWS.finditer(source, whole.body, whole.end):
+        name = include[1].decode()
+        rows = next(folder / name for folder in folders if (folder / name).is_file()).read_text(encoding="utf-8")
+        line = source.count(b"\n", 0, include.start()) + 1
+        for row in ROW.finditer(rows):
+            for number in NUMBER.finditer(row[0]):
+                for step in "+-":
+                    changed = f"{row[0][:number.start()]}({number[0]} {step} 1){row[0][number.end():]}"
+                    yield Mutant(str(path), line, whole.spelling, include.start(), include.end(),
+                                 rows[:row.start()] + changed + rows[row.end():], row[0].strip(), changed.strip(), whole)
+
+
 def mutants(root, path, folders):
     """All mutants of a file of the project, in the order of the file."""
     source = (root / path).read_bytes()
@@ -253,4 +275,5 @@ def mutants(root, path, folders):
             before, after = lines(source, start, end, text)
             found.append(Mutant(str(path), source.count(b"\n", 0, start) + 1, cursor.spelling, start, end, text,
                                 before, after, whole))
+        found += of_rows(source, path, whole, [root / folder for folder in folders]) if whole else ()
     return found

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole configuration of a drive in per-unit integers, and its check.
+ * The whole configuration of a drive in per-unit integers. cfg.def has a row for each setting: its range, what one of it
+ * is, what it means. config_check.h checks them.
  *
  * host_sim/config writes it from motor, board and tuning files in SI units and documents how it computes each
  * number. docs/design.md lists bases and formats. Constant while the drive runs.
  */
-#ifndef PARAMS_H
-#define PARAMS_H
+#ifndef DRIVE_CFG_H
+#define DRIVE_CFG_H
 
 #include "current_loop.h"
 #include "derating.h"
@@ -66,11 +67,5 @@ typedef struct {
     voltage_drive_cfg_t voltage_drive;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;
-
-/*
- * Check every field but crc against the range that the arithmetic needs. Returns NULL when all fields are within their
- * ranges, else the name of the first that is not, as a constant string. Pure, any context.
- */
-const char *params_check(const drive_cfg_t *cfg);
 
 #endif

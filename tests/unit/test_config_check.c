@@ -1,0 +1,462 @@
+/* SPDX-License-Identifier: MIT */
+/* Configuration check: every field is named when it is out of its range, on either side. */
+#include "config_check.h"
+#include "example_cfg.h"
+#include "unity.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+/*
+ * All fields are 32 bits wide; a shift is unsigned. lowest and highest are accepted in the example configuration with
+ * start-up and voltage drive. One beyond them `below` and `above` are named: another field where two must agree.
+ */
+typedef struct {
+    const char *name;
+    size_t offset;
+    int32_t lowest;
+    int32_t highest;
+    const char *below;
+    const char *above;
+} field_t;
+
+/* Of what use a configuration makes of a field. */
+typedef enum {
+    ALWAYS,
+    WITH_STARTUP,
+    IN_BOTH,
+    WITH_VOLTAGE_DRIVE
+} use_t;
+
+typedef struct {
+    field_t field;
+    use_t use;
+} row_t;
+
+#define ROW(path, lo, hi, use) {{#path, offsetof(drive_cfg_t, path), lo, hi, #path, #path}, use},
+#define CFG(path, lo, hi, quantity, meaning) ROW(path, lo, hi, ALWAYS)
+#define CFG_STARTUP(path, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_STARTUP)
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) ROW(path, lo_startup, hi, IN_BOTH)
+#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_VOLTAGE_DRIVE)
+static const row_t ROWS[] = {
+#include "cfg.def"
+};
+
+/* What the rules between two fields leave of a row's range in the example. */
+#define RULE(path, below, lo, hi, above) {#path, offsetof(drive_cfg_t, path), lo, hi, below, above}
+#define UP_TO(path, lo, hi) RULE(path, #path, lo, hi, #path)
+/* At observer.speed_limit, 17476 in Q15 of Ω_b: 17476·30469/2^13 = 64999.5, 30470 gives 65001.7. */
+#define DECOUPLING(path) RULE(path, #path, 0, 30469, "observer.speed_limit")
+
+static const field_t RULES[] = {
+    /* With a sensor no start-up. */
+    RULE(sampling.sensor_pole_pairs, "sampling.sensor_pole_pairs", 0, 0, "startup.current_hold"),
+    /* From derating.current_max to what leaves room for offset_max: 16384 − 1 − 8 − 819. */
+    RULE(protection.current_max, "derating.current_max", 8192, 15556, "protection.offset_max"),
+    RULE(protection.bus_max, "protection.bus_min", 14564, 32766, "protection.bus_max"),
+    UP_TO(protection.bus_min, 0, 29127),   /* bus_max */
+    UP_TO(protection.offset_max, 0, 1629), /* 16384 − 1 − 8 − 14746 */
+    RULE(derating.current_max, "derating.current_continuous", 5504, 14746,
+         "derating.current_max"), /* from current_continuous to protection.current_max */
+    UP_TO(derating.current_continuous, 1, 8192), /* current_max */
+    /* From speed_loop.speed_max to 32767 in Q15 of Ω_b at speed_shift 11. */
+    RULE(observer.speed_limit, "speed_loop.speed_max", 28633115, (32768 * 2048) - 1,
+         "observer.speed_limit"),
+    RULE(speed_shift, "observer.speed_limit", 11, 16,
+         "speed_shift"), /* from where the limit fits */
+    DECOUPLING(current_loop.reactance_d_q13), DECOUPLING(current_loop.reactance_q_q13),
+    DECOUPLING(current_loop.emf_q13), DECOUPLING(hold_loop.reactance_d_q13),
+    DECOUPLING(hold_loop.reactance_q_q13), DECOUPLING(hold_loop.emf_q13),
+    UP_TO(speed_loop.speed_max, 1, 35791394), /* observer.speed_limit */
+    /* From 0, which needs no further field; up to current_move, which is then too small. */
+    RULE(startup.current_hold, "startup.current_hold", 0, 8192, "startup.current_move"),
+    RULE(startup.align.current_high, "startup.align.current_low", 3933, 16384,
+         "startup.align.current_high"),
+    UP_TO(startup.align.current_low, 0, 6553),     /* below current_high */
+    UP_TO(startup.align.sweep_speed, 1, 35791394), /* observer.speed_limit */
+    UP_TO(startup.align.sweep_ticks, 1, 3050),     /* pull_ticks */
+    RULE(startup.align.pull_ticks, "startup.align.sweep_ticks", 1017, 0x100000,
+         "startup.align.pull_ticks"),
+    UP_TO(startup.current_move, 6554, 16384), /* from current_hold on */
+    UP_TO(startup.track_speed, 1, 2576980),   /* handover_speed */
+    RULE(startup.handover_speed, "startup.hold_speed", 1803887, 0x20000000,
+         "startup.handover_speed"),
+    UP_TO(startup.hold_speed, 1, 2576979), /* below handover_speed */
+    RULE(startup.residual_max, "startup.residual_max", 1, 4915, "startup.residual_lost"),
+    UP_TO(startup.residual_lost, 1638, 16384), /* from residual_max on */
+};
+
+/* What the example may have there. */
+static field_t field_at(size_t row)
+{
+    for (size_t i = 0; i < COUNT(RULES); i++) {
+        if (RULES[i].offset == ROWS[row].field.offset) {
+            return RULES[i];
+        }
+    }
+    return ROWS[row].field;
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static const char *check_with(const field_t *field, int32_t value)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.voltage_drive = example_voltage_drive_cfg();
+    memcpy((char *)&cfg + field->offset, &value, sizeof value);
+    return config_check(&cfg);
+}
+
+static void assert_refused(const field_t *field, int32_t value, const char *named)
+{
+    const char *const bad = check_with(field, value);
+    char text[128];
+
+    (void)snprintf(text, sizeof text, "%s = %ld is refused", field->name, (long)value);
+    TEST_ASSERT_NOT_NULL_MESSAGE(bad, text);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE(named, bad, text);
+}
+
+static void assert_accepted(const field_t *field, int32_t value)
+{
+    char text[128];
+
+    (void)snprintf(text, sizeof text, "%s = %ld is accepted", field->name, (long)value);
+    TEST_ASSERT_NULL_MESSAGE(check_with(field, value), text);
+}
+
+static void test_valid_configuration_is_accepted(void)
+{
+    const drive_cfg_t published = example_drive_cfg();
+    const drive_cfg_t with_startup = example_drive_cfg_with_startup();
+
+    TEST_ASSERT_NULL(config_check(&published));
+    TEST_ASSERT_NULL(config_check(&with_startup));
+}
+
+static void test_every_field_is_accepted_at_both_ends_of_its_range(void)
+{
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        const field_t field = field_at(i);
+
+        assert_accepted(&field, field.lowest);
+        assert_accepted(&field, field.highest);
+    }
+}
+
+static void test_every_field_is_refused_just_outside_its_range(void)
+{
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        const field_t field = field_at(i);
+
+        assert_refused(&field, field.highest + 1, field.above);
+        assert_refused(&field, field.lowest - 1, field.below);
+    }
+}
+
+static void test_every_field_is_named_at_the_ends_of_its_type(void)
+{
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        const field_t *const field = &ROWS[i].field;
+
+        /* As a shift the last two are 2^31 and 2^32 − 1. */
+        assert_refused(field, INT32_MAX, field->name);
+        assert_refused(field, INT32_MIN, field->name);
+        if (field->lowest >= 0) {
+            assert_refused(field, -1, field->name);
+        }
+    }
+}
+
+/* What the proof takes for any valid configuration. */
+static void test_every_field_is_refused_just_outside_its_row(void)
+{
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        const field_t *const field = &ROWS[i].field;
+
+        assert_refused(field, field->highest + 1, field->name);
+        assert_refused(field, field->lowest - 1, field->name);
+    }
+}
+
+static drive_cfg_t with_sensor(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.sampling.sensor_pole_pairs = 2U;
+    cfg.observer.rate = 0;
+    cfg.observer.proportional = 0;
+    return cfg;
+}
+
+/* The sensor's speed is the observer's: nothing else may change it. */
+static void test_with_a_sensor_a_trained_observer_is_named(void)
+{
+    drive_cfg_t cfg = with_sensor();
+
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.observer.rate = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.rate", config_check(&cfg));
+    cfg = with_sensor();
+    cfg.observer.proportional = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.proportional", config_check(&cfg));
+    cfg = with_sensor();
+    cfg.observer.momentum_q15 = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.momentum_q15", config_check(&cfg));
+    cfg = with_sensor();
+    cfg.sampling.sensor_pole_pairs = 50U;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.sampling.sensor_pole_pairs = 51U;
+    TEST_ASSERT_EQUAL_STRING("sampling.sensor_pole_pairs", config_check(&cfg));
+}
+
+/* speed·gain/2^13 of each gain of both loops' decoupling, the others zero. */
+static const char *check_reach_of(int32_t speed, int32_t gain, size_t which)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+    int32_t *const gains[] = {
+        &cfg.current_loop.reactance_d_q13, &cfg.current_loop.reactance_q_q13,
+        &cfg.current_loop.emf_q13,         &cfg.hold_loop.reactance_d_q13,
+        &cfg.hold_loop.reactance_q_q13,    &cfg.hold_loop.emf_q13,
+    };
+
+    for (size_t i = 0; i < COUNT(gains); i++) {
+        *gains[i] = (i == which) ? gain : 0;
+    }
+    cfg.observer.speed_limit = speed * 2048;
+    cfg.speed_loop.speed_max = 1;
+    return config_check(&cfg);
+}
+
+static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(void)
+{
+    for (size_t i = 0; i < 6; i++) {
+        /* 65000 exactly, then 65001.97. */
+        TEST_ASSERT_NULL(check_reach_of(16384, 32500, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16385, 32499, i));
+        /* Each gain may be as large as its format at a top speed for it: 64998.02, then 65002.02. */
+        TEST_ASSERT_NULL(check_reach_of(16250, 32767, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16251, 32767, i));
+        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(32767, 32767, i));
+        TEST_ASSERT_NULL(check_reach_of(32767, 16250, i));
+        TEST_ASSERT_NOT_NULL(check_reach_of(1, 32768, i));
+    }
+}
+
+/* RUN reads them too; that it does not read the currents is beyond the proof's intervals. */
+static void test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked(void)
+{
+    uint32_t refused = 0U;
+
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        drive_cfg_t cfg = example_drive_cfg();
+        const int32_t below = -1;
+        const int32_t zero = 0;
+
+        if (ROWS[i].use == IN_BOTH) {
+            memcpy((char *)&cfg + ROWS[i].field.offset, &zero, sizeof zero);
+            TEST_ASSERT_NULL_MESSAGE(config_check(&cfg), ROWS[i].field.name);
+            memcpy((char *)&cfg + ROWS[i].field.offset, &below, sizeof below);
+            TEST_ASSERT_EQUAL_STRING(ROWS[i].field.name, config_check(&cfg));
+            refused++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(3U, refused);
+}
+
+static void assert_rows_may_hold_anything(use_t use, const drive_cfg_t *example, size_t count)
+{
+    static const int32_t values[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
+    size_t checked = 0U;
+
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        for (size_t v = 0; (v < COUNT(values)) && (ROWS[i].use == use); v++) {
+            drive_cfg_t cfg = *example;
+
+            memcpy((char *)&cfg + ROWS[i].field.offset, &values[v], sizeof values[v]);
+            TEST_ASSERT_NULL_MESSAGE(config_check(&cfg), ROWS[i].field.name);
+            checked++;
+        }
+    }
+    TEST_ASSERT_EQUAL_size_t(count * COUNT(values), checked);
+}
+
+/* It is not looked at then: RUN starts at once. */
+static void test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything(void)
+{
+    const drive_cfg_t cfg = example_drive_cfg();
+
+    assert_rows_may_hold_anything(WITH_STARTUP, &cfg,
+                                  (sizeof(startup_cfg_t) / sizeof(int32_t)) - 4U);
+}
+
+static void test_without_a_voltage_drive_the_rest_of_it_may_hold_anything(void)
+{
+    const drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    assert_rows_may_hold_anything(WITH_VOLTAGE_DRIVE, &cfg,
+                                  (sizeof(voltage_drive_cfg_t) / sizeof(int32_t)) - 1U);
+}
+
+static void test_thresholds_of_the_startup_out_of_order_are_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.startup.hold_speed = cfg.startup.handover_speed;
+    TEST_ASSERT_EQUAL_STRING("startup.hold_speed", config_check(&cfg));
+    cfg.startup.hold_speed = cfg.startup.handover_speed - 1;
+    cfg.startup.track_speed = cfg.startup.handover_speed;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.startup.track_speed++;
+    TEST_ASSERT_EQUAL_STRING("startup.track_speed", config_check(&cfg));
+    cfg.startup.track_speed = 1;
+    cfg.startup.current_move = cfg.startup.current_hold;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.startup.current_move--;
+    TEST_ASSERT_EQUAL_STRING("startup.current_move", config_check(&cfg));
+}
+
+static void test_the_vector_turns_no_faster_than_the_observer_follows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg_with_startup();
+
+    cfg.speed_loop.speed_max = 1;
+    cfg.observer.speed_limit = cfg.startup.align.sweep_speed;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.observer.speed_limit--;
+    TEST_ASSERT_EQUAL_STRING("startup.align.sweep_speed", config_check(&cfg));
+}
+
+static void test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.speed_loop.speed_max = cfg.observer.speed_limit;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.observer.speed_limit--;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.speed_max", config_check(&cfg));
+    cfg.speed_loop.speed_max--;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    /* The largest of both. */
+    cfg.speed_shift = 16U;
+    cfg.observer.speed_limit = 0x20000000;
+    cfg.speed_loop.speed_max = 0x20000000;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.speed_loop.speed_max = 0x20000001;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.speed_max", config_check(&cfg));
+}
+
+static void test_current_demand_is_at_most_what_the_protection_allows(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.derating.current_max = cfg.protection.current_max;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.protection.current_max--;
+    TEST_ASSERT_EQUAL_STRING("derating.current_max", config_check(&cfg));
+    cfg.protection.offset_max = 0;
+    cfg.protection.current_max = 16375; /* 16384 − 1 − 8 */
+    cfg.derating.current_max = 16375;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.derating.current_max = 16376;
+    TEST_ASSERT_EQUAL_STRING("derating.current_max", config_check(&cfg));
+}
+
+static void test_bus_limits_out_of_order_are_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.protection.bus_max = cfg.protection.bus_min - 1;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_min", config_check(&cfg));
+    cfg.protection.bus_max = 0;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_max", config_check(&cfg));
+    cfg.protection.bus_max = INT32_MIN;
+    TEST_ASSERT_EQUAL_STRING("protection.bus_max", config_check(&cfg));
+}
+
+static void test_speed_limit_beyond_the_speed_base_is_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.speed_shift = 10U;
+    TEST_ASSERT_EQUAL_STRING("observer.speed_limit", config_check(&cfg));
+    cfg.speed_shift = 0U;
+    TEST_ASSERT_EQUAL_STRING("speed_shift", config_check(&cfg));
+    /* The widest base takes the largest limit. */
+    cfg.speed_shift = 16U;
+    cfg.observer.speed_limit = 0x20000000;
+    TEST_ASSERT_NULL(config_check(&cfg));
+    cfg.observer.speed_limit = 0x20000001;
+    TEST_ASSERT_EQUAL_STRING("observer.speed_limit", config_check(&cfg));
+}
+
+static void test_the_first_of_several_bad_fields_is_named(void)
+{
+    drive_cfg_t cfg = example_drive_cfg();
+
+    cfg.slow_ticks = 0U;
+    TEST_ASSERT_EQUAL_STRING("slow_ticks", config_check(&cfg));
+    cfg.modulator.timer_counts = 0;
+    TEST_ASSERT_EQUAL_STRING("modulator.timer_counts", config_check(&cfg));
+    cfg.speed_loop.pi.ki_shift = 31U;
+    TEST_ASSERT_EQUAL_STRING("speed_loop.pi.ki_shift", config_check(&cfg));
+    cfg.observer.rate = -1;
+    TEST_ASSERT_EQUAL_STRING("observer.rate", config_check(&cfg));
+    cfg.sampling.bus_shift = 8U;
+    TEST_ASSERT_EQUAL_STRING("sampling.bus_shift", config_check(&cfg));
+}
+
+static void test_an_empty_configuration_is_refused(void)
+{
+    const drive_cfg_t cfg = {.slow_ticks = 0U};
+
+    TEST_ASSERT_EQUAL_STRING("protection.current_max", config_check(&cfg));
+}
+
+static void test_every_field_has_a_row(void)
+{
+    /* Each field of 32 bits but crc stands in cfg.def exactly once, and a rule is of a field of the same name. */
+    TEST_ASSERT_EQUAL_size_t((sizeof(drive_cfg_t) / sizeof(int32_t)) - 1U, COUNT(ROWS));
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        TEST_ASSERT_EQUAL_STRING(ROWS[i].field.name, field_at(i).name);
+        for (size_t j = 0; j < i; j++) {
+            TEST_ASSERT_TRUE(ROWS[i].field.offset != ROWS[j].field.offset);
+        }
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_valid_configuration_is_accepted);
+    RUN_TEST(test_every_field_is_accepted_at_both_ends_of_its_range);
+    RUN_TEST(test_every_field_is_refused_just_outside_its_range);
+    RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
+    RUN_TEST(test_every_field_is_refused_just_outside_its_row);
+    RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
+    RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
+    RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
+    RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);
+    RUN_TEST(test_without_a_voltage_drive_the_rest_of_it_may_hold_anything);
+    RUN_TEST(test_thresholds_of_the_startup_out_of_order_are_named);
+    RUN_TEST(test_the_vector_turns_no_faster_than_the_observer_follows);
+    RUN_TEST(test_top_speed_of_the_speed_loop_is_at_most_what_the_observer_follows);
+    RUN_TEST(test_current_demand_is_at_most_what_the_protection_allows);
+    RUN_TEST(test_bus_limits_out_of_order_are_named);
+    RUN_TEST(test_speed_limit_beyond_the_speed_base_is_named);
+    RUN_TEST(test_the_first_of_several_bad_fields_is_named);
+    RUN_TEST(test_an_empty_configuration_is_refused);
+    RUN_TEST(test_every_field_has_a_row);
+    return UNITY_END();
+}
