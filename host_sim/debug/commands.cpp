@@ -374,9 +374,11 @@ const std::vector<Command> &commands()
          "From the raw counts of the converter to the compare values, each in SI units and raw.\n"
          "In a recording the outputs have the recorded values beside them; a * marks another one.",
          stages},
-        {"diff", "", "this tick beside its double-precision twin",
-         "Each module of the tick is computed again in double precision from what it was given; a *\n"
-         "marks what is farther apart than the roundings of one tick. The last line names the first.",
+        {"diff", "", "this tick computed again, beside double precision",
+         "The tick is computed again. What a control module computes in it stands beside the same in\n"
+         "double precision from the same inputs; each word that the tick has left, beside that of the\n"
+         "tick computed again. A * marks what is farther apart than the roundings of one call. The last\n"
+         "line names the first.",
          diff},
         {"set", "[NAME = VALUE]", "set it once, now; alone: list", HELP_SET, set_once},
         {"force", "NAME = VALUE", "set it in every tick from now on", HELP_SET, force},

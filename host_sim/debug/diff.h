@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-// One tick of the drive beside its twins in double precision, module by module in the tick's order.
+// One tick of the drive, computed again.
 //
-// Each module's twin gets what the drive's module was given in this tick: the state before it, and the signals as
-// they are in the drive. So a wrong result shows at the module that made it, and the first that departs is the one to
-// look at. A tolerance is what the roundings of that module can make of one tick, each at its worst.
+// The instrumented drive computes the tick from the state before it. It is made of the sources of the drive; each call of
+// a control module passes a seam, where the module's twin in double precision computes the same from the same inputs. So a
+// module that computes wrongly shows by its name. What is not a control module's shows too: each word that the tick has
+// left in state and outputs is compared with the same word of the tick computed again.
 #pragma once
 
 #include "config.h"
@@ -26,18 +27,19 @@ struct Comparison {
     bool departs() const;
 };
 
-struct Diff {
-    std::vector<Comparison> rows;
-    std::string left_out; // what was not compared and why, or empty
-};
+// Steps `drive` as drive_step() does. Returns what the control modules have computed, in the order of their calls. A
+// tolerance is what the roundings of one call can make, each at its worst.
+std::vector<Comparison> step_beside_twins(drive_t &drive, const drive_in_t &in, drive_out_t &out,
+                                          const Bases &bases);
 
 // built: the configuration as it was made, which the drive's copy should equal.
-Diff diff_tick(const drive_t &before, const Tick &tick, const drive_cfg_t &built);
+std::vector<Comparison> diff_tick(const drive_t &before, const Tick &tick,
+                                  const drive_cfg_t &built);
 
 // NULL when all are within their roundings.
-const Comparison *first_departure(const Diff &diff);
+const Comparison *first_departure(const std::vector<Comparison> &rows);
 
 // A table, and the verdict as the last line.
-std::string diff_text(const Diff &diff);
+std::string diff_text(const std::vector<Comparison> &rows);
 
 } // namespace nf::debug

@@ -56,13 +56,13 @@ class FindsAFault(SessionTest):
         self.assertNotIn("FAULT", answers[3])
         return answers[4], answers[5].splitlines()[-1]
 
-    def test_a_stuck_result_is_found_at_its_module(self):
+    def test_a_stuck_result_is_found_by_its_word(self):
         stages, verdict = self.three_ticks_before_the_fault("force drive.position.turns_q32 = 0.25")
         self.assertRegex(stages, r"drive\.position\.turns_q32 +0\.25 turns el")
-        departure = re.fullmatch(r"first departure: rotor position, advance: drive 0, "
-                                 r"reference (\S+) deg el, tolerance \S+", verdict)
+        departure = re.fullmatch(r"first departure: state, drive\.position\.turns_q32: drive 0\.25, "
+                                 r"reference (\S+) turns el, tolerance 0", verdict)
         self.assertIsNotNone(departure, verdict)
-        self.assertGreater(abs(float(departure[1])), 1)
+        self.assertGreater(abs(float(departure[1]) - 0.25), 1 / 360)
 
     def test_a_corrupted_parameter_is_found_in_the_model(self):
         _, verdict = self.three_ticks_before_the_fault(
@@ -76,12 +76,12 @@ class FindsAFault(SessionTest):
             for answer in (answers[1], answers[3]):
                 self.assertIn("no departure", answer)
 
-    def test_what_is_not_compared_is_named(self):
+    def test_a_function_has_a_row_in_the_ticks_that_call_it(self):
         answers = self.session(["diff", "goto 0.5s", "diff"])
-        self.assertIn("not compared in this tick: all that works with currents", answers[0])
-        self.assertNotIn("in this tick", answers[2])
+        self.assertNotIn("nn_observer_predict", answers[0])
+        self.assertIn("nn_observer_predict", answers[2])
         for answer in (answers[0], answers[2]):
-            self.assertRegex(answer, r"never compared: changes of state, protection")
+            self.assertRegex(answer, r"what lies between the functions above\nhas no twin")
 
 
 class Steps(SessionTest):
