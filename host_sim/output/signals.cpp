@@ -20,15 +20,6 @@ namespace nf
 namespace
 {
 
-constexpr double Q12 = 4096.0;
-constexpr double Q13 = 8192.0;
-constexpr double Q14 = 16384.0;
-constexpr double Q15 = 32768.0;
-constexpr double Q16 = 65536.0;
-constexpr double Q24 = 16777216.0;
-constexpr double Q26 = 67108864.0;
-constexpr double Q27 = 134217728.0;
-constexpr double Q30 = 1073741824.0;
 constexpr double Q32 = 4294967296.0;
 constexpr double PI = 3.14159265358979323846;
 constexpr double RPM_PER_RAD_S = 30.0 / PI;
@@ -78,7 +69,7 @@ double duty(const Tick &t, std::size_t leg)
 
 SignalInfo derived(const char *name, Quantity quantity, double (*value)(const Tick &))
 {
-    return {name, quantity, value, {}};
+    return {name, quantity, value, {}, nullptr};
 }
 
 template <typename T>
@@ -87,7 +78,11 @@ SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_
 {
     using Plain = typename std::conditional_t<std::is_enum_v<T>, std::underlying_type<T>,
                                               std::common_type<T>>::type;
-    return {name, quantity, nullptr, {home, offset, sizeof(T), std::is_signed_v<Plain>, member}};
+    return {name,
+            quantity,
+            nullptr,
+            {home, offset, sizeof(T), std::is_signed_v<Plain>, member},
+            nullptr};
 }
 
 // A member's name, place and type are one thing: only the preprocessor can tell all three from one mention.
@@ -98,7 +93,6 @@ SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_
 #define OUT(member, quantity) FIELD("out." #member, out, drive_out_t, member, quantity)
 #define DRIVE(member, quantity) FIELD("drive." #member, drive, drive_t, member, quantity)
 #define ALIAS(name, member, quantity) FIELD(name, drive, drive_t, member, quantity)
-#define CFG(member, quantity) FIELD("cfg." #member, cfg, drive_cfg_t, member, quantity)
 
 std::vector<SignalInfo> run_signals()
 {
@@ -367,210 +361,17 @@ std::vector<SignalInfo> model_signals()
     };
 }
 
-// Of what runs in every tick.
-std::vector<SignalInfo> control_configuration()
-{
-    return {
-        CFG(observer.decay, number),
-        CFG(observer.volt_gain, number),
-        CFG(observer.weight_shift, number),
-        CFG(observer.flux_q27, network_q27),
-        CFG(observer.iq_gain_q14, ratio_q14),
-        CFG(observer.saliency_q13, ratio_q13),
-        CFG(observer.current_shift, number),
-        CFG(observer.descent_shift, number),
-        CFG(observer.rate, number),
-        CFG(observer.rate_shift, number),
-        CFG(observer.proportional, number),
-        CFG(observer.proportional_shift, number),
-        CFG(observer.momentum_q15, ratio_q15),
-        CFG(observer.speed_limit, speed_step),
-        CFG(observer.corner, speed_step),
-        CFG(observer.rho_max_q13, ratio_q13),
-        CFG(observer.rho_speed_min, speed_step),
-        CFG(current_loop.pi_d.kp, number),
-        CFG(current_loop.pi_d.ki, number),
-        CFG(current_loop.pi_d.kp_shift, number),
-        CFG(current_loop.pi_d.ki_shift, number),
-        CFG(current_loop.pi_q.kp, number),
-        CFG(current_loop.pi_q.ki, number),
-        CFG(current_loop.pi_q.kp_shift, number),
-        CFG(current_loop.pi_q.ki_shift, number),
-        CFG(current_loop.reactance_d_q13, ratio_q13),
-        CFG(current_loop.reactance_q_q13, ratio_q13),
-        CFG(current_loop.emf_q13, ratio_q13),
-        CFG(current_loop.resistance_q13, ratio_q13),
-        CFG(modulator.inverse_max_q12, inverse_q12),
-        CFG(modulator.edge_slope, number),
-        CFG(protection.current_max, current_q15),
-        CFG(protection.bus_max, voltage_q15),
-        CFG(protection.bus_min, voltage_q15),
-        CFG(protection.offset_max, current_q15),
-        CFG(hold_loop.pi_d.kp, number),
-        CFG(hold_loop.pi_d.ki, number),
-        CFG(hold_loop.pi_d.kp_shift, number),
-        CFG(hold_loop.pi_d.ki_shift, number),
-        CFG(hold_loop.pi_q.kp, number),
-        CFG(hold_loop.pi_q.ki, number),
-        CFG(hold_loop.pi_q.kp_shift, number),
-        CFG(hold_loop.pi_q.ki_shift, number),
-        CFG(hold_loop.reactance_d_q13, ratio_q13),
-        CFG(hold_loop.reactance_q_q13, ratio_q13),
-        CFG(hold_loop.emf_q13, ratio_q13),
-        CFG(hold_loop.resistance_q13, ratio_q13),
-    };
-}
-
-// Of the slow period.
-std::vector<SignalInfo> motion_configuration()
-{
-    return {
-        CFG(derating.heat_shift, number),
-        CFG(derating.heat_gain, number),
-        CFG(derating.heat_rate, number),
-        CFG(derating.heat_rate_shift, number),
-        CFG(derating.heat_max_q14, ratio_q14),
-        CFG(derating.heat.zero, ratio_q14),
-        CFG(derating.heat.gain, number),
-        CFG(derating.heat.shift, number),
-        CFG(derating.temperature.zero, number),
-        CFG(derating.temperature.gain, number),
-        CFG(derating.temperature.shift, number),
-        CFG(derating.temperature_periods, number),
-        CFG(derating.bus_high.zero, voltage_q15),
-        CFG(derating.bus_high.gain, number),
-        CFG(derating.bus_high.shift, number),
-        CFG(derating.bus_low.zero, voltage_q15),
-        CFG(derating.bus_low.gain, number),
-        CFG(derating.bus_low.shift, number),
-        CFG(derating.regeneration_speed, speed_step),
-        CFG(derating.bus_current_max, number),
-        CFG(derating.bus_regeneration_max, number),
-        CFG(speed_loop.pi.kp_shift, number),
-        CFG(speed_loop.pi.ki_shift, number),
-        CFG(speed_loop.inertia_shift, number),
-        CFG(speed_loop.inertia_lift, number),
-        CFG(speed_loop.error_shift, number),
-        CFG(position_loop.braking_inverse, number),
-        CFG(position_loop.softness_q15, ratio_q15),
-        CFG(position_loop.gain_shift, number),
-        CFG(position_loop.distance_shift, number),
-        CFG(voltage_drive.pi.kp_shift, number),
-        CFG(voltage_drive.pi.ki_shift, number),
-        CFG(voltage_drive.settle_periods, number),
-        CFG(voltage_drive.compensator.gain_shift, number),
-    };
-}
-
-// Of start-up.
-std::vector<SignalInfo> start_configuration()
-{
-    return {
-        CFG(startup.catch_spin.current, current_q15),
-        CFG(startup.catch_spin.wait_ticks, number),
-        CFG(startup.catch_spin.pulse_ticks, number),
-        CFG(startup.catch_spin.gap_factor, number),
-        CFG(startup.catch_spin.pause_max, number),
-        CFG(startup.catch_spin.emf_current, number),
-        CFG(startup.catch_spin.charge_ticks, number),
-        CFG(startup.catch_spin.emf_shift, number),
-        CFG(startup.align.current_high, current_q15),
-        CFG(startup.align.current_low, current_q15),
-        CFG(startup.align.slope, current_q15),
-        CFG(startup.align.sweep_speed, speed_step),
-        CFG(startup.align.sweep_ticks, number),
-        CFG(startup.align.pull_ticks, number),
-        CFG(startup.align.settle_ticks, number),
-        CFG(startup.align.measure_log2, number),
-        CFG(startup.align.step_ticks, number),
-        CFG(startup.align.step_voltage, voltage_q15),
-        CFG(startup.align.step_fall, current_q15),
-        CFG(startup.align.step_drop_q14, ratio_q14),
-        CFG(startup.current_move, current_q15),
-        CFG(startup.current_slope, current_q15),
-        CFG(startup.ramp, speed_step),
-        CFG(startup.track_speed, speed_step),
-        CFG(startup.residual_max, current_q15),
-        CFG(startup.residual_lost, current_q15),
-        CFG(startup.lost_periods, number),
-        CFG(startup.handover_periods, number),
-        CFG(startup.attempts, number),
-    };
-}
-
-// Of what RUN imposes, and of the model's correction.
-std::vector<SignalInfo> model_configuration()
-{
-    return {
-        CFG(run.current_floor, current_q15),        CFG(run.current_slope, current_q15),
-        CFG(model.resistance_limit_q14, ratio_q14), CFG(model.inductance_limit_q14, ratio_q14),
-        CFG(model.flux_limit_q14, ratio_q14),       CFG(model.flux_rate, number),
-        CFG(model.flux_speed_min, speed_step),
-    };
-}
-
-// Of what is watched.
-std::vector<SignalInfo> supervision_configuration()
-{
-    return {
-        CFG(supervision.phase_range_min, current_q15),
-        CFG(supervision.phase_zero_max, current_q15),
-        CFG(supervision.phase_speed_max, speed_step),
-        CFG(supervision.swing_periods, number),
-        CFG(supervision.voltage_max, voltage_q15),
-        CFG(supervision.follow_error_max, current_q15),
-        CFG(supervision.residual_max, current_q15),
-        CFG(supervision.mean_shift, number),
-        CFG(supervision.speed_error_max, speed_step),
-        CFG(supervision.speed_error_periods, number),
-        CFG(supervision.runaway_periods, number),
-        CFG(supervision.overspeed, speed_step),
-        CFG(supervision.overspeed_periods, number),
-        CFG(supervision.stall_current, current_q15),
-        CFG(supervision.stall_speed, speed_step),
-        CFG(supervision.stall_periods, number),
-        CFG(supervision.late_max, number),
-        CFG(supervision.late_window, number),
-    };
-}
-
 std::vector<SignalInfo> configuration_signals()
 {
-    return {
-        CFG(speed_shift, number),
-        CFG(sampling.current_shift, number),
-        CFG(sampling.bus_shift, number),
-        CFG(sampling.offset_log2, number),
-        CFG(sampling.sensor_pole_pairs, number),
-        CFG(modulator.timer_counts, number),
-        CFG(modulator.ratio_max_q15, ratio_q15),
-        CFG(modulator.dead_time_q15, ratio_q15),
-        CFG(modulator.drop_q15, voltage_q15),
-        CFG(modulator.ripple_q15, current_q15),
-        CFG(slow_ticks, number),
-        CFG(derating.current_max, current_q15),
-        CFG(derating.current_continuous, current_q15),
-        CFG(speed_loop.pi.kp, number),
-        CFG(speed_loop.pi.ki, number),
-        CFG(speed_loop.ramp, speed_step),
-        CFG(speed_loop.speed_max, speed_step),
-        CFG(speed_loop.inertia, number),
-        CFG(position_loop.ramp, speed_step),
-        CFG(position_loop.speed_max, speed_step),
-        CFG(position_loop.gain, number),
-        CFG(startup.current_hold, current_q15),
-        CFG(startup.hold_speed, speed_step),
-        CFG(startup.handover_speed, speed_step),
-        CFG(voltage_drive.enabled, flag),
-        CFG(voltage_drive.pi.kp, number),
-        CFG(voltage_drive.pi.ki, number),
-        CFG(voltage_drive.speed_min, speed_step),
-        CFG(voltage_drive.compensator.gain, number),
-        CFG(voltage_drive.compensator.lead_max, turns_q32),
-        CFG(voltage_drive.compensator.brake_max, turns_q32),
-        CFG(voltage_drive.compensator.current_min, current_q15),
-        CFG(crc, number),
-    };
+    std::vector<SignalInfo> all;
+    for (const CfgRow &row : cfg_rows()) {
+        all.push_back({row.signal,
+                       row.quantity,
+                       nullptr,
+                       {Word::Home::cfg, row.offset, sizeof(uint32_t), !row.is_unsigned, row.path},
+                       &row});
+    }
+    return all;
 }
 
 #undef FIELD
@@ -578,139 +379,11 @@ std::vector<SignalInfo> configuration_signals()
 #undef OUT
 #undef DRIVE
 #undef ALIAS
-#undef CFG
 
-// SI = (raw − zero) · one.
-struct Format {
-    const char *unit;
-    const char *text; // with {} for the base
-    double base;
-    double one;
-    double zero = 0;
-};
-
-Format simple_format(Quantity quantity)
+Format format_of(const SignalInfo &signal, const Simulation &sim)
 {
-    switch (quantity) {
-    case Quantity::time_s:
-        return {"s", "", 1, 1};
-    case Quantity::angle_rad:
-        return {"rad", "", 1, 1};
-    case Quantity::angle_deg:
-        return {"deg", "", 1, 1};
-    case Quantity::torque_nm:
-        return {"N m", "", 1, 1};
-    case Quantity::flag:
-        return {"", "flag", 1, 1};
-    case Quantity::state:
-        return {"", "state", 1, 1};
-    case Quantity::fault:
-        return {"", "fault", 1, 1};
-    case Quantity::adc_plain:
-        return {"", "ADC count", 1, 1};
-    case Quantity::turns_q32:
-        return {"turns el", "Q32", 1, 1 / Q32};
-    case Quantity::turns_q16:
-        return {"turns el", "Q16", 1, 1 / Q16};
-    case Quantity::shaft_q16:
-        return {"turns", "Q16 of a turn of the shaft", 1, 1 / Q16};
-    case Quantity::ratio_q13:
-        return {"", "Q13", 1, 1 / Q13};
-    case Quantity::ratio_q14:
-        return {"", "Q14", 1, 1 / Q14};
-    case Quantity::ratio_q15:
-        return {"", "Q15", 1, 1 / Q15};
-    case Quantity::ratio_q24:
-        return {"", "Q24", 1, 1 / Q24};
-    case Quantity::ratio_q30:
-        return {"", "Q30", 1, 1 / Q30};
-    case Quantity::share:
-        return {"", "", 1, 1};
-    default:
-        return {"", "integer", 1, 1};
-    }
-}
-
-Format current_format(Quantity quantity, const Simulation &sim)
-{
-    const double base = sim.bases().current_a;
-    const double network = std::ldexp(base, static_cast<int>(sim.cfg().observer.current_shift));
-    switch (quantity) {
-    case Quantity::current_q15:
-        return {"A", "Q15 of I_b = {:.6g} A", base, base / Q15};
-    case Quantity::current_q26:
-        return {"A", "Q26 of I_b = {:.6g} A", base, base / Q26};
-    case Quantity::network_q15:
-        return {"A", "Q15 of I_x = {:.6g} A", network, network / Q15};
-    case Quantity::network_q27:
-        return {"A", "Q27 of I_x = {:.6g} A", network, network / Q27};
-    case Quantity::descent: {
-        const int bits = 30 - static_cast<int>(sim.cfg().observer.descent_shift);
-        const char *const text = bits == 18 ? "Q18 of I_b I_x = {:.6g} A2"
-                                            : "Q(30 - descent_shift) of I_b I_x = {:.6g} A2";
-        return {"A2", text, base * network, std::ldexp(base * network, -bits)};
-    }
-    case Quantity::adc_current: {
-        const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.current_shift));
-        return {"A", "ADC count, one = {:.6g} A", base / counts, base / counts, counts / 2};
-    }
-    default:
-        return {"A", "", 1, 1};
-    }
-}
-
-Format voltage_format(Quantity quantity, const Simulation &sim)
-{
-    const double base = sim.bases().voltage_v;
-    const double counts = std::ldexp(Q15, -static_cast<int>(sim.cfg().sampling.bus_shift));
-    switch (quantity) {
-    case Quantity::voltage_q15:
-        return {"V", "Q15 of U_b = {:.6g} V", base, base / Q15};
-    case Quantity::voltage_q26:
-        return {"V", "Q26 of U_b = {:.6g} V", base, base / Q26};
-    case Quantity::inverse_q12:
-        return {"1/V", "Q12 of 1/U_b = {:.6g} 1/V", 1 / base, 1 / base / Q12};
-    case Quantity::adc_bus:
-        return {"V", "ADC count, one = {:.6g} V", base / counts, base / counts};
-    default:
-        return {"V", "", 1, 1};
-    }
-}
-
-Format format_of(Quantity quantity, const Simulation &sim)
-{
-    switch (quantity) {
-    case Quantity::current_a:
-    case Quantity::current_q15:
-    case Quantity::current_q26:
-    case Quantity::network_q15:
-    case Quantity::network_q27:
-    case Quantity::descent:
-    case Quantity::adc_current:
-        return current_format(quantity, sim);
-    case Quantity::voltage_v:
-    case Quantity::voltage_q15:
-    case Quantity::voltage_q26:
-    case Quantity::inverse_q12:
-    case Quantity::adc_bus:
-        return voltage_format(quantity, sim);
-    case Quantity::speed_rpm:
-        return {"rpm", "", 1, 1};
-    case Quantity::speed_step: {
-        const double one = sim.bases().rpm_from_step(1);
-        return {"rpm", "2^-32 turn el a tick = {:.6g} rpm", one, one};
-    }
-    case Quantity::speed_q15: {
-        const double base = sim.bases().rpm_from_step(std::ldexp(Q15, sim.bases().speed_shift));
-        return {"rpm", "Q15 of W_b = {:.6g} rpm", base, base / Q15};
-    }
-    case Quantity::compare: {
-        const double full = sim.cfg().modulator.timer_counts;
-        return {"", "count of {:.6g}", full, 1 / full};
-    }
-    default:
-        return simple_format(quantity);
-    }
+    return signal.row == nullptr ? format_of(signal.quantity, sim.bases(), sim.cfg())
+                                 : format_of(*signal.row, sim.bases(), sim.cfg());
 }
 
 template <typename Byte, typename Owner> Byte *at(Owner &owner, const Word &word)
@@ -751,8 +424,7 @@ const std::vector<SignalInfo> &all_signals()
         std::vector<SignalInfo> all = run_signals();
         for (const std::vector<SignalInfo> &part :
              {tick_signals(), state_signals(), start_signals(), watch_signals(), model_signals(),
-              configuration_signals(), control_configuration(), motion_configuration(),
-              start_configuration(), model_configuration(), supervision_configuration()}) {
+              configuration_signals()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
         return all;
@@ -799,9 +471,8 @@ const char *home_text(Word::Home home)
 
 Scale word_scale(const SignalInfo &signal, const Simulation &sim)
 {
-    const Format format = format_of(signal.quantity, sim);
-    return {format.unit, fmt::format(fmt::runtime(format.text), format.base), format.one,
-            format.zero};
+    const Format format = format_of(signal, sim);
+    return {format.unit, format_text(format), format.one, format.zero};
 }
 
 std::optional<int64_t> raw_value(const SignalInfo &signal, const Tick &tick)
@@ -826,14 +497,14 @@ double si_value(const SignalInfo &signal, const Tick &tick)
     if (signal.value != nullptr) {
         return signal.value(tick);
     }
-    const Format scale = format_of(signal.quantity, *tick.sim);
+    const Format scale = format_of(signal, *tick.sim);
     const int64_t raw = read_word(signal.word, place(signal.word, *tick.sim));
     return (static_cast<double>(raw) - scale.zero) * scale.one;
 }
 
 const char *unit_text(const SignalInfo &signal, const Simulation &sim)
 {
-    return format_of(signal.quantity, sim).unit;
+    return format_of(signal, sim).unit;
 }
 
 std::string format_text(const SignalInfo &signal, const Simulation &sim)
@@ -867,7 +538,7 @@ RawRange raw_range(const Word &word)
 
 double raw_from_si(const SignalInfo &signal, double si, const Simulation &sim)
 {
-    const Format scale = format_of(signal.quantity, sim);
+    const Format scale = format_of(signal, sim);
     return std::round(si / scale.one + scale.zero);
 }
 

@@ -7,6 +7,7 @@
 // says what one of it means, and the SI value that this makes.
 #pragma once
 
+#include "cfg_rows.h"
 #include "tick.h"
 
 #include <cstddef>
@@ -17,45 +18,6 @@
 
 namespace nf
 {
-
-// What a signal measures: its unit, and how its raw value counts.
-enum class Quantity {
-    time_s,
-    speed_rpm,
-    angle_rad,
-    angle_deg,
-    current_a,
-    voltage_v,
-    torque_nm,
-    share,
-    // Words of the firmware.
-    number,
-    flag,
-    state,
-    fault,
-    adc_current,
-    adc_bus,
-    adc_plain,
-    current_q15,
-    voltage_q15,
-    speed_step,
-    speed_q15,
-    turns_q32,
-    turns_q16,
-    shaft_q16,
-    network_q15,
-    network_q27,
-    descent,
-    voltage_q26,
-    current_q26,
-    inverse_q12,
-    ratio_q13,
-    ratio_q14,
-    ratio_q15,
-    ratio_q24,
-    ratio_q30,
-    compare
-};
 
 // An integer of the firmware: where it is, and how large it may be.
 struct Word {
@@ -77,6 +39,7 @@ struct SignalInfo {
     Quantity quantity;
     double (*value)(const Tick &); // NULL for a word
     Word word;
+    const CfgRow *row; // of a word of the configuration, else NULL
 };
 
 const std::vector<SignalInfo> &all_signals();

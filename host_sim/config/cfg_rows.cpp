@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "cfg_rows.h"
+
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <unordered_map>
+
+namespace nf
+{
+namespace
+{
+
+std::vector<CfgRow> written_rows()
+{
+#define CFG(path, lo, hi, quantity, meaning) \
+    {"cfg." #path, \
+     #path, \
+     offsetof(drive_cfg_t, path), \
+     std::is_unsigned_v<decltype(drive_cfg_t{}.path)>, \
+     Quantity::quantity, \
+     meaning, \
+     nullptr},
+#define CFG_STARTUP CFG
+#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG(path, lo, hi, quantity, meaning)
+#define CFG_VOLTAGE CFG
+    return {
+#include "cfg.def"
+        CFG(crc, , , number, "of all above, CRC-32")};
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
+}
+
+} // namespace
+
+const std::vector<CfgRow> &cfg_rows()
+{
+    static const std::vector<CfgRow> table = [] {
+        std::vector<CfgRow> rows = written_rows();
+        std::unordered_map<std::string, const CfgRow *> by_path;
+        for (const CfgRow &row : rows) {
+            by_path.emplace(row.path, &row);
+        }
+        for (CfgRow &row : rows) {
+            const auto found = by_path.find(std::string(row.path) + "_shift");
+            row.exponent = found == by_path.end() ? nullptr : found->second;
+        }
+        return rows;
+    }();
+    return table;
+}
+
+std::int64_t raw_value(const CfgRow &row, const drive_cfg_t &cfg)
+{
+    std::int32_t value = 0;
+    std::memcpy(&value, reinterpret_cast<const unsigned char *>(&cfg) + row.offset, sizeof value);
+    return row.is_unsigned ? static_cast<std::int64_t>(static_cast<std::uint32_t>(value)) : value;
+}
+
+Format format_of(const CfgRow &row, const Bases &bases, const drive_cfg_t &cfg)
+{
+    const auto exponent =
+        row.exponent == nullptr ? 0U : static_cast<unsigned>(raw_value(*row.exponent, cfg));
+    return format_of(row.quantity, bases, cfg, exponent);
+}
+
+} // namespace nf
