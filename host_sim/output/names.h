@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// The firmware's states as words, for files and messages. Faults: firmware/drive/fault_text.h.
+// The firmware's states as words, for files and messages. Faults: firmware/protect/fault_text.h.
 #pragma once
 
 extern "C" {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// The lines that a recording is sent in: see firmware/drive/recorder_dump.h.
+// The lines that a recording is sent in: see firmware/record/recorder_dump.h.
 #pragma once
 
 #include <array>

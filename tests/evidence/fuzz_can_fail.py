@@ -21,7 +21,7 @@ Done {runs} runs in {seconds} second(s)
 """
 FAULTS = {
     "an index out of its array": (
-        "drive", "firmware/drive/supervision.c",
+        "drive", "firmware/protect/supervision.c",
         "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "runtime error: index 3"),
     "a clamp that is gone": (

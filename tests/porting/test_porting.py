@@ -88,7 +88,7 @@ class Porting(unittest.TestCase):
         (self.folder / "my_binding/units_step.c").write_text(UNITS_STEP, encoding="utf-8")
         self.compile(COMMANDS.replace("--motor motor_a --board bench_310v", "--motor outrunner_24v --board b_g431b_esc1")
                      .replace("pretended.c", "pretended.c ../my_binding/units_step.c")
-                     .replace("firmware/app/*.c", "firmware/app/[!u]*.c"))
+                     .replace("firmware/*/*.c", "firmware/[!a]*/*.c firmware/app/[!u]*.c"))
         run = subprocess.run(["./mine"], cwd=self.folder / "project", capture_output=True, text=True, check=False)
         self.assertEqual(run.stdout, "7 50000000\n")
 

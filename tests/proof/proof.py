@@ -32,7 +32,7 @@ SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive
         "changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. Not "
         "part of it: what the background does (the rest of the recorder, texts and dumps), the application's interrupt "
         "around these functions, the HALs, and the ARM forms of the arithmetic, in whose place is an equal formulation.")
-FLOORS = ("math", "control", "drive")
+FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
            "proof_plain_regulated": DRIVE, "proof_recorder": RECORDER}
@@ -87,7 +87,8 @@ def functions(root):
 
 def analyse(root, entry, folder):
     """Runs Eva from one entry: exit code, output, properties that are not proven, or None without a list of them."""
-    paths = ["-Ifirmware/math", "-Itests/proof/port", "-Ifirmware/control", "-Ifirmware/drive", "-Itests/proof",
+    paths = ["-Ifirmware/math", "-Itests/proof/port", "-Ifirmware/control", "-Ifirmware/protect",
+             "-Ifirmware/config", "-Ifirmware/drive", "-Ifirmware/record", "-Itests/proof",
              "-include tests/proof/split.h"]
     source = ENTRIES[entry]
     cases = ",".join(f"{name}:{count}" for name, count in CASES[source].items())

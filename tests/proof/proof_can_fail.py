@@ -14,13 +14,13 @@ from unittest import mock
 
 import proof
 
-RESET = "proof_init", "firmware/drive/config_guard.c", "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
+RESET = "proof_init", "firmware/config/config_guard.c", "    *guard = (config_guard_t){.at = 0U, .crc = CRC32_START};\n"
 
 # File, text, what becomes of it; what the finding has in it: where the fault is, so that none stands for another. In one
 # copy together, as a tick takes most of a minute.
 FAULTS_OF_A_TICK = {
     "an index out of its array": (
-        "firmware/drive/supervision.c", "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
+        "firmware/protect/supervision.c", "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "supervision.c"),
     "a dropped saturation": (
         "firmware/control/pi.c", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
@@ -56,7 +56,7 @@ FAULTS = {
         "proof_init", proof.DRIVE, "    drive_init(&drive, &cfg);\n    check_state();\n", "    drive_init(&drive, &cfg);\n",
         f"proof_init: {proof.CHECK}: "),
     "a tick that does not end": (
-        "proof_recorder", "firmware/drive/recorder.c", "    recorder_entry_t *at = recorder->at;\n",
+        "proof_recorder", "firmware/record/recorder.c", "    recorder_entry_t *at = recorder->at;\n",
         "    recorder_entry_t *at = recorder->at;\n\n    while (recorder != NULL) {\n    }\n",
         "proof_recorder: record: "),
 }

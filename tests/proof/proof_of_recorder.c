@@ -18,7 +18,7 @@
 void __atomic_signal_fence(int order);
 
 #define volatile
-#include "../../firmware/drive/recorder.c"
+#include "../../firmware/record/recorder.c"
 
 /* Entries of a segment that a configuration allows at most; RECORDER_ENTRIES_MIN is the least. */
 #define LONGEST (16384U)

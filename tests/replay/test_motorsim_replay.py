@@ -22,7 +22,7 @@ CLEAR = "scenario.request=[{time_s = 0.32, clear = true}]"
 MARGIN = 17  # of a segment: RECORDER_MARGIN, and the change that begins it
 SAME, DEPARTS, REFUSED = 0, 1, 2
 
-# Of the recording, see firmware/drive/recorder_dump.h.
+# Of the recording, see firmware/record/recorder_dump.h.
 LINE_WORDS = 13
 ENTRY_WORDS = 4
 COMPARE_B = 2   # word of an entry

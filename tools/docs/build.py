@@ -14,7 +14,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FILTER = f"{sys.executable} {Path(__file__).with_name('doxygen_filter.py')}"
-FOLDERS = ("firmware/app", "firmware/drive", "firmware/control", "firmware/math", "hal")
+FOLDERS = ("firmware/app", "firmware/record", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
+           "firmware/math", "hal")
 
 
 def doxygen_settings(out):

@@ -23,13 +23,17 @@ BELOW = {
     "firmware/math/port/armv7m": ["firmware/math/port"],
     "firmware/math/port/armv7em": ["firmware/math/port"],
     "firmware/control": ["firmware/math"],
-    "firmware/drive": ["firmware/math", "firmware/control"],
-    "firmware/app": ["firmware/math", "firmware/control", "firmware/drive", "hal"],
+    "firmware/protect": ["firmware/math", "firmware/control"],
+    "firmware/config": ["firmware/math", "firmware/control", "firmware/protect"],
+    "firmware/drive": ["firmware/math", "firmware/control", "firmware/protect", "firmware/config"],
+    "firmware/record": ["firmware/math", "firmware/protect", "firmware/drive"],
+    "firmware/app": ["firmware/math", "firmware/control", "firmware/config", "firmware/drive", "firmware/record", "hal"],
     "hal": ["firmware/math", "firmware/control", "firmware/drive"],
     "hal/cortex_m": [],
     "hal/host": ["firmware/drive", "hal", "host_sim/plant"],
-    "hal/mps2": ["firmware/math", "firmware/drive", "firmware/app", "hal", "hal/cortex_m"],
-    "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/app", "hal", "hal/cortex_m"],
+    "hal/mps2": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
+    "hal/stm32g431": ["firmware/math", "firmware/protect", "firmware/drive", "firmware/record", "firmware/app", "hal",
+                      "hal/cortex_m"],
     "host_sim/plant": [],
 }
 CORE = [folder for folder in BELOW if folder.startswith("firmware/")]
@@ -49,7 +53,10 @@ TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
+    "align": ["transforms"],
+    "catch_spin": ["transforms"],
     "current_loop": ["pi", "transforms"],
+    "model": ["current_loop", "nn_observer"],
     "modulator": ["transforms"],
     "motion_loop": ["pi"],
     "nn_observer": ["transforms"],
