@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole contract between the control interrupt and the hardware.
+ * The whole contract between the application and the hardware: four functions for the control interrupt, and three for the
+ * console of firmware/app.
  *
- * The build links exactly one binding. A binding owns the PWM timer, the converters and
- * the gate drivers; no code above it uses a register. docs/porting.md says how to write one.
+ * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate drivers and the serial line;
+ * no code above it uses a register. docs/porting.md says how to write one.
  *
  * Timing. The PWM is centre aligned. The control interrupt runs once per PWM period, started by the
  * conversion in the middle of the low-side on-time (t_k). hal_apply() preloads the compare values in
@@ -14,6 +15,7 @@
 
 #include "drive.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Opaque: whatever the binding needs. A target may have exactly one. */
@@ -42,5 +44,32 @@ void hal_open_gates(hal_t *hal);
  * background; the control step itself has no clock.
  */
 uint32_t hal_ticks(const hal_t *hal);
+
+/*
+ * The serial line. Context: background only, never the control interrupt. Neither function waits.
+ *
+ * hal_receive() gives the next byte that came in. False, and `byte` is as it was, when there is none. The console asks
+ * until there is none, once per pass of the background: what the hardware keeps meanwhile (a FIFO, a buffer) has to hold
+ * the bytes of one pass. A byte that is lost or broken is left out.
+ *
+ * hal_send() takes a byte for sending. False, and nothing is done, while there is no room; the console offers it again in
+ * its next pass. Any room will do, also that of a single byte.
+ *
+ * A board without a serial line returns false from both.
+ */
+bool hal_receive(hal_t *hal, uint8_t *byte);
+bool hal_send(hal_t *hal, uint8_t byte);
+
+/* What only the binding knows of its work. It decides nothing: it is shown to a person. */
+typedef struct {
+    uint16_t
+        adc_ic; /* the third phase, as adc_ia. A board that does not measure it: 3 · half scale − adc_ia − adc_ib */
+    uint32_t late_ticks; /* that ended too late, since the start */
+    uint32_t load_pct;   /* the longest tick that did not, of a PWM period; 0: not measured */
+    bool tick_lost;      /* the control interrupt stays away, and will not come again */
+} hal_health_t;
+
+/* Context: background; the tick may come in between. Does not wait. */
+hal_health_t hal_health(const hal_t *hal);
 
 #endif

@@ -37,3 +37,36 @@ uint32_t hal_ticks(const hal_t *hal)
 {
     return hal->ticks;
 }
+
+bool hal_receive(hal_t *hal, uint8_t *byte)
+{
+    const uint32_t received = board_registers.received;
+
+    (void)hal;
+    if (received != 0U) {
+        *byte = (uint8_t)received;
+        board_registers.received = 0U;
+    }
+    return received != 0U;
+}
+
+bool hal_send(hal_t *hal, uint8_t byte)
+{
+    const bool room = board_registers.sent == 0U;
+
+    (void)hal;
+    if (room) {
+        board_registers.sent = BOARD_BYTE | byte;
+    }
+    return room;
+}
+
+/* Two sensors: the sum of the three currents is zero. */
+hal_health_t hal_health(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_health_t){
+        .adc_ic =
+            (uint16_t)(BOARD_NO_CURRENTS - board_registers.current_a - board_registers.current_b),
+    };
+}

@@ -10,6 +10,9 @@
 
 #include <stdint.h>
 
+#define BOARD_BYTE (0x100U)       /* of the serial line's registers: there is one */
+#define BOARD_NO_CURRENTS (6144U) /* three times half of the converter's 4096 */
+
 typedef struct {
     uint32_t current_a; /* of t_k, counts */
     uint32_t current_b;
@@ -18,6 +21,8 @@ typedef struct {
     uint32_t gates;      /* 1: they switch */
     uint32_t broken;     /* 1: the comparators have opened them */
     uint32_t run;        /* 1: the timer counts, and the interrupt comes */
+    uint32_t received;   /* a byte that came in, with BOARD_BYTE; 0: none, or it was read */
+    uint32_t sent;       /* a byte to be sent, with BOARD_BYTE; 0: there is room for one */
 } board_registers_t;
 
 extern volatile board_registers_t board_registers;
@@ -34,8 +39,5 @@ void board_wait(void);
 
 /* The control interrupt: main.c. */
 void board_conversions_complete(void);
-
-/* Speed of the shaft, rpm: what main.c asks for, and what bench.c looks for. */
-#define TARGET_RPM (2000)
 
 #endif

@@ -21,15 +21,4 @@ const board_t BOARD = {
     .pga_gain = HAL_PGA_GAIN,
     .trip_count = HAL_TRIP_COUNT,
     .trip_below = HAL_TRIP_BELOW,
-    .current_full_scale_ua = HAL_CURRENT_FULL_SCALE_UA,
-    .bus_full_scale_uv = HAL_BUS_FULL_SCALE_UV,
-    .rotation =
-        {
-            .pole_pairs = HAL_POLE_PAIRS,
-            .tick_ps = (uint32_t)((HAL_TIMER_COUNTS * 2000000ULL) / (BOARD_CLOCK_HZ / 1000000U)),
-        },
-    .speed_max_rpm = HAL_SPEED_MAX_RPM,
-    .temperature = {.points = HAL_TEMPERATURE_POINTS, .at = HAL_TEMPERATURE},
 };
-
-const char *const BOARD_NAME = HAL_NAME;

@@ -6,6 +6,7 @@
 #include "pwm.h"
 #include "sensing.h"
 #include "trip.h"
+#include "uart.h"
 
 #include <stddef.h>
 
@@ -149,6 +150,28 @@ void hal_open_gates(hal_t *hal)
 uint32_t hal_ticks(const hal_t *hal)
 {
     return hal->ticks;
+}
+
+bool hal_receive(hal_t *hal, uint8_t *byte)
+{
+    (void)hal;
+    return uart_get(byte);
+}
+
+bool hal_send(hal_t *hal, uint8_t byte)
+{
+    (void)hal;
+    return uart_put(byte);
+}
+
+hal_health_t hal_health(const hal_t *hal)
+{
+    return (hal_health_t){
+        .adc_ic = hal->phase_c,
+        .late_ticks = hal->overruns,
+        .load_pct = (hal->longest * 50U) / BOARD.timer_counts,
+        .tick_lost = hal->tick_lost,
+    };
 }
 
 void hal_g431_tick_lost(hal_t *hal)

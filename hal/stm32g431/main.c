@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while the
- * background serves console, LED, temperature and watchdog, once a tick.
+ * background serves console, LED and watchdog, once a tick.
  */
 #include "app.h"
 #include "board.h"
@@ -13,6 +13,7 @@
 #include "hal_g431.h"
 #include "led.h"
 #include "pwm.h"
+#include "reset.h"
 #include "sensing.h"
 #include "uart.h"
 #include "vectors.h"
@@ -51,8 +52,6 @@ static void background(void)
         if ((tick != fed) && !hardware.tick_lost) {
             guard_feed();
             fed = tick;
-            console_set_temperature(&console,
-                                    temperature_celsius(&BOARD.temperature, hardware.temperature));
             led_show(app.drive.state, tick);
         }
         recorder_service(&recorder, &app.drive);
@@ -92,6 +91,7 @@ static void stay(const char *why)
 
 int main(void)
 {
+    static const about_t about = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
     const char *why = NULL;
 
     reg_write(SCB_VTOR, 0x08000000U);
@@ -100,8 +100,8 @@ int main(void)
     }
     clock_pins();
     uart_init();
-    console_init(&console, &app, &hardware);
-    console_say(&console, BOARD_NAME);
+    console_init(&console, &app, &hardware, &about);
+    console_say(&console, about.name);
     if (guard_has_bitten()) {
         console_say(&console, "the watchdog made the last reset");
     }

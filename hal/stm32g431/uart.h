@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * USART2 with its FIFOs, polled by the background: 115200 baud, 8 data bits, no parity, 1 stop bit.
- * It goes through the ST-LINK of the board. Nothing here waits, and nothing runs in an interrupt.
+ * It goes through the ST-LINK of the board. Nothing here waits, and nothing runs in an interrupt. hal_receive() and hal_send() are these two.
  */
 #ifndef UART_H
 #define UART_H

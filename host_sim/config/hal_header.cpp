@@ -14,8 +14,6 @@ namespace
 {
 
 constexpr double NS = 1e-9;
-constexpr double MILLI = 1e-3;
-constexpr double MICRO = 1e-6;
 // No half bridge switches faster.
 constexpr double DEAD_TIME_MIN_NS = 10.0;
 // A product of decimals may lie this share above the whole number that it is.
@@ -255,11 +253,7 @@ std::string sensing_lines(const Config &config)
            define("AMPLIFIER_ZERO", zero, "U",
                   fmt::format("counts without current, {:g} V", hal.amplifier_zero_v)) +
            flag("AMPLIFIER_INVERTS", hal.amplifier_gain < 0, "current into the motor counts down") +
-           define("PGA_GAIN", hal.pga_gain, "U", "hal.pga_gain") +
-           define("CURRENT_FULL_SCALE_UA", config.board.current_full_scale_a / MICRO, "U",
-                  "board.current_full_scale_a") +
-           define("BUS_FULL_SCALE_UV", config.board.bus_full_scale_v / MICRO, "U",
-                  "board.bus_full_scale_v");
+           define("PGA_GAIN", hal.pga_gain, "U", "hal.pga_gain");
 }
 
 std::string trip_lines(const Config &config)
@@ -271,37 +265,6 @@ std::string trip_lines(const Config &config)
                               config.board.trip_a, level, trip_range(config))) +
            flag("TRIP_BELOW", hal.break_polarity == BreakPolarity::active_low,
                 "hal.break_polarity");
-}
-
-std::string temperature_lines(const BoardSettings &board)
-{
-    std::string points;
-    for (const double celsius : board.temperature_points_c) {
-        points += fmt::format("{}{{{:.0f}, {:.0f}}}", points.empty() ? "" : ", ",
-                              temperature_count(board, celsius), celsius / MILLI);
-    }
-    return fmt::format("#define HAL_TEMPERATURE_POINTS ({}U)\n"
-                       "#define HAL_TEMPERATURE {{{}}} /* counts and m°C, each */\n",
-                       board.temperature_points_c.size(), points);
-}
-
-std::string speed_lines(const Config &config)
-{
-    return define("POLE_PAIRS", config.motor.pole_pairs, "U", "motor.pole_pairs") +
-           define("SPEED_MAX_RPM", std::floor(config.motor.max_speed_rpm), "",
-                  "motor.max_speed_rpm");
-}
-
-// A string literal of plain characters.
-std::string quoted(const std::string &text)
-{
-    std::string safe = text;
-    for (char &c : safe) {
-        if (c < 0x20 || c > 0x7E || c == '"' || c == '\\' || c == '?') {
-            c = '_';
-        }
-    }
-    return '"' + safe + '"';
 }
 
 } // namespace
@@ -320,13 +283,9 @@ std::string make_hal_header(const Config &config)
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
         "again. */\n"
         "#ifndef HAL_CONFIG_H\n#define HAL_CONFIG_H\n\n"
-        "#define HAL_NAME {}\n"
-        "{}{}{}{}{}"
+        "{}{}{}"
         "\n#endif\n",
-        quoted(fmt::format("neurofoc: {}, {}, {}", config.motor.name, config.board.name,
-                           config.tuning.name)),
-        timer_lines(config), sensing_lines(config), trip_lines(config),
-        temperature_lines(config.board), speed_lines(config));
+        timer_lines(config), sensing_lines(config), trip_lines(config));
 }
 
 } // namespace nf

@@ -9,7 +9,7 @@
 namespace nf
 {
 
-// Numbers of [hal], [board] and [motor] as macros HAL_..., in counts and ticks. The same files give the
+// Numbers of [hal] and [board] as macros HAL_..., in counts and ticks. The same files give the
 // same text on every machine. Refuses, with file, line and reason, what the hardware cannot do: dead
 // time or sampling that do not fit the PWM period, scales that contradict each other, a trip level out of
 // the converter's range, a missing key.

@@ -7,6 +7,10 @@
 #include "header.h"
 #include "schema.h"
 
+extern "C" {
+#include "about.h"
+}
+
 #include <fmt/format.h>
 
 extern "C" {
@@ -24,6 +28,8 @@ extern "C" {
 // generated.c, compiled from headers that nfconfig wrote
 extern "C" const drive_cfg_t *generated_motor_a(void);
 extern "C" const drive_cfg_t *generated_motor_b(void);
+extern "C" const about_t *about_generated_motor_a(void);
+extern "C" const about_t *about_generated_motor_b(void);
 
 namespace
 {
@@ -264,6 +270,24 @@ void the_compiled_header_is_the_run_time_configuration_byte_for_byte()
     TEST_ASSERT_EQUAL_MEMORY(&b, generated_motor_b(), sizeof b);
 }
 
+void the_compiled_header_gives_the_numbers_their_units()
+{
+    const about_t &a = *about_generated_motor_a();
+    TEST_ASSERT_EQUAL_STRING(
+        "neurofoc: motor A (paper A, table 1), 310 V bench inverter, as published", a.name);
+    TEST_ASSERT_NULL(a.build);
+    TEST_ASSERT_EQUAL_UINT32(2, a.rotation.pole_pairs);
+    TEST_ASSERT_EQUAL_UINT32(100000000, a.rotation.tick_ps);
+    TEST_ASSERT_EQUAL_INT32(2000, a.speed_max_rpm);
+    TEST_ASSERT_EQUAL_UINT16(2048, a.current_zero_count);
+    TEST_ASSERT_EQUAL_UINT32(20000000, a.current_full_scale_ua);
+    TEST_ASSERT_EQUAL_UINT32(450000000, a.bus_full_scale_uv);
+    TEST_ASSERT_EQUAL_INT32(-50, temperature_celsius(&a.temperature, 0));
+    TEST_ASSERT_EQUAL_INT32(150, temperature_celsius(&a.temperature, 4095));
+    TEST_ASSERT_EQUAL_STRING("neurofoc: quote _ */ __/ _, 310 V bench inverter, robust",
+                             about_generated_motor_b()->name);
+}
+
 void the_header_names_its_files_and_no_folder_of_this_machine()
 {
     const std::string text = nf::make_header(
@@ -361,6 +385,7 @@ int main()
     RUN_TEST(an_offset_within_the_tolerances_of_each_board_of_the_chip_is_accepted);
     RUN_TEST(the_rows_cover_every_byte_of_the_configuration);
     RUN_TEST(the_compiled_header_is_the_run_time_configuration_byte_for_byte);
+    RUN_TEST(the_compiled_header_gives_the_numbers_their_units);
     RUN_TEST(the_header_names_its_files_and_no_folder_of_this_machine);
     RUN_TEST(every_key_is_known_once_and_has_its_help);
     RUN_TEST(both_papers_motors_are_as_printed_and_run_from_310_v);

@@ -35,7 +35,7 @@ FAULTS = {
     "a refusal of two lines": (
         "stepper", "host_sim/debug/set.cpp", "NAME = VALUE; found", "NAME = VALUE;\\nfound", "a refusal is one line"),
     "a line longer than its buffer": (
-        "console", "hal/stm32g431/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
+        "console", "firmware/app/console.c", "console->length < CONSOLE_LINE_MAX", "console->length < TEXT_MAX",
         "index 32 out of bounds"),
 }
 

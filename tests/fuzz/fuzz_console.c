@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Any bytes from the serial line to the board's console, while the drive runs, and whatever it does.
+ * Any bytes from the serial line to the console, while the drive runs, and whatever it does.
  *
  * The input is steps of two bytes and what belongs to them: see step().
  */
-#include "board.h"
 #include "console.h"
 #include "drive_config.h"
 #include "fuzzed.h"
-#include "reset.h"
-#include "sensing.h"
-#include "uart.h"
-#include "units.h"
 
 #include <string.h>
 
@@ -20,7 +15,15 @@
 #define TICKS_MAX (4096U) /* of an input; a calibration takes some 1000 */
 #define TICKS_OF_A_BYTE (16U)
 
-const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
+/* The board's converters have 12 bits. */
+#define COUNT_MAX (4095U)
+
+static const about_t ABOUT = {DRIVE_ABOUT};
+
+struct hal {
+    uint32_t ticks;
+    hal_health_t health;
+};
 
 /* The serial line: what is to be received, how much may be sent, what was sent last. */
 typedef struct {
@@ -44,8 +47,9 @@ static console_t console;
 static recorder_t recorder;
 static recorder_entry_t entries[ENTRIES];
 
-bool uart_get(uint8_t *byte)
+bool hal_receive(hal_t *hal, uint8_t *byte)
 {
+    (void)hal;
     const bool there = line.in_left > 0U;
 
     if (there) {
@@ -57,8 +61,9 @@ bool uart_get(uint8_t *byte)
 }
 
 /* Text for a person: nothing but what can be read, in lines that end with both. */
-bool uart_put(uint8_t byte)
+bool hal_send(hal_t *hal, uint8_t byte)
 {
+    (void)hal;
     const bool room = line.room > 0U;
 
     if (room) {
@@ -78,8 +83,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
 
 void hal_apply(hal_t *hal, const drive_out_t *out)
 {
-    (void)hal;
     demanded = *out;
+    hal->ticks++;
 }
 
 void hal_open_gates(hal_t *hal)
@@ -90,8 +95,12 @@ void hal_open_gates(hal_t *hal)
 
 uint32_t hal_ticks(const hal_t *hal)
 {
-    (void)hal;
-    return 0U;
+    return hal->ticks;
+}
+
+hal_health_t hal_health(const hal_t *hal)
+{
+    return hal->health;
 }
 
 static uint8_t next_byte(input_t *input)
@@ -113,10 +122,9 @@ static uint16_t next_half(input_t *input)
     return (uint16_t)(low | ((unsigned)next_byte(input) << 8U));
 }
 
-/* The board's converters have 12 bits. */
 static uint16_t next_count(input_t *input)
 {
-    return next_half(input) & SENSING_COUNT_MAX;
+    return next_half(input) & COUNT_MAX;
 }
 
 /* No current, a bus of 24 V of 55.3 V. */
@@ -146,7 +154,7 @@ static void tick(void)
 
 static void console_holds(void)
 {
-    const int64_t highest = units_step(&BOARD.rotation, BOARD.speed_max_rpm);
+    const int64_t highest = units_step(&ABOUT.rotation, ABOUT.speed_max_rpm);
     const drive_command_t command = command_mailbox_take(&app.mailbox);
     const int64_t target = command.target;
     const uint8_t request = command.request;
@@ -176,15 +184,15 @@ static size_t step(input_t *input)
         measured.adc_ia = next_count(input);
         measured.adc_ib = next_count(input);
         measured.adc_bus = next_count(input);
-        hardware.phase_c = next_count(input);
+        hardware.health.adc_ic = next_count(input);
         break;
     case 3U:
         measured.flags = count;
-        hardware.overruns = (uint32_t)next_half(input) << 16U;
-        hardware.longest = next_half(input);
+        hardware.health.late_ticks = (uint32_t)next_half(input) << 16U;
+        hardware.health.load_pct = next_half(input);
         break;
     case 4U:
-        console_set_temperature(&console, (int32_t)count - 64);
+        measured.adc_temperature = (uint16_t)(count * 16U);
         break;
     default:
         measure_nothing();
@@ -205,7 +213,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     HOLDS(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, POST_TICKS) == NULL,
           "the recorder's size is taken");
     app_record(&app, &recorder);
-    console_init(&console, &app, &hardware);
+    console_init(&console, &app, &hardware, &ABOUT);
     measure_nothing();
     while ((input.left > 0U) && (ticks < TICKS_MAX)) {
         const size_t more = step(&input);

@@ -66,7 +66,10 @@ class Package(unittest.TestCase):
                               "-DFETCHCONTENT_TRY_FIND_PACKAGE_MODE=NEVER", f"-DNF_NFCONFIG={nfconfig}", status=status)
 
     def turns(self, program):
-        self.assertRegex(self.call(program), r"^own_board: 2000 rpm asked for, (19[89]\d|20[01]\d|2020) rpm turned\n$")
+        """By its console: what it says on the way, and what the motor does in the end."""
+        said = self.call(program)
+        self.assertRegex(said, r"\nok\nok\n(.+\n)*RUN, speed \d+ of 2000 rpm, .*, bus 23\.999 V")
+        self.assertRegex(said, r"\nown_board: 2000 rpm asked for, (19[89]\d|20[01]\d|2020) rpm turned\n$")
 
 
 class Found(Package):

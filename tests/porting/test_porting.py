@@ -27,7 +27,7 @@ def blocks():
 
 COMMANDS = next(block for block in blocks() if block.startswith("build/host/nfconfig header"))
 # In place of the firmware's own.
-UNITS_STEP = """
+UNITS = """
 #include "units.h"
 
 #include <inttypes.h>
@@ -37,8 +37,21 @@ UNITS_STEP = """
 step_t units_step(const units_rotation_t *rotation, int32_t rpm)
 {
     (void)rpm;
-    printf("%" PRIu32 " %" PRIu32 "\\n", rotation->pole_pairs, rotation->tick_ps);
+    printf("\\nrotation %" PRIu32 " %" PRIu32 "\\n", rotation->pole_pairs, rotation->tick_ps);
     exit(0);
+}
+
+int32_t units_rpm(const units_rotation_t *rotation, step_t step)
+{
+    (void)rotation;
+    return step;
+}
+
+int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
+{
+    (void)one;
+    (void)base_millionths;
+    return value;
 }
 """
 
@@ -53,6 +66,7 @@ class Porting(unittest.TestCase):
     def run_command(self, *command, cwd=None, **more):
         run = subprocess.run(command, cwd=cwd or self.folder, capture_output=True, text=True, check=False, **more)
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        return run.stdout
 
     def build(self, preset):
         self.run_command("cmake", "-S", ROOT, "--preset", preset, "-B", preset, "-DNF_HAL=./my_binding",
@@ -68,8 +82,10 @@ class Porting(unittest.TestCase):
         self.run_command("sh", "-e", "-c", commands, cwd=self.folder / "project")
 
     def test_for_the_pc_it_calibrates_and_enables_the_gates(self):
+        """As it is told by its console."""
         self.build("host")
-        self.run_command("./mine", cwd=self.folder / "host")
+        said = self.run_command("./mine", cwd=self.folder / "host")
+        self.assertRegex(said, r"^neurofoc: motor A .*\n(.+\n)*ok\nok\n(.+\n)*READY, speed 0 of 1000 rpm, ")
 
     def test_for_a_cortex_m4_it_is_an_image(self):
         self.build("cortex-m4")
@@ -85,12 +101,12 @@ class Porting(unittest.TestCase):
 
     def test_for_another_motor_and_board_it_asks_for_their_speed(self):
         """What makes rpm the firmware's unit gets their pole pairs and control tick, and not those of the example."""
-        (self.folder / "my_binding/units_step.c").write_text(UNITS_STEP, encoding="utf-8")
+        (self.folder / "my_binding/units.c").write_text(UNITS, encoding="utf-8")
         self.compile(COMMANDS.replace("--motor motor_a --board bench_310v", "--motor outrunner_24v --board b_g431b_esc1")
-                     .replace("pretended.c", "pretended.c ../my_binding/units_step.c")
+                     .replace("pretended.c", "pretended.c ../my_binding/units.c")
                      .replace("firmware/*/*.c", "firmware/[!a]*/*.c firmware/app/[!u]*.c"))
         run = subprocess.run(["./mine"], cwd=self.folder / "project", capture_output=True, text=True, check=False)
-        self.assertEqual(run.stdout, "7 50000000\n")
+        self.assertRegex(run.stdout, r"\nrotation 7 50000000\n$")
 
     def test_the_guide_quotes_what_is_built(self):
         quoted = list(blocks())

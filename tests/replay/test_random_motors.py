@@ -2,7 +2,7 @@
 """replay.random_motors: whatever motor and board one buys, it is refused in the user's terms or it works as the shipped ones do.
 
 test_random_motors.py TRY_MOTORS COMPILER [COUNT [SEED]]: draws COUNT motors with their boards, and TRY_MOTORS reads, records
-and replays each. COMPILER compiles board.c of the STM32G431 with each header of the hardware.
+and replays each. COMPILER compiles board.c of the STM32G431 and about_t with the headers of each.
 """
 
 import json
@@ -22,8 +22,8 @@ TRY_MOTORS, COMPILER = sys.argv[1:3]
 COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else 1000
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
 ROOT = Path(__file__).resolve().parents[2]
-INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/math", "firmware/math/port",
-            "firmware/math/port/generic")
+INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
+            "firmware/math", "firmware/math/port", "firmware/math/port/generic")
 
 REFUSAL = re.compile(r"(?P<file>.+?\.toml):(?P<line>\d+): (?P<key>[a-z_0-9.]+) = (?P<value>\S+): .+; allowed: .+")
 # Of the 2000 motors of the seeds 1 and 2 1699 are accepted. Another draw of COUNT is within three standard deviations of that
@@ -55,21 +55,28 @@ def improper(line):
     return None if same else f"does not stand there, but: {written}"
 
 
-SHOWN = ("rotation.pole_pairs", "rotation.tick_ps", "current_full_scale_ua", "bus_full_scale_uv", "dead_time_ticks", "trip_count")
+ABOUT = ("rotation.pole_pairs", "rotation.tick_ps", "current_full_scale_ua", "bus_full_scale_uv")
+BOARD = ("dead_time_ticks", "trip_count")
+SHOWN = ABOUT + BOARD
+HEADERS = ("drive_config.h", "hal_config.h")
 
 
 def all_boards(folders):
-    """A program in C that is board.c with one header after the other, and prints what they came to."""
-    names = sorted({name for folder in folders
-                    for name in re.findall(r"#define (\w+)", (folder / "hal_config.h").read_text())})
-    forget = "".join(f"#undef {name}\n" for name in [*names, "BOARD", "BOARD_NAME"])
+    """A program in C that is board.c and about_t with the headers of one after the other, and prints what they came to."""
+    names = sorted({name for folder in folders for header in HEADERS
+                    for name in re.findall(r"#define (\w+)", (folder / header).read_text())})
+    forget = "".join(f"#undef {name}\n" for name in [*names, "BOARD", "DRIVE_CONFIG"])
     boards = "".join(
-        f'{forget}#define BOARD BOARD_{folder.name}\n#define BOARD_NAME BOARD_NAME_{folder.name}\n'
-        f'#include "{folder}/hal_config.h"\n#include "board.c"\n' for folder in folders)
+        f"{forget}#define BOARD BOARD_{folder.name}\n#define DRIVE_CONFIG DRIVE_CONFIG_{folder.name}\n"
+        + "".join(f'#include "{folder}/{header}"\n' for header in HEADERS)
+        + f'#include "board.c"\nstatic const about_t ABOUT_{folder.name} = {{DRIVE_ABOUT}};\n' for folder in folders)
     form = " ".join(["%u"] * len(SHOWN))
-    shown = "".join(f'    printf("{form}\\n", {", ".join(f"BOARD_{folder.name}.{field}" for field in SHOWN)});\n'
-                    for folder in folders)
-    return f'#include "board.h"\n#include <stdio.h>\n{boards}\nint main(void)\n{{\n{shown}    return 0;\n}}\n'
+    shown = "".join(
+        '    printf("{}\\n", {});\n'.format(form, ", ".join([f"ABOUT_{folder.name}.{field}" for field in ABOUT]
+                                                      + [f"BOARD_{folder.name}.{field}" for field in BOARD]))
+        for folder in folders)
+    return (f'#include "about.h"\n#include "board.h"\n#include <stdio.h>\n{boards}\n'
+            f"int main(void)\n{{\n{shown}    return 0;\n}}\n")
 
 
 def written(folder, part):

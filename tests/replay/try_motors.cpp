@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Tries configurations as a user would, many in one process: for each FOLDER of the command line it reads scenario.toml, makes
-// the header of the hardware as FOLDER/hal_config.h, runs and records some ticks, and replays the recording. Prints a line of
+// the headers as FOLDER/drive_config.h and FOLDER/hal_config.h, runs and records some ticks, and replays the recording. Prints a line of
 // JSON a folder: {"refused": LINE}, or what the run and the replay came to.
 #include "hal_header.h"
 #include "header.h"
@@ -47,7 +47,7 @@ std::string recorded(const nf::Config &config, nf::ScriptedRun &run)
 nlohmann::json tried(const std::filesystem::path &folder)
 {
     const nf::Config config = nf::load_scenario((folder / "scenario.toml").string());
-    (void)nf::make_header(config);
+    write(folder / "drive_config.h", nf::make_header(config));
     write(folder / "hal_config.h", nf::make_hal_header(config));
     nf::ScriptedRun run(config);
     const nf::replay::Recording recording = nf::replay::read(recorded(config, run));

@@ -196,6 +196,11 @@ class Stack(Program):
             self.deepest(text)
         self.assertEqual(self.deepest(text, {"g": ("f.part.0",)})[0], 16 + 8 + 24)
 
+    def test_a_call_of_what_is_not_linked_is_none(self):
+        frames, calls = stack.parse(GRAPH)
+        self.assertEqual(stack.linked(frames, calls, {"memset"}.__contains__), calls)
+        self.assertEqual(stack.linked(frames, calls, lambda name: False), calls | {"g": set()})
+
     def test_recursion_and_unbounded_frames_are_refused(self):
         text = GRAPH + 'edge: { sourcename: "/tmp/x.o:g" targetname: "main" }\n'
         with self.assertRaisesRegex(BenchError, "main calls itself"):

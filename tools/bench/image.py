@@ -90,6 +90,10 @@ class Image:
         lines = [line.split() for line in binutil("nm", "-n", self.path).splitlines()]
         return {words[2]: int(words[0], 16) & ~1 for words in lines if len(words) == 3}
 
+    def has(self, name):
+        """Whether anything of exactly that name is linked."""
+        return name in self._all_names
+
     def symbol(self, name):
         """The function or object of that name; the linker may have given a static one a suffix."""
         for symbol in self.symbols:

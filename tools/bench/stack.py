@@ -93,6 +93,12 @@ def deepest(name, frames, calls, library, above=()):
     return size + below, (name, *chain)
 
 
+def linked(frames, calls, has):
+    """The calls less those of functions that are not in the image: gcc also notes the call of a division that it has weighed
+    and then done in another way. `has`: whether the image has a name."""
+    return {caller: {callee for callee in callees if callee in frames or has(callee)} for caller, callees in calls.items()}
+
+
 def graph(image):
     """Frames and calls of all functions of the image but those of the compiler's library."""
     files = sorted(image.path.parent.glob(f"{image.path.name}.ltrans*.ci"))
@@ -100,7 +106,7 @@ def graph(image):
         raise BenchError(f"{image.path}: no call graph beside it, {image.path.name}.ltrans*.ci; "
                          "build the image anew")
     frames, calls = parse("".join(file.read_text(encoding="utf-8") for file in files))
-    return frames, resolve_pointers(calls, INDIRECT)
+    return frames, linked(frames, resolve_pointers(calls, INDIRECT), image.has)
 
 
 def computed(image, entry):

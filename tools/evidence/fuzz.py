@@ -2,7 +2,7 @@
 """evidence.fuzz: whatever bytes come in, nothing breaks.
 
 The programs of tests/fuzz run under libFuzzer with the address and the undefined-behaviour sanitizer, beginning with their
-committed corpus: frames into the drive, text into the configuration's loader, recordings, the board's console, commands of
+committed corpus: frames into the drive, text into the configuration's loader, recordings, the console, commands of
 the stepper. What each asks for beyond that stands in its source. A crash, an alarm, a broken promise, an input that takes
 ten seconds or a GB of memory is a finding; its input is kept, and the line that runs it again is printed. Each run begins
 with the committed corpus alone: what the one before has kept in build/fuzz goes away.
@@ -51,7 +51,7 @@ PROGRAMS = {
     "drive": Program("any frames, from every state of shipped motors", 800, 100),
     "config": Program("any motor, board, tuning, scenario, imperfection file", 4400, 15, 42),
     "recording": Program("any recording, read and run again", 4300, 30),
-    "console": Program("any bytes to the board's console", 800, 60),
+    "console": Program("any bytes to the console", 1020, 60),
     "stepper": Program("any commands of the stepper", 2400, 5),
 }
 AT_ONCE = 2

@@ -27,13 +27,13 @@ BELOW = {
     "firmware/config": ["firmware/math", "firmware/control", "firmware/protect"],
     "firmware/drive": ["firmware/math", "firmware/control", "firmware/protect", "firmware/config"],
     "firmware/record": ["firmware/math", "firmware/protect", "firmware/drive"],
-    "firmware/app": ["firmware/math", "firmware/control", "firmware/config", "firmware/drive", "firmware/record", "hal"],
+    "firmware/app": ["firmware/math", "firmware/control", "firmware/protect", "firmware/config", "firmware/drive",
+                     "firmware/record", "hal"],
     "hal": ["firmware/math", "firmware/control", "firmware/drive"],
     "hal/cortex_m": [],
     "hal/host": ["firmware/drive", "hal", "host_sim/plant"],
     "hal/mps2": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
-    "hal/stm32g431": ["firmware/math", "firmware/protect", "firmware/drive", "firmware/record", "firmware/app", "hal",
-                      "hal/cortex_m"],
+    "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
     "host_sim/plant": [],
 }
 CORE = [folder for folder in BELOW if folder.startswith("firmware/")]

@@ -9,6 +9,9 @@
 
 #include <stdint.h>
 
+#define MINE_BYTE (0x100U)       /* of the serial line's registers: there is one */
+#define MINE_NO_CURRENTS (6144U) /* three times half of the converter's 4096 */
+
 typedef struct {
     uint32_t current_a; /* of t_k, counts */
     uint32_t current_b;
@@ -18,6 +21,8 @@ typedef struct {
     uint32_t gates;      /* 1: they switch */
     uint32_t broken;     /* 1: the comparators have opened them */
     uint32_t run;        /* 1: the timer counts, and the interrupt comes */
+    uint32_t received;   /* a byte that came in, with MINE_BYTE; 0: none, or it was read */
+    uint32_t sent;       /* a byte to be sent, with MINE_BYTE; 0: there is room for one */
 } mine_registers_t;
 
 /* At an address that the linker script gives. */

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "app.h"
+#include "console.h"
 #include "drive_config.h"
 #include "hal_mine.h"
-#include "units.h"
 
 #include <stddef.h>
 
-static const units_rotation_t ROTATION = {.pole_pairs = DRIVE_POLE_PAIRS, .tick_ps = DRIVE_TICK_PS};
+static const about_t ABOUT = {DRIVE_ABOUT};
 
 static hal_t hardware;
 static app_t app;
+static console_t console;
 
 /* The interrupt at the end of the conversions of t_k. */
 void mine_conversions_complete(void)
@@ -17,27 +18,20 @@ void mine_conversions_complete(void)
     control_isr(&app);
 }
 
-/* What the user wants, when the drive can have it. */
-static void command(void)
-{
-    const drive_command_t run = {
-        .target = units_step(&ROTATION, 1000),
-        .mode = (uint8_t)DRIVE_MODE_SPEED,
-        .request = DRIVE_REQUEST_RUN,
-    };
-
-    if (app.drive.state == DRIVE_STATE_READY) {
-        command_mailbox_post(&app.mailbox, &run);
-    }
-}
-
 int main(void)
 {
-    if (app_init(&app, &hardware, &DRIVE_CONFIG) == NULL) { /* else the name of a refused field */
+    const char *bad_field;
+
+    console_init(&console, &app, &hardware, &ABOUT);
+    console_say(&console, ABOUT.name);
+    bad_field = app_init(&app, &hardware, &DRIVE_CONFIG);
+    if (bad_field == NULL) {
         hal_mine_start(&hardware);
+    } else {
+        console_say(&console, bad_field);
     }
     for (;;) {
-        command();
+        console_step(&console);
         mine_wait();
     }
 }

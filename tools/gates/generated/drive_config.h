@@ -4,7 +4,12 @@
 #define DRIVE_CONFIG_H
 
 #define DRIVE_RECORDER_ENTRIES (352U)
-#define DRIVE_POLE_PAIRS (7U)
-#define DRIVE_TICK_PS (50000000U)
+
+#define DRIVE_ABOUT \
+    .name = "neurofoc: a motor, a board, a tuning", \
+    .rotation = {.pole_pairs = 7U, .tick_ps = 50000000U}, .speed_max_rpm = 3000, \
+    .current_zero_count = 2048U, .current_full_scale_ua = 60200000U, \
+    .bus_full_scale_uv = 34280000U, \
+    .temperature = {.points = 2U, .at = {[0] = {0, 0}, [1] = {4096, 100000}}}
 
 #endif

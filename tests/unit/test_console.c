@@ -1,33 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* The board's console: what it answers to each line, what the drive gets of it, and how it says numbers. */
-#include "board.h"
+/* The console: what it answers to each line, what the drive gets of it. */
 #include "console.h"
-#include "example_cfg.h"
-#include "reset.h"
-#include "sensing.h"
-#include "uart.h"
-#include "unity.h"
+#include "example_app.h"
 
 #include <string.h>
 
 #define SAID_MAX (4096U)
-#define BUS_COUNT (2822U)        /* 310 V of 450 V */
-#define CALIBRATION_TICKS (260U) /* 256 samples and the changes of state */
-#define SPEED_MAX_RPM (2000)
 #define HELP "error: the commands are run, stop, clear, speed RPM, status, dump, record\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
-
-/* The converters of example_cfg.h on its motor, 10 kHz. */
-const board_t BOARD = {
-    .timer_counts = 8500U,
-    .current_full_scale_ua = 20000000U,
-    .bus_full_scale_uv = 450000000U,
-    .rotation = {.pole_pairs = 2U, .tick_ps = 100000000U},
-    .speed_max_rpm = SPEED_MAX_RPM,
-    .temperature = {.points = 2U, .at = {{0, -50000}, {4096, 150000}}},
-};
-const char *const BOARD_NAME = "a board";
-const uint32_t build_id_note[BUILD_ID_NOTE_WORDS] = {0};
 
 static struct {
     const char *in;
@@ -35,17 +15,13 @@ static struct {
     char said[SAID_MAX];
     size_t length;
 } line;
-static drive_in_t measured;
-static drive_cfg_t cfg;
-static app_t app;
-static hal_t hardware;
 static console_t console;
 static recorder_t recorder;
 static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
 
-bool uart_get(uint8_t *byte)
+bool hal_receive(hal_t *hal, uint8_t *byte)
 {
-    const bool there = *line.in != '\0';
+    const bool there = (hal == &hardware) && *line.in != '\0';
 
     if (there) {
         *byte = (uint8_t)*line.in;
@@ -54,9 +30,9 @@ bool uart_get(uint8_t *byte)
     return there;
 }
 
-bool uart_put(uint8_t byte)
+bool hal_send(hal_t *hal, uint8_t byte)
 {
-    const bool room = (line.room > 0U) && (line.length < (SAID_MAX - 1U));
+    const bool room = (hal == &hardware) && (line.room > 0U) && (line.length < (SAID_MAX - 1U));
 
     if (room) {
         line.said[line.length] = (char)byte;
@@ -64,35 +40,6 @@ bool uart_put(uint8_t byte)
         line.room--;
     }
     return room;
-}
-
-void hal_sample(hal_t *hal, drive_in_t *in)
-{
-    (void)hal;
-    *in = measured;
-}
-
-void hal_apply(hal_t *hal, const drive_out_t *out)
-{
-    (void)out;
-    hal->ticks++;
-}
-
-void hal_open_gates(hal_t *hal)
-{
-    (void)hal;
-}
-
-uint32_t hal_ticks(const hal_t *hal)
-{
-    return hal->ticks;
-}
-
-static void tick(uint32_t count)
-{
-    for (uint32_t k = 0U; k < count; k++) {
-        control_isr(&app);
-    }
 }
 
 /* What the console says to this, with nothing said before. */
@@ -117,18 +64,14 @@ static void assert_contains(const char *expected, const char *said)
 
 static void ready(void)
 {
-    tick(CALIBRATION_TICKS);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    calibrate();
     (void)said_to("");
 }
 
 static void failed(void)
 {
     ready();
-    measured.flags = DRIVE_FLAG_BREAK;
-    tick(1U);
-    measured.flags = 0U;
-    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    fail();
     (void)said_to("");
 }
 
@@ -140,16 +83,12 @@ static uint8_t request_taken(void)
 
 void setUp(void)
 {
-    cfg = example_drive_cfg();
     memset(&line, 0, sizeof line);
     line.in = "";
     line.room = SIZE_MAX;
-    hardware = (hal_t){.phase_c = SENSING_MIDDLE};
-    measured =
-        (drive_in_t){.adc_ia = SENSING_MIDDLE, .adc_ib = SENSING_MIDDLE, .adc_bus = BUS_COUNT};
-    TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
+    power_on();
     TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 8U));
-    console_init(&console, &app, &hardware);
+    console_init(&console, &app, &hardware, &ABOUT);
 }
 
 void tearDown(void)
@@ -160,10 +99,13 @@ static void test_each_speed_within_the_boards_limit_reaches_the_drive(void)
 {
     static const struct {
         const char *typed;
-        int32_t target; /* 28633115.3 steps are 2000 rpm */
-    } speeds[] = {{"speed 2000\n", 28633115}, {"speed -2000\n", -28633115},
-                  {"speed +1\n", 14317},      {"speed 0\n", 0},
-                  {"speed -1\n", -14317},     {"speed 1999\n", 28618799}};
+        int32_t target;
+    } speeds[] = {{"speed 2000\n", EXAMPLE_SPEED_STEP},
+                  {"speed -2000\n", -EXAMPLE_SPEED_STEP},
+                  {"speed +1\n", 14317},
+                  {"speed 0\n", 0},
+                  {"speed -1\n", -14317},
+                  {"speed 1999\n", 28618799}};
 
     ready();
     for (uint32_t k = 0U; k < (sizeof speeds / sizeof speeds[0]); k++) {
@@ -197,11 +139,11 @@ static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
     (void)said_to("speed 2000\n");
     assert_says("ok\r\n", "run\n");
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, request_taken());
-    TEST_ASSERT_EQUAL_INT32(28633115, app.in.command.target);
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, app.in.command.target);
     (void)said_to("");
     assert_says("ok\r\n", "stop\n");
     TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
-    TEST_ASSERT_EQUAL_INT32(28633115, app.in.command.target);
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, app.in.command.target);
 }
 
 static void test_a_latched_fault_does_not_run_and_is_cleared_once(void)
@@ -218,48 +160,24 @@ static void test_a_latched_fault_does_not_run_and_is_cleared_once(void)
     TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
 }
 
-static void test_the_status_has_every_quantity_in_its_unit(void)
+static void test_the_status_is_a_line_with_the_speed_asked_for(void)
 {
     ready();
     (void)said_to("speed -345\n");
-    measured.adc_ia = SENSING_MIDDLE + 1024U; /* half of 20 A */
-    measured.adc_ib = SENSING_MIDDLE - 1U;    /* 9.765625 mA */
-    hardware.phase_c = 0U;
-    hardware.overruns = 12U;
-    hardware.longest = 4250U; /* of 2 · 8500 */
-    console_set_temperature(&console, -7);
-    tick(1U);
-    assert_says(
-        "READY, speed 0 of -345 rpm, phases 10.000 -0.009 -20.000 A, bus 310.034 V, -7 C, late 12, load 25 %\r\n",
-        "status\n");
+    assert_says("READY, speed 0 of -345 rpm, phases 0.000 0.000 0.000 A, bus 310.034 V, -50 C, "
+                "late 0, load 0 %\r\n",
+                "status\n");
 }
 
 static void test_a_change_of_state_is_said_once_with_its_fault(void)
 {
-    tick(CALIBRATION_TICKS);
+    calibrate();
     assert_contains("READY, speed", said_to(""));
     assert_says("", "");
     measured.flags = DRIVE_FLAG_BREAK;
     tick(1U);
     assert_contains("FAULT by ", said_to(""));
     assert_says("", "");
-}
-
-static void assert_fault(const char *expected, fault_id_t id, int32_t value, int32_t limit)
-{
-    app.drive.fault = (fault_t){.id = id, .value = value, .limit = limit};
-    assert_contains(expected, said_to("status\n"));
-}
-
-static void test_a_fault_has_value_and_limit_in_its_unit(void)
-{
-    failed();
-    assert_fault(" by OVERCURRENT 20.000 A, limit -10.000 A (", FAULT_OVERCURRENT, 16384, -8192);
-    assert_fault(" by OVERVOLTAGE 449.986 V, limit 225.000 V (", FAULT_OVERVOLTAGE, 32767, 16384);
-    assert_fault(" by OVERSPEED -2000 rpm, limit 1 rpm (", FAULT_OVERSPEED, -28633115, 14317);
-    assert_fault(" by OVERLOAD 120.0 %, limit 50.0 % (", FAULT_OVERLOAD, 19661, 8192);
-    assert_fault(" by OVERTEMPERATURE 105 C, limit 100 C (", FAULT_OVERTEMPERATURE, 3174, 3072);
-    assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
 }
 
 static void test_a_line_ends_with_either_end_or_both_and_nothing_is_none(void)
@@ -319,7 +237,7 @@ static void test_a_dump_needs_a_tick_that_runs(void)
     app_record(&app, &recorder);
     assert_says("error: the control tick does not run, nothing is recorded\r\n", "dump\n");
     tick(1U);
-    hardware.tick_lost = true;
+    hardware.health.tick_lost = true;
     (void)said_to("");
     assert_says("error: the control tick does not run, nothing is recorded\r\n", "dump\n");
 }
@@ -354,6 +272,39 @@ static void test_a_dump_is_sent_to_its_end_and_recording_goes_on(void)
     assert_says("ok\r\n", "record\n");
 }
 
+static void dump_starts(const about_t *about)
+{
+    console_init(&console, &app, &hardware, about);
+    app_record(&app, &recorder);
+    ready();
+    serve();
+    assert_says("ok\r\n", "dump\n");
+    serve();
+    TEST_ASSERT_EQUAL_CHAR(RECORDER_LINE_MARK, said_to("")[0]);
+}
+
+static void test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are(void)
+{
+    static const uint32_t build[RECORDER_BUILD_WORDS] = {11U, 22U, 33U, 44U, 55U};
+    const recorder_about_t *const about = &console.dump.header.about;
+    about_t of_an_image = ABOUT;
+
+    of_an_image.build = build;
+    dump_starts(&of_an_image);
+    TEST_ASSERT_EQUAL_UINT32(100000000U, about->tick_ps);
+    TEST_ASSERT_EQUAL_UINT32(20000000U, about->current_full_scale_ua);
+    TEST_ASSERT_EQUAL_UINT32(450000000U, about->bus_full_scale_uv);
+    TEST_ASSERT_EQUAL_UINT32(2U, about->pole_pairs);
+    TEST_ASSERT_EQUAL_UINT32_ARRAY(build, about->build, RECORDER_BUILD_WORDS);
+    TEST_ASSERT_EQUAL_STRING("a board", (const char *)about->name); /* the PC is little-endian */
+}
+
+static void test_without_a_build_id_a_dump_has_zeros(void)
+{
+    dump_starts(&ABOUT);
+    TEST_ASSERT_EACH_EQUAL_UINT32(0U, console.dump.header.about.build, RECORDER_BUILD_WORDS);
+}
+
 static void test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile(void)
 {
     app_record(&app, &recorder);
@@ -377,7 +328,7 @@ static void test_what_is_frozen_is_dumped_without_a_tick(void)
     failed();
     serve();
     TEST_ASSERT_TRUE(recorder.frozen);
-    hardware.tick_lost = true;
+    hardware.health.tick_lost = true;
     (void)said_to("");
     assert_says("ok\r\n", "dump\n");
 }
@@ -401,9 +352,8 @@ int main(void)
     RUN_TEST(test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_nothing);
     RUN_TEST(test_run_and_stop_reach_the_drive_and_leave_the_speed);
     RUN_TEST(test_a_latched_fault_does_not_run_and_is_cleared_once);
-    RUN_TEST(test_the_status_has_every_quantity_in_its_unit);
+    RUN_TEST(test_the_status_is_a_line_with_the_speed_asked_for);
     RUN_TEST(test_a_change_of_state_is_said_once_with_its_fault);
-    RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_line_ends_with_either_end_or_both_and_nothing_is_none);
     RUN_TEST(test_other_lines_name_the_commands);
     RUN_TEST(test_a_line_that_is_too_long_is_no_command_and_the_next_one_is);
@@ -411,6 +361,8 @@ int main(void)
     RUN_TEST(test_without_a_recorder_there_is_nothing_to_dump);
     RUN_TEST(test_a_dump_needs_a_tick_that_runs);
     RUN_TEST(test_a_dump_is_sent_to_its_end_and_recording_goes_on);
+    RUN_TEST(test_a_dump_says_what_its_numbers_mean_and_of_which_image_they_are);
+    RUN_TEST(test_without_a_build_id_a_dump_has_zeros);
     RUN_TEST(test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile);
     RUN_TEST(test_what_is_frozen_is_dumped_without_a_tick);
     RUN_TEST(test_a_kept_recording_is_said_until_it_is_given_up);

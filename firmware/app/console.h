@@ -4,14 +4,14 @@
  *
  *     run  stop  clear  speed RPM  status  dump  record
  *
- * Runs in the background. It posts commands to app_t.mailbox and reads the drive; the control tick may interrupt it at
- * any instruction.
+ * It needs hal_receive(), hal_send() and hal_health() of the binding, and no chip. It runs in the background, commands the
+ * drive by way of commander.h and reads it; the control tick may interrupt it at any instruction.
  */
 #ifndef CONSOLE_H
 #define CONSOLE_H
 
+#include "about.h"
 #include "app.h"
-#include "hal_g431.h"
 #include "recorder_dump.h"
 #include "text.h"
 
@@ -27,10 +27,9 @@ typedef enum {
 
 typedef struct {
     app_t *app; /* with a recorder once a dump is asked for */
-    const hal_t *hal;
+    hal_t *hal;
+    const about_t *about;
     drive_state_t announced;
-    int32_t speed_rpm; /* asked for last */
-    int32_t temperature_c;
     char line[CONSOLE_LINE_MAX + 1U];
     uint32_t length; /* of the line so far */
     text_t out;      /* to be sent */
@@ -39,15 +38,19 @@ typedef struct {
     recorder_dump_t dump;
 } console_t;
 
-void console_init(console_t *console, app_t *app, const hal_t *hal);
+/*
+ * Call once, when the serial line works. `app` may be initialised later, and never if that fails: it is zero before. So
+ * the console can say why. All three outlive it.
+ */
+void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about);
 
 /* Send a line. The console never waits: what does not fit behind what is still to be sent is lost. */
 void console_say(console_t *console, const char *line);
 
-/* One pass of the background: bytes in and out, a command, an announcement. */
+/*
+ * One pass of the background: bytes in and out, a command, an announcement. Call as often as possible, once a tick or
+ * more: a pass sends what hal_send() takes at once. A line of a dump takes about 20000 instructions.
+ */
 void console_step(console_t *console);
-
-/* The board's temperature, °C: what `status` shows. Whether it is too hot the drive decides by itself. */
-void console_set_temperature(console_t *console, int32_t temperature_c);
 
 #endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a person is told with: the facts of motor and board that the drive's integers do not contain.
+ *
+ * nfconfig writes them into drive_config.h, as the initialisers DRIVE_ABOUT:
+ *
+ *     static const about_t ABOUT = {DRIVE_ABOUT};
+ */
+#ifndef ABOUT_H
+#define ABOUT_H
+
+#include "temperature.h"
+#include "units.h"
+
+#include <stdint.h>
+
+typedef struct {
+    const char *name; /* of motor, board and tuning */
+    /* Build-id of the image, RECORDER_BUILD_WORDS words. NULL: it has none. Not part of DRIVE_ABOUT. */
+    const uint32_t *build;
+    units_rotation_t rotation;
+    int32_t speed_max_rpm; /* of the shaft, either way */
+    uint16_t
+        current_zero_count; /* of adc_ia and adc_ib without current: half of the converter's range */
+    uint32_t current_full_scale_ua; /* ±, that many counts away from it */
+    uint32_t bus_full_scale_uv;
+    temperature_line_t temperature; /* of adc_temperature */
+} about_t;
+
+#endif

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+#include "console.h"
+
+#include "commander.h"
+#include "status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+void console_say(console_t *console, const char *line)
+{
+    text_add(&console->out, line);
+    text_end_line(&console->out);
+}
+
+/* `why` a command is refused; NULL: it is not. */
+static void answer(console_t *console, const char *why)
+{
+    if (why != NULL) {
+        text_add(&console->out, "error: ");
+    }
+    console_say(console, (why == NULL) ? "ok" : why);
+}
+
+/* Until it is dumped nothing else is recorded. */
+static bool keeps_recording(const console_t *console)
+{
+    const recorder_t *const recorder = console->app->recorder;
+
+    return (recorder != NULL) && recorder->held && (console->dump_phase == CONSOLE_DUMP_NONE);
+}
+
+static void show_status(console_t *console)
+{
+    status_add(&console->out, console->app, console->hal, console->about);
+    console_say(console,
+                keeps_recording(console) ? ", keeps the recording of a fault: dump or record" : "");
+}
+
+static void set_speed(console_t *console, const char *argument)
+{
+    const int32_t max_rpm = console->about->speed_max_rpm;
+    int32_t rpm = 0;
+    const bool good = text_to_number(argument, &rpm);
+
+    if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
+        commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
+        answer(console, NULL);
+    } else {
+        text_add(&console->out, "error: speed takes a whole number of rpm, at most ");
+        text_number(&console->out, max_rpm, 0U);
+        console_say(console, " either way");
+    }
+}
+
+/* Why the recorder has nothing to do with a command now; NULL: it has. */
+static const char *why_not(const console_t *console)
+{
+    const char *why = NULL;
+
+    if (console->dump_phase != CONSOLE_DUMP_NONE) {
+        why = "a dump is under way";
+    } else if (console->app->recorder == NULL) {
+        why = "there is no recorder";
+    } else {
+        /* it is free */
+    }
+    return why;
+}
+
+/* It is the tick that freezes: without one there never would be an end. */
+static bool never_freezes(const console_t *console)
+{
+    const hal_t *const hal = console->hal;
+
+    return !console->app->recorder->frozen && (hal_health(hal).tick_lost || (hal_ticks(hal) == 0U));
+}
+
+/* The recorder freezes in the next ticks, if it has not done so after a fault. */
+static const char *ask_for_dump(console_t *console)
+{
+    app_t *const app = console->app;
+    const char *why = why_not(console);
+
+    if (why != NULL) {
+        /* that is the answer */
+    } else if (never_freezes(console)) {
+        why = "the control tick does not run, nothing is recorded";
+    } else {
+        recorder_hold(app->recorder, &app->drive);
+        console->dump_phase = CONSOLE_DUMP_ASKED;
+    }
+    return why;
+}
+
+/* The recording of a fault is given up; one that is not kept goes on. */
+static const char *record_anew(console_t *console)
+{
+    const char *const why = why_not(console);
+
+    if (why == NULL) {
+        recorder_release(console->app->recorder);
+    }
+    return why;
+}
+
+static void start_dump(console_t *console)
+{
+    const app_t *const app = console->app;
+    const about_t *const known = console->about;
+    recorder_about_t about = {
+        .tick_ps = known->rotation.tick_ps,
+        .current_full_scale_ua = known->current_full_scale_ua,
+        .bus_full_scale_uv = known->bus_full_scale_uv,
+        .pole_pairs = known->rotation.pole_pairs,
+    };
+
+    recorder_about_name(&about, known->name);
+    for (uint32_t k = 0U; (k < RECORDER_BUILD_WORDS) && (known->build != NULL); k++) {
+        about.build[k] = known->build[k];
+    }
+    recorder_dump_start(&console->dump, app->recorder, app->drive.cfg, &about);
+    console->dump_phase = CONSOLE_DUMP_SENT;
+}
+
+/* A line of the dump once all before it is sent: other lines come in between. */
+static void send_dump(console_t *console)
+{
+    char line[RECORDER_LINE_CHARACTERS + 1U];
+
+    if (recorder_dump_line(&console->dump, line)) {
+        console_say(console, line);
+    } else {
+        recorder_release(console->app->recorder);
+        console->dump_phase = CONSOLE_DUMP_NONE;
+        console_say(console, "dump ends");
+    }
+}
+
+static void go_on_dumping(console_t *console)
+{
+    if ((console->dump_phase == CONSOLE_DUMP_ASKED) && console->app->recorder->frozen) {
+        start_dump(console);
+    }
+    if ((console->dump_phase == CONSOLE_DUMP_SENT) && (console->out.length == 0U)) {
+        send_dump(console);
+    }
+}
+
+static bool same(const char *line, const char *command)
+{
+    const char *const rest = text_after(line, command);
+
+    return (rest != NULL) && (rest[0] == '\0');
+}
+
+static void do_line(console_t *console)
+{
+    const char *const line = console->line;
+    const char *const speed = text_after(line, "speed ");
+
+    if (speed != NULL) {
+        set_speed(console, speed);
+    } else if (same(line, "run")) {
+        answer(console, commander_run(console->app));
+    } else if (same(line, "stop")) {
+        commander_stop(console->app);
+        answer(console, NULL);
+    } else if (same(line, "clear")) {
+        answer(console, commander_clear(console->app));
+    } else if (same(line, "status")) {
+        show_status(console);
+    } else if (same(line, "dump")) {
+        answer(console, ask_for_dump(console));
+    } else if (same(line, "record")) {
+        answer(console, record_anew(console));
+    } else {
+        answer(console, "the commands are run, stop, clear, speed RPM, status, dump, record");
+    }
+}
+
+/* A line ends with CR, LF or both; an empty one is none. */
+static void take(console_t *console, uint8_t byte)
+{
+    const bool ends = (byte == (uint8_t)'\r') || (byte == (uint8_t)'\n');
+
+    if (ends && (console->length > 0U)) {
+        console->line[console->length] = '\0';
+        console->length = 0U;
+        do_line(console);
+    } else if (ends) {
+        /* nothing was typed */
+    } else if (console->length < CONSOLE_LINE_MAX) {
+        console->line[console->length] = (char)byte;
+        console->length++;
+    } else {
+        console->line[0] = '?'; /* too long: no command starts so */
+    }
+}
+
+static void announce(console_t *console)
+{
+    const drive_state_t state = console->app->drive.state;
+
+    if (state != console->announced) {
+        console->announced = state;
+        show_status(console);
+    }
+}
+
+static void send(console_t *console)
+{
+    text_t *const out = &console->out;
+
+    while ((console->sent < out->length) &&
+           hal_send(console->hal, (uint8_t)out->characters[console->sent])) {
+        console->sent++;
+    }
+    if (console->sent == out->length) {
+        console->sent = 0U;
+        out->length = 0U;
+    }
+}
+
+void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about)
+{
+    *console = (console_t){.app = app, .hal = hal, .about = about, .announced = DRIVE_STATE_INIT};
+}
+
+void console_step(console_t *console)
+{
+    uint8_t byte = 0U;
+
+    while (hal_receive(console->hal, &byte)) {
+        take(console, byte);
+    }
+    commander_step(console->app);
+    announce(console);
+    go_on_dumping(console);
+    send(console);
+}

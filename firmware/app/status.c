@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+#include "status.h"
+
+#include "barrier.h"
+#include "fault_text.h"
+
+#define Q14_ONE (16384)
+#define Q15_ONE (32768)
+#define HEAT_BASE (1000000U)    /* makes units_thousandths() give tenths of a per cent */
+#define CURRENT_BASE_RATIO (2U) /* I_b is twice the converter's full scale */
+
+static void add_quantity(text_t *text, const char *name, int32_t value, uint32_t decimals)
+{
+    text_add(text, name);
+    text_number(text, value, decimals);
+}
+
+static void add_rpm(text_t *text, const char *name, const about_t *about, step_t speed)
+{
+    add_quantity(text, name, units_rpm(&about->rotation, speed), 0U);
+}
+
+static void add_thousandths(text_t *text, const char *name, int32_t value, int32_t one,
+                            uint32_t base_millionths)
+{
+    add_quantity(text, name, units_thousandths(value, one, base_millionths), 3U);
+}
+
+static void add_current(text_t *text, const char *name, const about_t *about, uint16_t count)
+{
+    const int32_t zero = (int32_t)about->current_zero_count;
+
+    add_thousandths(text, name, (int32_t)count - zero, zero, about->current_full_scale_ua);
+}
+
+static void add_bus(text_t *text, const char *name, const about_t *about, int32_t bus_q15)
+{
+    add_thousandths(text, name, bus_q15, Q15_ONE, about->bus_full_scale_uv);
+}
+
+/* Nothing is measured before the first tick. */
+static int32_t celsius(const app_t *app, const hal_t *hal, const about_t *about)
+{
+    return (hal_ticks(hal) == 0U)
+               ? 0
+               : temperature_celsius(&about->temperature, app->in.adc_temperature);
+}
+
+/* Value or limit of a fault with its unit. */
+static void add_measure(text_t *text, const char *name, const about_t *about, fault_unit_t unit,
+                        int32_t value)
+{
+    const uint32_t current_ua = about->current_full_scale_ua * CURRENT_BASE_RATIO;
+
+    switch (unit) {
+    case FAULT_UNIT_CURRENT:
+        add_thousandths(text, name, value, Q15_ONE, current_ua);
+        text_add(text, " A");
+        break;
+    case FAULT_UNIT_VOLTAGE:
+        add_bus(text, name, about, value);
+        text_add(text, " V");
+        break;
+    case FAULT_UNIT_SPEED:
+        add_rpm(text, name, about, value);
+        text_add(text, " rpm");
+        break;
+    case FAULT_UNIT_HEAT:
+        add_quantity(text, name, units_thousandths(value, Q14_ONE, HEAT_BASE), 1U);
+        text_add(text, " %");
+        break;
+    case FAULT_UNIT_TEMPERATURE:
+        add_quantity(text, name, temperature_celsius(&about->temperature, (uint16_t)value), 0U);
+        text_add(text, " C");
+        break;
+    default: /* NONE, WORD */
+        add_quantity(text, name, value, 0U);
+        break;
+    }
+}
+
+static void add_fault(text_t *text, const about_t *about, const fault_t *fault)
+{
+    const fault_text_t *const words = fault_text(fault->id);
+
+    text_add(text, " by ");
+    text_add(text, words->name);
+    add_measure(text, " ", about, words->unit, fault->value);
+    add_measure(text, ", limit ", about, words->unit, fault->limit);
+    text_add(text, " (");
+    text_add(text, words->advice);
+    text_add(text, ")");
+}
+
+static void add_state(text_t *text, const drive_t *drive, const about_t *about)
+{
+    static const char *const names[] = {
+        "INIT", "OFFSET_CAL", "READY",    "CATCH_SPIN", "ALIGN",
+        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",        "FAULT",
+    };
+    const drive_state_t state = drive->state;
+
+    barrier_compiler(); /* the fault is that of this state */
+    text_add(text, names[state]);
+    if (state == DRIVE_STATE_FAULT) {
+        add_fault(text, about, &drive->fault);
+    }
+}
+
+void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
+{
+    const step_t asked = command_mailbox_take(&app->mailbox).target;
+
+    add_state(text, &app->drive, about);
+    add_rpm(text, ", speed ", about, drive_speed(&app->drive));
+    add_rpm(text, " of ", about, asked);
+    add_current(text, " rpm, phases ", about, app->in.adc_ia);
+    add_current(text, " ", about, app->in.adc_ib);
+    add_current(text, " ", about, hal_health(hal).adc_ic);
+    add_bus(text, " A, bus ", about, app->drive.signals.bus);
+    add_quantity(text, " V, ", celsius(app, hal, about), 0U);
+    add_quantity(text, " C, late ", (int32_t)hal_health(hal).late_ticks, 0U);
+    add_quantity(text, ", load ", (int32_t)hal_health(hal).load_pct, 0U);
+    text_add(text, " %");
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The state of the drive as one line of text, in the units of a person:
+ *
+ *     RUN, speed 1500 of 1500 rpm, phases 1.200 -0.600 -0.600 A, bus 24.010 V, 31 C, late 0, load 42 %
+ *
+ * A fault follows the state's name, with value, limit and what to check.
+ */
+#ifndef STATUS_H
+#define STATUS_H
+
+#include "about.h"
+#include "app.h"
+#include "text.h"
+
+/*
+ * Append the status, without the end of a line. The currents are as measured, with the amplifiers' offset: that is worth
+ * a look at the first power-up. `hal` is asked for its health; it is that of `app` once app_init() has bound them.
+ * Context: background. The tick may come in between, so that two quantities may be of two ticks.
+ */
+void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about);
+
+#endif

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The application on a binding of memory: example_cfg.h measures what `measured` says, and `hardware.health` is the
+ * binding's. Each test program has one.
+ */
+#ifndef EXAMPLE_APP_H
+#define EXAMPLE_APP_H
+
+#include "about.h"
+#include "app.h"
+#include "example_cfg.h"
+
+#include "unity.h"
+
+#define EXAMPLE_MIDDLE (2048U)           /* counts without current */
+#define EXAMPLE_BUS_COUNT (2822U)        /* 310 V of 450 V */
+#define EXAMPLE_CALIBRATION_TICKS (260U) /* 256 samples and the changes of state */
+#define EXAMPLE_SPEED_STEP (28633115)    /* of 2000 rpm: 28633115.3 */
+
+struct hal {
+    uint32_t ticks;
+    hal_health_t health;
+};
+
+/* The scales of example_cfg.h on its motor. */
+static const about_t ABOUT = {
+    .name = "a board",
+    .rotation = {.pole_pairs = 2U, .tick_ps = 100000000U},
+    .speed_max_rpm = 2000,
+    .current_zero_count = EXAMPLE_MIDDLE,
+    .current_full_scale_ua = 20000000U,
+    .bus_full_scale_uv = 450000000U,
+    .temperature = {.points = 2U, .at = {{0, -50000}, {4096, 150000}}},
+};
+
+static drive_in_t measured;
+static drive_cfg_t cfg;
+static app_t app;
+static hal_t hardware;
+
+void hal_sample(hal_t *hal, drive_in_t *in)
+{
+    (void)hal;
+    *in = measured;
+}
+
+void hal_apply(hal_t *hal, const drive_out_t *out)
+{
+    (void)out;
+    hal->ticks++;
+}
+
+void hal_open_gates(hal_t *hal)
+{
+    (void)hal;
+}
+
+uint32_t hal_ticks(const hal_t *hal)
+{
+    return hal->ticks;
+}
+
+hal_health_t hal_health(const hal_t *hal)
+{
+    return hal->health;
+}
+
+static void tick(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        control_isr(&app);
+    }
+}
+
+static void power_on(void)
+{
+    cfg = example_drive_cfg();
+    hardware = (hal_t){.health.adc_ic = EXAMPLE_MIDDLE};
+    measured = (drive_in_t){
+        .adc_ia = EXAMPLE_MIDDLE, .adc_ib = EXAMPLE_MIDDLE, .adc_bus = EXAMPLE_BUS_COUNT};
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
+}
+
+static void calibrate(void)
+{
+    tick(EXAMPLE_CALIBRATION_TICKS);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
+static void fail(void)
+{
+    measured.flags = DRIVE_FLAG_BREAK;
+    tick(1U);
+    measured.flags = 0U;
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+}
+
+#endif

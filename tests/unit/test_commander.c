@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* What the background asks of the drive: each changes its part of the command in force, or says why it is refused. */
+#include "commander.h"
+#include "example_app.h"
+
+void setUp(void)
+{
+    power_on();
+    calibrate();
+}
+
+void tearDown(void)
+{
+}
+
+static drive_command_t taken(void)
+{
+    tick(1U);
+    return app.in.command;
+}
+
+static void test_run_and_stop_leave_the_speed_and_the_mode(void)
+{
+    const drive_command_t before = {
+        .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
+
+    command_mailbox_post(&app.mailbox, &before);
+    TEST_ASSERT_NULL(commander_run(&app));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+    TEST_ASSERT_EQUAL_INT32(-77, taken().target);
+    commander_stop(&app);
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+    TEST_ASSERT_EQUAL_INT32(-77, taken().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, taken().mode);
+}
+
+static void test_a_speed_leaves_the_request(void)
+{
+    TEST_ASSERT_NULL(commander_run(&app));
+    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+}
+
+static void test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared(void)
+{
+    fail();
+    TEST_ASSERT_EQUAL_STRING("a fault is latched; clear it first", commander_run(&app));
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    TEST_ASSERT_NULL(commander_clear(&app));
+    tick(1U);
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+}
+
+static void test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer(void)
+{
+    fail();
+    TEST_ASSERT_NULL(commander_clear(&app));
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_CLEAR, taken().request);
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+}
+
+static void test_where_there_is_no_fault_nothing_is_cleared(void)
+{
+    TEST_ASSERT_EQUAL_STRING("there is no fault to clear", commander_clear(&app));
+    TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+}
+
+static void test_a_run_is_not_taken_back(void)
+{
+    TEST_ASSERT_NULL(commander_run(&app));
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_run_and_stop_leave_the_speed_and_the_mode);
+    RUN_TEST(test_a_speed_leaves_the_request);
+    RUN_TEST(test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared);
+    RUN_TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer);
+    RUN_TEST(test_where_there_is_no_fault_nothing_is_cleared);
+    RUN_TEST(test_a_run_is_not_taken_back);
+    return UNITY_END();
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The whole console on another binding: the PC's, with the plant behind it. All that this file adds to the binding are the
+ * three functions of the serial line, over two pieces of memory. A person types, the motor turns, and a fault is told.
+ */
+#include "console.h"
+#include "example_cfg.h"
+#include "hal_host.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SAID_MAX (4096U)
+#define TICKS_PER_S (10000U)
+#define BYTES_PER_TICK (2U) /* that the line takes at most: 200 kbaud */
+#define MIDDLE (2048U)
+#define RPM_PER_RAD_S (9.549296585513721)
+#define TOLERANCE_RPM (10.0) /* 1 % of what is asked for: settled, and not on its way */
+
+/* Motor A of example_cfg.h at 310 V. */
+static const plant_cfg_t REALITY = {
+    .motor = {.pole_pairs = 2U,
+              .resistance_ohm = 2.125,
+              .inductance_d_h = 0.0116,
+              .inductance_q_h = 0.0116,
+              .flux_linkage_wb = 0.387,
+              .inertia_kg_m2 = 0.003},
+    .inverter = {.pwm_frequency_hz = TICKS_PER_S, .timer_counts = 8500U},
+    .supply = {.voltage_v = 310.0},
+    .sensor = {.adc_bits = 12U, .current_full_scale_a = 20.0, .bus_full_scale_v = 450.0},
+};
+
+static const about_t ABOUT = {
+    .name = "motor A on a PC",
+    .rotation = {.pole_pairs = 2U, .tick_ps = 100000000U},
+    .speed_max_rpm = 2000,
+    .current_zero_count = MIDDLE,
+    .current_full_scale_ua = 20000000U,
+    .bus_full_scale_uv = 450000000U,
+    .temperature = {.points = 2U, .at = {{0, -50000}, {4096, 150000}}},
+};
+
+static struct {
+    const char *typed;
+    uint32_t room; /* in this tick */
+    char said[SAID_MAX];
+    size_t length;
+} line;
+static plant_t plant;
+static drive_cfg_t cfg;
+static hal_t hardware;
+static app_t app;
+static console_t console;
+
+bool hal_receive(hal_t *hal, uint8_t *byte)
+{
+    const bool there = *line.typed != '\0';
+
+    (void)hal;
+    if (there) {
+        *byte = (uint8_t)*line.typed;
+        line.typed++;
+    }
+    return there;
+}
+
+bool hal_send(hal_t *hal, uint8_t byte)
+{
+    const bool room = (line.room > 0U) && (line.length < (SAID_MAX - 1U));
+
+    (void)hal;
+    if (room) {
+        line.said[line.length] = (char)byte;
+        line.length++;
+        line.room--;
+    }
+    return room;
+}
+
+/* The sum of the currents is zero; in counts, each has the middle as its zero. */
+hal_health_t hal_health(const hal_t *hal)
+{
+    (void)hal;
+    return (hal_health_t){.adc_ic = (uint16_t)((3U * MIDDLE) - app.in.adc_ia - app.in.adc_ib)};
+}
+
+/* What is said while so many ticks pass. */
+static const char *after(uint32_t ticks, const char *typed)
+{
+    memset(line.said, 0, sizeof line.said);
+    line.length = 0U;
+    line.typed = typed;
+    for (uint32_t k = 0U; k < ticks; k++) {
+        control_isr(&app);
+        hal_host_step(&hardware);
+        line.room = BYTES_PER_TICK;
+        console_step(&console);
+    }
+    return line.said;
+}
+
+static void assert_has(const char *expected, const char *said)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(said, expected), said);
+}
+
+static double turned_rpm(void)
+{
+    plant_view_t view;
+
+    plant_view(&plant, &view);
+    return view.omega_mech_rad_s * RPM_PER_RAD_S;
+}
+
+void setUp(void)
+{
+    const char *bad = NULL;
+
+    cfg = example_drive_cfg();
+    memset(&app, 0, sizeof app);
+    memset(&line, 0, sizeof line);
+    line.typed = "";
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, &REALITY, &bad), bad);
+    hal_host_init(&hardware, &plant);
+    console_init(&console, &app, &hardware, &ABOUT);
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
+    assert_has("READY, speed 0 of 0 rpm, ", after(TICKS_PER_S / 10U, ""));
+}
+
+void tearDown(void)
+{
+}
+
+static void test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so(void)
+{
+    assert_has("ok\r\nok\r\n", after(2U * TICKS_PER_S, "speed 1000\rrun\r"));
+    const char *const said = after(TICKS_PER_S / 10U, "status\r");
+
+    TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed ", said, 11U);
+    TEST_ASSERT_DOUBLE_WITHIN(TOLERANCE_RPM, 1000.0, strtod(&said[11], NULL));
+    TEST_ASSERT_DOUBLE_WITHIN(TOLERANCE_RPM, 1000.0, turned_rpm());
+    assert_has(" of 1000 rpm, ", said);
+}
+
+static void test_it_is_stopped_and_coasts(void)
+{
+    (void)after(TICKS_PER_S, "speed -500\rrun\r");
+    TEST_ASSERT_TRUE(turned_rpm() < -400.0);
+    assert_has("ok\r\nREADY, speed ", after(TICKS_PER_S / 10U, "stop\r"));
+    TEST_ASSERT_FALSE(app.out.gate_enable);
+}
+
+static void test_a_fault_is_told_and_cleared_and_the_motor_runs_again(void)
+{
+    (void)after(TICKS_PER_S, "speed 500\rrun\r");
+    hardware.faults.broken = true;
+    assert_has("FAULT by BREAK ", after(TICKS_PER_S / 10U, ""));
+    hardware.faults.broken = false;
+    assert_has("error: a fault is latched; clear it first\r\n", after(TICKS_PER_S / 10U, "run\r"));
+    assert_has("ok\r\n", after(2U * TICKS_PER_S, "stop\rclear\r"));
+    assert_has("RUN, speed ", after(TICKS_PER_S, "run\r"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_motor_turns_as_fast_as_it_is_told_and_the_status_says_so);
+    RUN_TEST(test_it_is_stopped_and_coasts);
+    RUN_TEST(test_a_fault_is_told_and_cleared_and_the_motor_runs_again);
+    return UNITY_END();
+}

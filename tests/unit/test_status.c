@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* The drive's state as a line of text: every quantity and every kind of fault in its unit. */
+#include "example_app.h"
+#include "status.h"
+
+#include <string.h>
+
+static text_t text;
+
+static const char *status(void)
+{
+    text = (text_t){0};
+    status_add(&text, &app, &hardware, &ABOUT);
+    TEST_ASSERT_LESS_THAN_UINT32(TEXT_MAX, text.length);
+    text.characters[text.length] = '\0';
+    return text.characters;
+}
+
+void setUp(void)
+{
+    power_on();
+}
+
+void tearDown(void)
+{
+}
+
+static void test_it_has_every_quantity_in_its_unit(void)
+{
+    const drive_command_t asked = {.target = units_step(&ABOUT.rotation, -345)};
+
+    calibrate();
+    command_mailbox_post(&app.mailbox, &asked);
+    measured.adc_ia = EXAMPLE_MIDDLE + 1024U; /* half of 20 A */
+    measured.adc_ib = EXAMPLE_MIDDLE - 1U;    /* 9.765625 mA */
+    measured.adc_temperature = 880U;          /* -7.03 °C */
+    hardware.health = (hal_health_t){.adc_ic = 0U, .late_ticks = 12U, .load_pct = 25U};
+    tick(1U);
+    TEST_ASSERT_EQUAL_STRING("READY, speed 0 of -345 rpm, phases 10.000 -0.009 -20.000 A, "
+                             "bus 310.034 V, -7 C, late 12, load 25 %",
+                             status());
+}
+
+static void test_before_the_first_tick_there_is_no_temperature(void)
+{
+    TEST_ASSERT_NOT_NULL(strstr(status(), " V, 0 C, "));
+    tick(1U);
+    TEST_ASSERT_NOT_NULL(strstr(status(), " V, -50 C, "));
+}
+
+static void assert_state(drive_state_t state, const char *name)
+{
+    app.drive.state = state;
+    TEST_ASSERT_EQUAL_STRING_LEN(name, status(), strlen(name));
+}
+
+static void test_it_begins_with_the_state(void)
+{
+    assert_state(DRIVE_STATE_INIT, "INIT, speed");
+    assert_state(DRIVE_STATE_OFFSET_CAL, "OFFSET_CAL, speed");
+    assert_state(DRIVE_STATE_READY, "READY, speed");
+    assert_state(DRIVE_STATE_CATCH_SPIN, "CATCH_SPIN, speed");
+    assert_state(DRIVE_STATE_ALIGN, "ALIGN, speed");
+    assert_state(DRIVE_STATE_HOLD, "HOLD, speed");
+    assert_state(DRIVE_STATE_IF_RAMP, "IF_RAMP, speed");
+    assert_state(DRIVE_STATE_HANDOVER, "HANDOVER, speed");
+    assert_state(DRIVE_STATE_RUN, "RUN, speed");
+    assert_state(DRIVE_STATE_FAULT, "FAULT by ");
+}
+
+static void test_the_speed_is_that_of_the_drive(void)
+{
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.observer.speed = -EXAMPLE_SPEED_STEP;
+    TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed -2000 of 0 rpm", status(), 25U);
+}
+
+static void assert_fault(const char *expected, fault_id_t id, int32_t value, int32_t limit)
+{
+    app.drive.fault = (fault_t){.id = id, .value = value, .limit = limit};
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), expected), text.characters);
+}
+
+static void test_a_fault_has_value_and_limit_in_its_unit(void)
+{
+    fail();
+    assert_fault(" by OVERCURRENT 20.000 A, limit -10.000 A (", FAULT_OVERCURRENT, 16384, -8192);
+    assert_fault(" by OVERVOLTAGE 449.986 V, limit 225.000 V (", FAULT_OVERVOLTAGE, 32767, 16384);
+    assert_fault(" by OVERSPEED -2000 rpm, limit 1 rpm (", FAULT_OVERSPEED, -EXAMPLE_SPEED_STEP,
+                 14317);
+    assert_fault(" by OVERLOAD 120.0 %, limit 50.0 % (", FAULT_OVERLOAD, 19661, 8192);
+    assert_fault(" by OVERTEMPERATURE 105 C, limit 100 C (", FAULT_OVERTEMPERATURE, 3174, 3072);
+    assert_fault(" by LATE 11, limit 10 (", FAULT_LATE, 11, 10);
+}
+
+static void test_a_fault_has_its_advice_in_brackets(void)
+{
+    fail();
+    TEST_ASSERT_NOT_NULL(strstr(status(), "), speed "));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_it_has_every_quantity_in_its_unit);
+    RUN_TEST(test_before_the_first_tick_there_is_no_temperature);
+    RUN_TEST(test_it_begins_with_the_state);
+    RUN_TEST(test_the_speed_is_that_of_the_drive);
+    RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
+    RUN_TEST(test_a_fault_has_its_advice_in_brackets);
+    return UNITY_END();
+}
