@@ -86,13 +86,13 @@ SignalInfo word(const char *name, Quantity quantity, Word::Home home, std::size_
 }
 
 // A member's name, place and type are one thing: only the preprocessor can tell all three from one mention.
-#define FIELD(name, home, type, member, quantity) \
+#define WORD(name, home, type, member, quantity) \
     word<std::remove_reference_t<decltype(std::declval<type &>().member)>>( \
         name, Quantity::quantity, Word::Home::home, offsetof(type, member), #member)
-#define IN(member, quantity) FIELD("in." #member, in, drive_in_t, member, quantity)
-#define OUT(member, quantity) FIELD("out." #member, out, drive_out_t, member, quantity)
-#define DRIVE(member, quantity) FIELD("drive." #member, drive, drive_t, member, quantity)
-#define ALIAS(name, member, quantity) FIELD(name, drive, drive_t, member, quantity)
+#define IN(member, quantity) WORD("in." #member, in, drive_in_t, member, quantity)
+#define OUT(member, quantity) WORD("out." #member, out, drive_out_t, member, quantity)
+#define DRIVE(member, quantity) WORD("drive." #member, drive, drive_t, member, quantity)
+#define ALIAS(name, member, quantity) WORD(name, drive, drive_t, member, quantity)
 
 std::vector<SignalInfo> run_signals()
 {
@@ -134,230 +134,35 @@ std::vector<SignalInfo> run_signals()
     };
 }
 
-// The frames, and what the drive makes of the one in the order in which it does.
-std::vector<SignalInfo> tick_signals()
+std::vector<SignalInfo> input_signals()
 {
     return {
-        IN(adc_ia, adc_current),
-        IN(adc_ib, adc_current),
-        IN(adc_bus, adc_bus),
-        IN(adc_temperature, adc_plain),
-        IN(flags, number),
-        IN(command.target, number),
-        IN(command.mode, number),
-        IN(command.request, number),
-        IN(angle, shaft_q16),
-        DRIVE(signals.phase_a, current_q15),
-        DRIVE(signals.phase_b, current_q15),
-        DRIVE(signals.bus, voltage_q15),
-        DRIVE(signals.current_ab.alpha, current_q15),
-        DRIVE(signals.current_ab.beta, current_q15),
-        DRIVE(signals.current.d, current_q15),
-        DRIVE(signals.current.q, current_q15),
-        DRIVE(signals.current_frame.d, current_q15),
-        DRIVE(signals.current_frame.q, current_q15),
-        DRIVE(signals.current_mean.d, current_q15),
-        DRIVE(signals.current_mean.q, current_q15),
-        DRIVE(signals.voltage_applied.alpha, voltage_q15),
-        DRIVE(signals.voltage_applied.beta, voltage_q15),
-        DRIVE(observer.alpha_q27, network_q27),
-        DRIVE(observer.beta_q27, network_q27),
-        DRIVE(observer.state.d, network_q15),
-        DRIVE(observer.state.q, network_q15),
-        DRIVE(observer.current.d, current_q15),
-        DRIVE(observer.current.q, current_q15),
-        DRIVE(observer.error.d, current_q15),
-        DRIVE(observer.error.q, current_q15),
-        DRIVE(observer.rho_q13, ratio_q13),
-        DRIVE(observer.turned.d, current_q15),
-        DRIVE(observer.turned.q, current_q15),
-        DRIVE(observer.descent, descent),
-        DRIVE(observer.weight_step, speed_step),
+        IN(adc_ia, adc_current),        IN(adc_ib, adc_current),     IN(adc_bus, adc_bus),
+        IN(adc_temperature, adc_plain), IN(flags, number),           IN(command.target, number),
+        IN(command.mode, number),       IN(command.request, number), IN(angle, shaft_q16),
+    };
+}
+
+std::vector<SignalInfo> state_signals()
+{
+#define FIELD(path, lowest, highest, quantity) DRIVE(path, quantity),
+#define FREE(path, quantity) DRIVE(path, quantity),
+    return {
+#include "state.def"
+    };
+#undef FIELD
+#undef FREE
+}
+
+std::vector<SignalInfo> output_signals()
+{
+    return {
         derived("weight_change_rpm", Quantity::speed_rpm, weight_change),
-        DRIVE(observer.speed, speed_step),
-        DRIVE(observer.speed_out, speed_step),
-        DRIVE(signals.speed, speed_q15),
-        DRIVE(signals.current_ref.d, current_q15),
-        DRIVE(signals.current_ref.q, current_q15),
-        DRIVE(signals.voltage_limit, voltage_q15),
-        DRIVE(signals.voltage.d, voltage_q15),
-        DRIVE(signals.voltage.q, voltage_q15),
-        DRIVE(voltage_driven, flag),
-        DRIVE(voltage_periods, number),
-        DRIVE(voltage_magnitude, voltage_q15),
         derived("lead_el_deg", Quantity::angle_deg, lead),
-        DRIVE(compensator.current_angle, turns_q32),
-        DRIVE(compensator.angle, turns_q32),
-        DRIVE(signals.ratio_ab.alpha, ratio_q15),
-        DRIVE(signals.ratio_ab.beta, ratio_q15),
         OUT(compare.phase[0], compare),
         OUT(compare.phase[1], compare),
         OUT(compare.phase[2], compare),
         OUT(gate_enable, flag),
-    };
-}
-
-// What the drive keeps from tick to tick beside it.
-std::vector<SignalInfo> state_signals()
-{
-    return {
-        DRIVE(position.turns_q32, turns_q32),
-        DRIVE(frame.turns_q32, turns_q32),
-        DRIVE(frame_speed, speed_step),
-        DRIVE(state, state),
-        DRIVE(tick, number),
-        DRIVE(slow_count, number),
-        DRIVE(mode, number),
-        DRIVE(offset_samples, number),
-        DRIVE(offset_a, current_q15),
-        DRIVE(offset_b, current_q15),
-        DRIVE(bus_before, voltage_q15),
-        DRIVE(ratio_acting.alpha, ratio_q15),
-        DRIVE(ratio_acting.beta, ratio_q15),
-        DRIVE(modulator.inverse_bus_q12, inverse_q12),
-        DRIVE(current_loop.pi_d.integral_q26, voltage_q26),
-        DRIVE(current_loop.pi_q.integral_q26, voltage_q26),
-        DRIVE(speed_reference, speed_step),
-        DRIVE(speed_loop.reference, speed_step),
-        DRIVE(speed_loop.pi.integral_q26, current_q26),
-        DRIVE(position_loop.profile_q32, turns_q32),
-        DRIVE(position_loop.profile_speed, speed_step),
-        DRIVE(torque_range.lower, current_q15),
-        DRIVE(torque_range.upper, current_q15),
-        DRIVE(residual, current_q15),
-        DRIVE(lost_periods, number),
-        DRIVE(handover_periods, number),
-        DRIVE(attempts, number),
-        DRIVE(identified, flag),
-        DRIVE(derating.heat_q24, ratio_q24),
-        DRIVE(derating.motoring, current_q15),
-        DRIVE(derating.braking, current_q15),
-        DRIVE(limits.current_max, current_q15),
-        DRIVE(limits.bus_max, voltage_q15),
-        DRIVE(limits.bus_min, voltage_q15),
-        DRIVE(fault.id, fault),
-        DRIVE(fault.value, number),
-        DRIVE(fault.limit, number),
-        DRIVE(fault.tick, number),
-    };
-}
-
-// What finds the rotor.
-std::vector<SignalInfo> start_signals()
-{
-    return {
-        DRIVE(catch_spin.tick, number),
-        DRIVE(catch_spin.phase, number),
-        DRIVE(catch_spin.length, number),
-        DRIVE(catch_spin.first.alpha, current_q15),
-        DRIVE(catch_spin.first.beta, current_q15),
-        DRIVE(catch_spin.gates, flag),
-        DRIVE(catch_spin.speed, speed_step),
-        DRIVE(catch_spin.angle, turns_q32),
-        DRIVE(align.phase, number),
-        DRIVE(align.tick, number),
-        DRIVE(align.backwards, flag),
-        DRIVE(align.current_ref, current_q15),
-        DRIVE(align.frame_speed, speed_step),
-        DRIVE(align.step_start, current_q15),
-        DRIVE(align.step_fall, current_q15),
-        DRIVE(align.high.voltage, voltage_q15),
-        DRIVE(align.high.current, current_q15),
-        DRIVE(align.low.voltage, voltage_q15),
-        DRIVE(align.low.current, current_q15),
-    };
-}
-
-// What limits and watches.
-std::vector<SignalInfo> watch_signals()
-{
-    return {
-        DRIVE(derating.thermal, current_q15),
-        DRIVE(derating.too_hot, number),
-        DRIVE(derating.voltage.d, voltage_q15),
-        DRIVE(derating.voltage.q, voltage_q15),
-        DRIVE(derating.flags_slow, number),
-        DRIVE(derating.flags, number),
-        DRIVE(supervision.step, number),
-        DRIVE(supervision.late, number),
-        DRIVE(supervision.late_periods, number),
-        DRIVE(supervision.start_q16, turns_q16),
-        DRIVE(supervision.samples, number),
-        DRIVE(supervision.lowest[0], current_q15),
-        DRIVE(supervision.lowest[1], current_q15),
-        DRIVE(supervision.lowest[2], current_q15),
-        DRIVE(supervision.highest[0], current_q15),
-        DRIVE(supervision.highest[1], current_q15),
-        DRIVE(supervision.highest[2], current_q15),
-        DRIVE(supervision.weak, number),
-        DRIVE(supervision.weak_arcs, number),
-        DRIVE(supervision.suspect.id, fault),
-        DRIVE(supervision.suspect.value, number),
-        DRIVE(supervision.suspect.limit, number),
-        DRIVE(supervision.suspect.tick, number),
-        DRIVE(supervision.absent, number),
-        DRIVE(supervision.absent_periods, number),
-        DRIVE(supervision.unexplained, number),
-        DRIVE(supervision.off_current.d, number),
-        DRIVE(supervision.off_current.q, number),
-        DRIVE(supervision.off_reference, number),
-        DRIVE(supervision.runaway, number),
-        DRIVE(supervision.too_fast, number),
-        DRIVE(supervision.stalled, number),
-        DRIVE(supervision.residual, number),
-        DRIVE(guard.at, number),
-        DRIVE(guard.crc, number),
-    };
-}
-
-std::vector<SignalInfo> model_signals()
-{
-    return {
-        DRIVE(model.resistance_q14, ratio_q14),
-        DRIVE(model.inductance_q14, ratio_q14),
-        DRIVE(model.inductance_inverse_q14, ratio_q14),
-        DRIVE(model.flux_q30, ratio_q30),
-        DRIVE(model.observer.decay, number),
-        DRIVE(model.observer.volt_gain, number),
-        DRIVE(model.observer.flux_q27, network_q27),
-        DRIVE(model.observer.rate, number),
-        DRIVE(model.observer.proportional, number),
-        DRIVE(model.observer.corner, speed_step),
-        DRIVE(model.run_loop.resistance_q13, ratio_q13),
-        DRIVE(model.run_loop.emf_q13, ratio_q13),
-        DRIVE(model.run_loop.pi_d.kp, number),
-        DRIVE(model.run_loop.pi_d.ki, number),
-        DRIVE(model.run_loop.pi_q.kp, number),
-        DRIVE(model.run_loop.pi_q.ki, number),
-        DRIVE(model.hold_loop.resistance_q13, ratio_q13),
-        DRIVE(model.hold_loop.emf_q13, ratio_q13),
-        DRIVE(model.observer.weight_shift, number),
-        DRIVE(model.observer.iq_gain_q14, ratio_q14),
-        DRIVE(model.observer.saliency_q13, ratio_q13),
-        DRIVE(model.observer.current_shift, number),
-        DRIVE(model.observer.descent_shift, number),
-        DRIVE(model.observer.rate_shift, number),
-        DRIVE(model.observer.proportional_shift, number),
-        DRIVE(model.observer.momentum_q15, ratio_q15),
-        DRIVE(model.observer.speed_limit, speed_step),
-        DRIVE(model.observer.rho_max_q13, ratio_q13),
-        DRIVE(model.observer.rho_speed_min, speed_step),
-        DRIVE(model.run_loop.pi_d.kp_shift, number),
-        DRIVE(model.run_loop.pi_d.ki_shift, number),
-        DRIVE(model.run_loop.pi_q.kp_shift, number),
-        DRIVE(model.run_loop.pi_q.ki_shift, number),
-        DRIVE(model.run_loop.reactance_d_q13, ratio_q13),
-        DRIVE(model.run_loop.reactance_q_q13, ratio_q13),
-        DRIVE(model.hold_loop.pi_d.kp, number),
-        DRIVE(model.hold_loop.pi_d.ki, number),
-        DRIVE(model.hold_loop.pi_d.kp_shift, number),
-        DRIVE(model.hold_loop.pi_d.ki_shift, number),
-        DRIVE(model.hold_loop.pi_q.kp, number),
-        DRIVE(model.hold_loop.pi_q.ki, number),
-        DRIVE(model.hold_loop.pi_q.kp_shift, number),
-        DRIVE(model.hold_loop.pi_q.ki_shift, number),
-        DRIVE(model.hold_loop.reactance_d_q13, ratio_q13),
-        DRIVE(model.hold_loop.reactance_q_q13, ratio_q13),
     };
 }
 
@@ -374,7 +179,7 @@ std::vector<SignalInfo> configuration_signals()
     return all;
 }
 
-#undef FIELD
+#undef WORD
 #undef IN
 #undef OUT
 #undef DRIVE
@@ -423,8 +228,7 @@ const std::vector<SignalInfo> &all_signals()
     static const std::vector<SignalInfo> table = [] {
         std::vector<SignalInfo> all = run_signals();
         for (const std::vector<SignalInfo> &part :
-             {tick_signals(), state_signals(), start_signals(), watch_signals(), model_signals(),
-              configuration_signals()}) {
+             {input_signals(), state_signals(), output_signals(), configuration_signals()}) {
             all.insert(all.end(), part.begin(), part.end());
         }
         return all;

@@ -38,9 +38,11 @@ std::string range_problem(const drive_t &s)
     const Range all[] = {
         {"state", number_of(s.state), DRIVE_STATE_INIT, DRIVE_STATE_FAULT},
         {"guard.at", number_of(s.guard.at), 0, GUARD_AT_MAX},
-#define FIELD(path, lowest, highest) {#path, number_of(s.path), lowest, highest},
+#define FIELD(path, lowest, highest, quantity) {#path, number_of(s.path), lowest, highest},
+#define FREE(path, quantity)
 #include "state.def"
 #undef FIELD
+#undef FREE
     };
     for (const Range &one : all) {
         if (one.value < one.least || one.value > one.most) {

@@ -71,7 +71,7 @@ ASSUMED = re.compile(r"Neither code nor specification for function (\w+)")
 FUNCTION = re.compile(r"^\w[\w \*]*?\b(\w+)\([^;]*?\)\s*\n\{", re.MULTILINE)
 COVERED = re.compile(r"^  (\w+): (\d+) stmts out of (\d+) \(", re.MULTILINE)
 RANGE = re.compile(r"state\.def:(\d+):\s+Frama_C_show_each_range:\s+(\[[^\]]*\]|\{[^}]*\})")
-FIELD = re.compile(r"FIELD\(([^,]+), ([^,]+), ([^)]+)\)")
+FIELD = re.compile(r"FIELD\(([^,]+), [^,]+, [^,]+, \w+\)")
 OUT = re.compile(r"Frama_C_show_each_out:((?:\s+(?:\[[^\]]*\]|\{[^}]*\}),?(?:\d+%\d+,?)?){4})")
 
 

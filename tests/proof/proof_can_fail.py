@@ -112,7 +112,7 @@ class ProofCanFail(unittest.TestCase):
                 with mock.patch.dict(os.environ, {"PATH": f"{folder}{os.pathsep}{os.environ['PATH']}"}):
                     bad = findings("proof_init", Path(folder))
                 self.assert_found(bad, found)
-                self.assert_found(bad, f"FIELD(limits.current_max, 1, 65536): {proof.UNASKED}")
+                self.assert_found(bad, f"FIELD(limits.current_max, 1, 65536, current_q15): {proof.UNASKED}")
 
 
 if __name__ == "__main__":

@@ -77,7 +77,9 @@ static void choose_state(void)
 {
     choose_words((uint32_t *)&drive, sizeof(drive));
     drive.cfg = &cfg;
-#define FIELD(path, lowest, highest) drive.path = Frama_C_long_long_interval(lowest, highest);
+#define FREE(path, quantity)
+#define FIELD(path, lowest, highest, quantity) \
+    drive.path = Frama_C_long_long_interval(lowest, highest);
 #include "state.def"
 #undef FIELD
     drive.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
@@ -89,11 +91,10 @@ static void choose_state(void)
 
 static void check_state(void)
 {
-#define FIELD(path, lowest, highest) \
+#define FIELD(path, lowest, highest, quantity) \
     Frama_C_show_each_range(drive.path); \
     within(drive.path, lowest, highest);
 #include "state.def"
-#undef FIELD
     within(drive.cfg == &cfg, 1, 1);
     within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     within(drive.guard.at, 0, GUARD_AT_MAX);
