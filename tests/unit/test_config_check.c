@@ -190,6 +190,33 @@ static void test_every_field_is_refused_just_outside_its_row(void)
     }
 }
 
+/* Beyond a rule a row has ends too: with all fields there at once, less those that a rule forbids then. */
+static void test_all_fields_are_accepted_at_the_lower_ends_of_their_rows(void)
+{
+    drive_cfg_t cfg;
+
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        memcpy((char *)&cfg + ROWS[i].field.offset, &ROWS[i].field.lowest, sizeof(int32_t));
+    }
+    cfg.startup.current_hold = 1;
+    cfg.startup.handover_speed = 2; /* above hold_speed */
+    cfg.voltage_drive.enabled = 1U;
+    TEST_ASSERT_NULL(config_check(&cfg));
+}
+
+static void test_all_fields_are_accepted_at_the_upper_ends_of_their_rows(void)
+{
+    drive_cfg_t cfg;
+
+    for (size_t i = 0; i < COUNT(ROWS); i++) {
+        memcpy((char *)&cfg + ROWS[i].field.offset, &ROWS[i].field.highest, sizeof(int32_t));
+    }
+    cfg.sampling.sensor_pole_pairs = 0U;
+    cfg.sampling.current_shift = 0U; /* 16384 − 1 − 1 − 16382 leaves no offset */
+    cfg.protection.offset_max = 0;
+    TEST_ASSERT_NULL(config_check(&cfg));
+}
+
 static drive_cfg_t with_sensor(void)
 {
     drive_cfg_t cfg = example_drive_cfg();
@@ -444,6 +471,8 @@ int main(void)
     RUN_TEST(test_every_field_is_refused_just_outside_its_range);
     RUN_TEST(test_every_field_is_named_at_the_ends_of_its_type);
     RUN_TEST(test_every_field_is_refused_just_outside_its_row);
+    RUN_TEST(test_all_fields_are_accepted_at_the_lower_ends_of_their_rows);
+    RUN_TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows);
     RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
     RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
     RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
