@@ -13,7 +13,7 @@
 #ifndef HAL_H
 #define HAL_H
 
-#include "drive.h"
+#include "io.h"
 
 #include <stdbool.h>
 #include <stdint.h>

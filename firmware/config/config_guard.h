@@ -29,8 +29,8 @@ uint32_t config_guard_crc(const drive_cfg_t *cfg);
 void config_guard_reset(config_guard_t *guard);
 
 /*
- * Process the next four bytes. After the last ones it returns FAULT_CONFIGURATION, with value and limit in `fault`, when
- * the CRC differs from the stored one; else FAULT_NONE. It finds a changed bit within two times CONFIG_GUARD_STEPS calls.
+ * Process the next four bytes. After the last ones it finds FAULT_CONFIGURATION (fault.h) when
+ * the CRC differs from the stored one. It finds a changed bit within two times CONFIG_GUARD_STEPS calls.
  */
 fault_id_t config_guard_step(config_guard_t *guard, const drive_cfg_t *cfg, fault_t *fault);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Configuration of start-up and low speed, where the back-EMF is too small to find the rotor angle (low_speed.h). */
+/* Configuration of start-up and low speed, where the back-EMF is too small to find the rotor angle (open_loop.h). */
 #ifndef STARTUP_H
 #define STARTUP_H
 

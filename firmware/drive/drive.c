@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "drive.h"
 
-#include "angle_sensor.h"
 #include "config_check.h"
-#include "drive_state.h"
-#include "low_speed.h"
-#include "monitor.h"
-#include "vector_control.h"
+#include "estimate.h"
+#include "frame.h"
+#include "open_loop.h"
+#include "run.h"
+#include "schedule.h"
+#include "transitions.h"
+#include "voltage_drive.h"
 
 #include <stddef.h>
 
@@ -14,33 +16,46 @@
 #define OFFSET_END (32768)          /* no sensor's zero is further away */
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
+/* The protection limits of the new state apply from now on. */
+static void enter(drive_t *drive, drive_state_t state)
+{
+    drive->state = state;
+    drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
+}
+
+static void follow(drive_t *drive, drive_event_t event)
+{
+    if (event != DRIVE_EVENT_NONE) {
+        enter(drive, transitions_next(drive->state, event));
+    }
+}
+
+/* A fault is latched: in FAULT another one changes nothing. */
+static void fail(drive_t *drive, const fault_t *fault)
+{
+    if (drive->state != DRIVE_STATE_FAULT) {
+        drive->fault = *fault;
+        drive->fault.tick = drive->tick;
+        follow(drive, DRIVE_EVENT_FAULT);
+    }
+}
+
+/* Act on the event of a part that can find a fault too. */
+static void follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
+{
+    if (event == DRIVE_EVENT_FAULT) {
+        fail(drive, fault);
+    } else {
+        follow(drive, event);
+    }
+}
+
 static void open_gates(drive_t *drive, drive_out_t *out)
 {
     const uint32_t half = (uint32_t)drive->cfg->modulator.timer_counts / 2U;
     const uint16_t rest = (uint16_t)half;
 
     *out = (drive_out_t){.compare = {.phase = {rest, rest, rest}}, .gate_enable = false};
-}
-
-void drive_enter(drive_t *drive, drive_state_t state)
-{
-    drive->state = state;
-    drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
-}
-
-void drive_fail(drive_t *drive, fault_t fault)
-{
-    drive->fault = fault;
-    drive->fault.tick = drive->tick;
-    drive_enter(drive, DRIVE_STATE_FAULT);
-}
-
-static void enter_offset_cal(drive_t *drive)
-{
-    drive->offset_a = 0;
-    drive->offset_b = 0;
-    drive->offset_samples = 0U;
-    drive_enter(drive, DRIVE_STATE_OFFSET_CAL);
 }
 
 /* Raw counts to per unit. The currents are not valid before the calibration has ended. */
@@ -57,16 +72,6 @@ static void convert_samples(drive_t *drive, const drive_in_t *in)
     s->bus = fx_usat15((int32_t)bus);
 }
 
-/* An over-current at an end of the converter range is not a measured value: name the converter instead. */
-static fault_id_t name_of(const drive_t *drive, const drive_in_t *in, fault_id_t id)
-{
-    const uint32_t shift = drive->cfg->sampling.current_shift;
-    const bool saturated =
-        protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
-
-    return ((id == FAULT_OVERCURRENT) && saturated) ? FAULT_ADC_SATURATED : id;
-}
-
 /* After a late tick no voltage acts in place of its demand. */
 static void count_late(drive_t *drive)
 {
@@ -76,11 +81,22 @@ static void count_late(drive_t *drive)
 
     drive->signals.ratio_ab = (ab_t){0, 0};
     if ((id != FAULT_NONE) && drive_is_driving(drive->state)) {
-        drive_fail(drive, fault);
+        fail(drive, &fault);
     }
 }
 
-/* Check the samples and latch the fault. */
+/* A count at an end of the converter range says nothing about the current. */
+static bool is_saturated(const drive_t *drive, const drive_in_t *in)
+{
+    const uint32_t shift = drive->cfg->sampling.current_shift;
+
+    return protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
+}
+
+/*
+ * The samples of this tick against the limits of this state. When the sample of an over-current is at an end of the
+ * converter range, the fault is ADC_SATURATED.
+ */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
     const protection_in_t measured = {
@@ -89,10 +105,14 @@ static void watch(drive_t *drive, const drive_in_t *in)
         .bus = drive->signals.bus,
         .break_input = (in->flags & DRIVE_FLAG_BREAK) != 0U,
     };
-    const fault_id_t id = protection_check(&drive->limits, &measured);
+    fault_t fault;
+    const fault_id_t id = protection_check(&drive->limits, &measured, &fault);
 
-    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        drive_fail(drive, protection_record(&drive->limits, &measured, name_of(drive, in, id)));
+    if (id != FAULT_NONE) {
+        if ((id == FAULT_OVERCURRENT) && is_saturated(drive, in)) {
+            fault.id = FAULT_ADC_SATURATED;
+        }
+        fail(drive, &fault);
     }
 }
 
@@ -105,84 +125,94 @@ static int32_t mean_sample(const sampling_cfg_t *cfg, int32_t sum)
     return (mean < (uint64_t)OFFSET_END) ? (int32_t)mean : OFFSET_END;
 }
 
-static void finish_calibration(drive_t *drive)
+static drive_event_t finish_calibration(drive_t *drive, fault_t *fault)
 {
     const sampling_cfg_t *const cfg = &drive->cfg->sampling;
-    fault_t fault;
+    fault_id_t id;
 
-    drive->offset_a = mean_sample(cfg, drive->offset_a);
-    drive->offset_b = mean_sample(cfg, drive->offset_b);
-    fault = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
-                                    drive->offset_b - ADC_MID_Q15);
-    if (fault.id == FAULT_NONE) {
-        drive_enter(drive, DRIVE_STATE_READY);
-    } else {
-        drive_fail(drive, fault);
+    drive->offset_a = mean_sample(cfg, drive->calibration.sum_a);
+    drive->offset_b = mean_sample(cfg, drive->calibration.sum_b);
+    id = protection_check_offset(&drive->cfg->protection, drive->offset_a - ADC_MID_Q15,
+                                 drive->offset_b - ADC_MID_Q15, fault);
+    return (id == FAULT_NONE) ? DRIVE_EVENT_CALIBRATED : DRIVE_EVENT_FAULT;
+}
+
+static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_t *fault)
+{
+    calibration_t *const sums = &drive->calibration;
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    sums->sum_a = fx_min(sums->sum_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
+    sums->sum_b = fx_min(sums->sum_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
+    sums->samples++;
+    if (sums->samples == (1UL << drive->cfg->sampling.offset_log2)) {
+        event = finish_calibration(drive, fault);
     }
+    return event;
 }
 
-static void calibrate_step(drive_t *drive, const drive_in_t *in)
+static drive_event_t begin_calibration(drive_t *drive)
 {
-    drive->offset_a = fx_min(drive->offset_a + (int32_t)in->adc_ia, OFFSET_SUM_MAX);
-    drive->offset_b = fx_min(drive->offset_b + (int32_t)in->adc_ib, OFFSET_SUM_MAX);
-    drive->offset_samples++;
-    if (drive->offset_samples == (1UL << drive->cfg->sampling.offset_log2)) {
-        finish_calibration(drive);
-    }
+    drive->calibration = (calibration_t){.sum_a = 0};
+    return DRIVE_EVENT_CALIBRATE;
 }
 
-static bool wants_run(const drive_command_t *command)
+static drive_event_t start(drive_t *drive)
 {
-    return (command->request & DRIVE_REQUEST_RUN) != 0U;
-}
+    drive_event_t event = DRIVE_EVENT_TRACKED;
 
-static bool has_sensor(const drive_t *drive)
-{
-    return drive->cfg->sampling.sensor_pole_pairs != 0U;
-}
-
-static void leave_ready(drive_t *drive)
-{
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
-    if (has_sensor(drive)) {
-        angle_sensor_start(drive);
-        drive_enter(drive, DRIVE_STATE_RUN);
+    if (drive_has_sensor(drive)) {
+        run_reset_sensed(drive);
     } else if (drive->cfg->startup.current_hold == 0) {
-        vector_control_reset(drive);
-        drive_enter(drive, DRIVE_STATE_RUN);
+        run_reset(drive);
     } else {
-        low_speed_start(drive);
+        event = open_loop_start(drive);
     }
+    return event;
 }
 
-/* Changes of state without current: by the command, or at the end of the calibration. */
-static void change_state(drive_t *drive, const drive_in_t *in)
+/* What the command asks for, and the calibration. */
+static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run, fault_t *fault)
 {
-    const bool run = wants_run(&in->command);
     const bool clear = (in->command.request & DRIVE_REQUEST_CLEAR) != 0U;
+    drive_event_t event;
 
     switch (drive->state) {
-    case DRIVE_STATE_READY:
-        if (run) {
-            leave_ready(drive);
-        }
-        break;
     case DRIVE_STATE_OFFSET_CAL:
-        calibrate_step(drive, in);
+        event = calibrate_step(drive, in, fault);
+        break;
+    case DRIVE_STATE_READY:
+        event = run ? start(drive) : DRIVE_EVENT_NONE;
         break;
     case DRIVE_STATE_FAULT:
-        if (clear && !run) {
-            enter_offset_cal(drive);
-        }
+        event = (clear && !run) ? begin_calibration(drive) : DRIVE_EVENT_NONE;
         break;
     default: /* INIT */
-        enter_offset_cal(drive);
+        event = begin_calibration(drive);
         break;
+    }
+    return event;
+}
+
+static void obey(drive_t *drive, const drive_in_t *in)
+{
+    const bool run = (in->command.request & DRIVE_REQUEST_RUN) != 0U;
+
+    if (!drive_is_driving(drive->state)) {
+        fault_t fault;
+
+        fault_clear(&fault);
+        follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault);
+    } else if (!run) {
+        follow(drive, DRIVE_EVENT_STOP);
+    } else {
+        /* go on */
     }
 }
 
-/* Slow ticks to the end of the slow period after this one; 0 in its last. */
+/* Ticks left in the slow period after this one. */
 static uint32_t count_slow(drive_t *drive)
 {
     const uint32_t left = drive->slow_count - 1U;
@@ -200,7 +230,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
     drive->slow_count = cfg->slow_ticks;
-    drive_enter(drive, DRIVE_STATE_INIT);
+    enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
@@ -211,33 +241,61 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     return bad;
 }
 
-/* The part of the slow period that belongs to this tick, in a state that controls a current. */
-static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left)
+/* The slot of the slow schedule that falls on this tick, if one does. */
+static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool moving)
 {
-    monitor_step(drive, in, left);
-    if (drive->state == DRIVE_STATE_RUN) {
-        vector_control_motion(drive, &in->command, left);
-    } else if (drive_is_controlled(drive->state)) {
-        low_speed_motion(drive, &in->command, left);
-    } else {
-        /* nothing moves */
+    if (left < (uint32_t)SLOTS) {
+        fault_t fault;
+
+        fault_clear(&fault);
+        follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);
     }
+}
+
+/* The voltage step of the alignment: v_d drops once and stays; the integrals of the loop do not change. */
+static void step_voltage(drive_t *drive)
+{
+    if (drive->align.tick == 1U) {
+        drive->signals.voltage.d =
+            fx_max(drive->signals.voltage.d - drive->cfg->startup.align.step_voltage, -FX_Q15_MAX);
+    }
+}
+
+/* Currents to compare values. */
+static void control_current(drive_t *drive, compare_t *out)
+{
+    const frame_t frame =
+        (drive->state == DRIVE_STATE_RUN) ? frame_of_rotor(drive) : frame_of_vector(drive);
+
+    if ((drive->state == DRIVE_STATE_ALIGN) &&
+        align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
+        step_voltage(drive);
+    } else if (drive->voltage_drive.active) {
+        voltage_drive_step(drive);
+    } else {
+        frame_control_current(drive, &frame);
+    }
+    frame_modulate(drive, &frame, out);
 }
 
 /* A tick that controls a current. When the state changes to one that does not, the gates open. */
 static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
-    const bool track = (drive->state == DRIVE_STATE_RUN) || low_speed_tracks(drive);
+    const bool trained = estimate_is_trained(drive);
 
-    vector_control_estimate(drive, track);
+    estimate_step(drive, trained);
     if (drive->state != DRIVE_STATE_RUN) {
-        low_speed_step(drive);
+        frame_measure(drive);
+        follow(drive, open_loop_step(drive));
     }
-    if (left < (uint32_t)SLOW_PARTS) {
-        slow_step(drive, in, left);
-    }
+    slow_step(drive, in, left, true);
     if (drive_is_controlled(drive->state)) {
-        vector_control_close(drive, track, out);
+        control_current(drive, &out->compare);
+        out->gate_enable = true;
+        if (drive->state != DRIVE_STATE_RUN) {
+            rotor_position_step(&drive->vector.position, drive->vector.step);
+        }
+        estimate_advance(drive, trained);
     } else {
         open_gates(drive, out);
     }
@@ -248,11 +306,12 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
 {
     open_gates(drive, out);
     if (drive->state == DRIVE_STATE_CATCH_SPIN) {
-        low_speed_catch(drive, in, out);
+        fault_t fault;
+
+        fault_clear(&fault);
+        follow_or_fail(drive, open_loop_catch(drive, in, out, &fault), &fault);
     }
-    if (left < (uint32_t)SLOW_PARTS) {
-        monitor_step(drive, in, left);
-    }
+    slow_step(drive, in, left, false);
     out->gate_enable = out->gate_enable && drive_is_driving(drive->state);
 }
 
@@ -262,16 +321,10 @@ void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
     const bool controlled = drive_is_controlled(drive->state);
 
     convert_samples(drive, in);
-    if (has_sensor(drive)) {
-        angle_sensor_track(drive, in->angle);
+    if (drive_has_sensor(drive)) {
+        estimate_sense(drive, in->angle);
     }
-    if (!drive_is_driving(drive->state)) {
-        change_state(drive, in);
-    } else if (!wants_run(&in->command)) {
-        drive_enter(drive, DRIVE_STATE_READY);
-    } else {
-        /* stay */
-    }
+    obey(drive, in);
     /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
     if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
         count_late(drive);

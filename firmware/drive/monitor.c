@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "monitor.h"
 
-#include "drive_state.h"
 #include "trig.h"
 
 static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 {
     const bool running = drive->state == DRIVE_STATE_RUN;
-    const rotor_position_t *const frame = running ? &drive->position : &drive->frame;
+    const rotor_position_t *const frame = running ? &drive->position : &drive->vector.position;
     const uint64_t turns_q16 = fx_unsigned64(frame->turns_q32) >> 16U;
     const supervision_phases_t measured = {
         .a = drive->signals.phase_a,
@@ -21,14 +20,14 @@ static fault_id_t check_phases(drive_t *drive, fault_t *fault)
 }
 
 /*
- * The current control's integrals are what it needs beyond the model. In RUN they prove nothing: a rotor that is caught
- * again takes as much for a while.
+ * The integrals of the current control are the voltage that the model does not explain. In RUN they are not checked: after
+ * a rotor is caught they are large for a while.
  */
 static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 {
     const drive_signals_t *const s = &drive->signals;
-    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->frame));
-    const int32_t speed = fx_sat16(fx_asr(fx_abs(drive->frame_speed), drive->cfg->speed_shift));
+    const sincos_t angle = trig_sincos(rotor_position_angle(&drive->vector.position));
+    const int32_t speed = drive_speed_q15(drive, fx_abs(drive->vector.step));
     const supervision_imposed_t measured = {
         .a = s->phase_a,
         .b = s->phase_b,
@@ -45,7 +44,7 @@ static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 /* Whether the rotor rests on the imposed current. */
 static bool is_at_rest(const drive_t *drive)
 {
-    const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->frame_speed == 0);
+    const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->vector.step == 0);
     const bool aligned = (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
 
     return held || aligned;
@@ -78,7 +77,7 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
     const bool running = drive->state == DRIVE_STATE_RUN;
     const supervision_current_t measured = {
         .current = controlled_current(drive),
-        .reference = drive->signals.current_ref,
+        .reference = drive_current_in_force(drive),
         .excused = running && (fx_abs(drive->observer.speed) >= cfg->stall_speed),
     };
     /* The error along d is mostly an error of the flux, which the model corrects. Below RUN the start-up checks the observer. */
@@ -94,7 +93,7 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
 static fault_id_t check_speed(drive_t *drive, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
-    const int32_t torque = drive->signals.current_ref.q;
+    const int32_t torque = drive_current_in_force(drive).q;
     const supervision_speed_t measured = {
         .speed = drive->observer.speed,
         .reference = drive->speed_loop.reference,
@@ -107,8 +106,7 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
     return supervision_check_speed(&drive->supervision, cfg, &measured, fault);
 }
 
-/* One of the checks that take turns. */
-static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
+fault_id_t monitor_next_check(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
     const bool controlled = drive_is_controlled(drive->state);
@@ -132,53 +130,27 @@ static fault_id_t check_next(drive_t *drive, uint16_t adc_temperature, fault_t *
     return id;
 }
 
-static void latch(drive_t *drive, fault_id_t id, const fault_t *fault)
+fault_id_t monitor_phases(drive_t *drive, fault_t *fault)
 {
-    if ((id != FAULT_NONE) && (drive->state != DRIVE_STATE_FAULT)) {
-        drive_fail(drive, *fault);
-    }
-}
-
-static void watch_phases(drive_t *drive)
-{
-    fault_t fault = {.id = FAULT_NONE};
+    fault_id_t id = FAULT_NONE;
 
     if (drive_is_controlled(drive->state)) {
-        latch(drive, check_phases(drive, &fault), &fault);
+        id = check_phases(drive, fault);
     }
-    if (drive_is_controlled(drive->state) && (drive->state != DRIVE_STATE_RUN)) {
-        latch(drive, check_imposed(drive, &fault), &fault);
+    if ((id == FAULT_NONE) && drive_is_imposed(drive->state)) {
+        id = check_imposed(drive, fault);
     }
+    return id;
 }
 
-static void watch_turns(drive_t *drive, const drive_in_t *in)
-{
-    fault_t fault = {.id = FAULT_NONE};
-
-    latch(drive, check_next(drive, in->adc_temperature, &fault), &fault);
-}
-
-static void limit_torque(drive_t *drive)
+void monitor_limits(drive_t *drive)
 {
     const derating_motion_t motion = {
         .bus = drive->signals.bus,
         .speed = drive_speed(drive),
         .voltage = drive_is_controlled(drive->state) ? drive->signals.voltage : (dq_t){0, 0},
-        .current_d = drive->signals.current_ref.d,
+        .current_d = drive_current_in_force(drive).d,
     };
 
     drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);
-}
-
-void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left)
-{
-    if (left == (uint32_t)SLOW_PART_PHASES) {
-        watch_phases(drive);
-    } else if (left == (uint32_t)SLOW_PART_CHECKS) {
-        watch_turns(drive, in);
-    } else if (left == (uint32_t)SLOW_PART_LIMITS) {
-        limit_torque(drive);
-    } else {
-        /* not the monitor's part */
-    }
 }

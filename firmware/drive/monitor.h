@@ -1,16 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Gives the signals of the drive to supervision, derating and the guard of the configuration, and latches the faults that
- * they find.
+ * Gives the signals of the drive to supervision, derating and the guard of the configuration.
  *
- * Part of the drive; called from drive_step only.
+ * Part of the drive; called from drive_step only, in every state, once per slow period each. Faults as fault.h says.
  */
 #ifndef MONITOR_H
 #define MONITOR_H
 
-#include "drive.h"
+#include "state.h"
 
-/* In every state and tick. left: ticks to the end of the slow period. A fault opens the gates in this tick. */
-void monitor_step(drive_t *drive, const drive_in_t *in, uint32_t left);
+/* The currents of the phases, where a current is controlled. */
+fault_id_t monitor_phases(drive_t *drive, fault_t *fault);
+
+/*
+ * The next of four checks that take turns: derating; late ticks and configuration; current, from ALIGN to RUN; speed, in
+ * RUN.
+ */
+fault_id_t monitor_next_check(drive_t *drive, uint16_t adc_temperature, fault_t *fault);
+
+/* The limits of the torque current in the next slow period. */
+void monitor_limits(drive_t *drive);
 
 #endif

@@ -1,59 +1,61 @@
 /* SPDX-License-Identifier: MIT */
 #include "voltage_drive.h"
 
-#include "drive_state.h"
 #include "trig.h"
 
 #define QUARTER_TURN_STEP (0x40000000)
 #define MEAN_SHIFT (5U)  /* of the current's filter, in ticks */
 #define SPEED_SHIFT (4U) /* of the speed asked for, what may be missing */
-#define END_SHIFT \
-    (3U) /* of brake_max, what is its end: a small voltage has its angle only roughly */
-#define HYSTERESIS_SHIFT (2U) /* of a limit for taking over, by what it is lower for giving back */
+#define END_SHIFT (3U)   /* at 7/8 of brake_max it is left: the angle of a small voltage is rough */
+#define HYSTERESIS_SHIFT (2U) /* the limit for leaving is 1/4 below the one for entering */
 
 /* ω·φ, Q15 of U_b. */
 static int32_t emf(const drive_t *drive, step_t speed)
 {
-    const int32_t speed_q15 = fx_sat16(fx_asr(speed, drive->cfg->speed_shift));
-
-    return fx_sat16(fx_asr(speed_q15 * drive->model.run_loop.emf_q13, CURRENT_LOOP_GAIN_BITS));
+    return fx_sat16(fx_asr(drive_speed_q15(drive, speed) * drive->model.run_loop.emf_q13,
+                           CURRENT_LOOP_GAIN_BITS));
 }
 
 /* Start with this magnitude and lead, and with the commanded speed. */
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
-    const step_t reference = drive->speed_loop.reference;
+    voltage_drive_t *const vd = &drive->voltage_drive;
+    const int32_t beyond_emf = magnitude - emf(drive, drive->speed_loop.reference);
 
-    phase_compensator_start(&drive->compensator,
+    phase_compensator_start(&vd->compensator,
                             rotor_position_angle(&drive->position) + fx_unsigned(lead));
-    speed_loop_start(&drive->speed_loop, reference, fx_sat16(magnitude - emf(drive, reference)));
-    drive->voltage_magnitude = magnitude;
-    drive->voltage_driven = true;
-    drive->voltage_periods = 0U;
+    pi_reset(&vd->pi, fx_sat16(beyond_emf));
+    vd->magnitude = magnitude;
+    vd->current_mean = drive->signals.current_ref;
+    drive->signals.current_ref = (dq_t){0, 0}; /* nothing is asked of the current */
+    vd->end_periods = 0U;
+    vd->active = true;
 }
 
 void voltage_drive_step(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
+    voltage_drive_t *const vd = &drive->voltage_drive;
+    dq_t *const mean = &vd->current_mean;
     const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
-    const int32_t magnitude = fx_clamp(drive->voltage_magnitude, -limit, limit);
+    const int32_t magnitude = fx_clamp(vd->magnitude, -limit, limit);
     const int32_t lead = phase_compensator_step(
-        &drive->compensator, &drive->cfg->voltage_drive.compensator, s->current,
+        &vd->compensator, &drive->cfg->voltage_drive.compensator, s->current,
         rotor_position_angle(&drive->position), drive->observer.speed_out, magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
     s->voltage_limit = limit;
     s->voltage.d = fx_asr(-magnitude * angle.sin, 15U);
     s->voltage.q = fx_asr(magnitude * angle.cos, 15U);
-    s->current_ref.d = fx_sat15(fx_approach(s->current_ref.d, s->current.d, MEAN_SHIFT));
-    s->current_ref.q = fx_sat15(fx_approach(s->current_ref.q, s->current.q, MEAN_SHIFT));
+    mean->d = fx_sat15(fx_approach(mean->d, s->current.d, MEAN_SHIFT));
+    mean->q = fx_sat15(fx_approach(mean->q, s->current.q, MEAN_SHIFT));
 }
 
 /* The feed-forward of the current loop at the present current. */
 static dq_t modelled_voltage(const drive_t *drive)
 {
     const current_loop_cfg_t *const loop = &drive->model.run_loop;
-    const dq_t i = drive->signals.current_ref;
+    const dq_t i = drive->voltage_drive.current_mean;
     const int32_t speed = drive->signals.speed;
     const dq_t drop = {fx_asr(i.d * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS),
                        fx_asr(i.q * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS)};
@@ -76,10 +78,10 @@ static void return_to_current(drive_t *drive)
 
     pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
-    s->current_ref.d = 0;
+    s->current_ref = (dq_t){.d = 0, .q = drive->voltage_drive.current_mean.q};
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
-    drive->voltage_driven = false;
-    drive->voltage_periods = 0U;
+    drive->voltage_drive.active = false;
+    drive->voltage_drive.calm_periods = 0U;
 }
 
 static void set_magnitude(drive_t *drive)
@@ -90,9 +92,9 @@ static void set_magnitude(drive_t *drive)
     const step_t error = reference - drive->observer.speed;
 
     drive->speed_loop.reference = reference;
-    drive->voltage_magnitude = pi_step(&drive->speed_loop.pi, &cfg->voltage_drive.pi,
-                                       fx_sat16(fx_asr(error, cfg->speed_loop.error_shift)),
-                                       emf(drive, reference), drive->signals.voltage_limit);
+    drive->voltage_drive.magnitude = pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi,
+                                             fx_sat16(fx_asr(error, cfg->speed_loop.error_shift)),
+                                             emf(drive, reference), drive->signals.voltage_limit);
 }
 
 /* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ± a quarter. */
@@ -119,7 +121,7 @@ static bool is_wanted(const drive_t *drive, const drive_command_t *command, step
 static bool is_overloaded(const drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
-    const dq_t i = drive->signals.current_ref;
+    const dq_t i = drive->voltage_drive.current_mean;
     const int32_t square = (i.d * i.d) + (i.q * i.q);
     const int32_t length = (int32_t)trig_sqrt((uint32_t)square);
 
@@ -135,17 +137,19 @@ static bool is_at_end(const drive_t *drive)
     const int32_t floor = drive->cfg->run.current_floor;
 
     return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
-           (fx_abs(drive->signals.current_ref.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
+           (fx_abs(drive->voltage_drive.current_mean.q) <
+            (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
 }
 
 void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const step_t leave = cfg->speed_min - fx_asr(cfg->speed_min, HYSTERESIS_SHIFT);
+    voltage_drive_t *const vd = &drive->voltage_drive;
 
-    drive->voltage_periods = is_at_end(drive) ? (drive->voltage_periods + 1U) : 0U;
+    vd->end_periods = is_at_end(drive) ? (vd->end_periods + 1U) : 0U;
     if (!is_wanted(drive, command, leave) || is_overloaded(drive) ||
-        (drive->voltage_periods >= cfg->settle_periods)) {
+        (vd->end_periods >= cfg->settle_periods)) {
         return_to_current(drive);
     } else {
         set_magnitude(drive);
@@ -174,8 +178,8 @@ void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
     const bool possible =
         is_wanted(drive, command, cfg->speed_min) && is_calm(drive, command->target);
 
-    drive->voltage_periods = possible ? (drive->voltage_periods + 1U) : 0U;
-    if (possible && (drive->voltage_periods >= cfg->settle_periods)) {
+    drive->voltage_drive.calm_periods = possible ? (drive->voltage_drive.calm_periods + 1U) : 0U;
+    if (possible && (drive->voltage_drive.calm_periods >= cfg->settle_periods)) {
         const dq_t voltage = drive->signals.voltage;
         const int32_t square = (voltage.d * voltage.d) + (voltage.q * voltage.q);
         const int32_t magnitude = fx_min((int32_t)trig_sqrt((uint32_t)square), FX_Q15_MAX);

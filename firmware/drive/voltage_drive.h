@@ -20,9 +20,10 @@
 #ifndef VOLTAGE_DRIVE_H
 #define VOLTAGE_DRIVE_H
 
-#include "drive.h"
+#include "io.h"
+#include "state.h"
 
-/* Each tick: sets the voltage to apply, and the mean of the current in place of a current reference. */
+/* Each tick: sets the voltage to apply, and the mean of the current, which stands for a current reference. */
 void voltage_drive_step(drive_t *drive);
 
 /* Once per slow period: speed PI, or the change back to current control. */

@@ -88,8 +88,8 @@ int32_t derating_share(const fade_t *fade, int32_t x);
 /*
  * One supervision period, gates open or not: the heat that `current` makes (|i| ≤ 18918, the vector of
  * three phases at full scale; 0 with open gates) and the temperature. What is above four times the
- * continuous current counts as that. Returns OVERLOAD or OVERTEMPERATURE with value and limit in
- * `fault`, else FAULT_NONE.
+ * continuous current counts as that. Finds OVERLOAD and
+ * OVERTEMPERATURE (fault.h).
  */
 fault_id_t derating_step(derating_t *derating, const derating_cfg_t *cfg, dq_t current,
                          uint16_t adc_temperature, fault_t *fault);

@@ -21,7 +21,7 @@ static bool exceeds(int32_t x, int32_t limit)
     return (fx_unsigned(x) + (uint32_t)limit) > (2U * (uint32_t)limit);
 }
 
-fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in)
+static fault_id_t first_fault(const protection_limits_t *limits, const protection_in_t *in)
 {
     const int32_t a = in->phase_a;
     const int32_t b = in->phase_b;
@@ -51,15 +51,15 @@ static int32_t largest_current(const protection_in_t *in)
     return fx_max(fx_max(fx_abs(a), fx_abs(b)), fx_abs(a + b));
 }
 
-fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
-                          fault_id_t id)
+static fault_t measured_fault(const protection_limits_t *limits, const protection_in_t *in,
+                              fault_id_t id)
 {
     fault_t fault = {.id = id, .value = in->bus, .limit = limits->bus_max};
 
     if (id == FAULT_BREAK) {
         fault.value = largest_current(in);
         fault.limit = 0;
-    } else if ((id == FAULT_OVERCURRENT) || (id == FAULT_ADC_SATURATED)) {
+    } else if (id == FAULT_OVERCURRENT) {
         fault.value = largest_current(in);
         fault.limit = limits->current_max;
     } else if (id == FAULT_UNDERVOLTAGE) {
@@ -70,6 +70,17 @@ fault_t protection_record(const protection_limits_t *limits, const protection_in
     return fault;
 }
 
+fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,
+                            fault_t *fault)
+{
+    const fault_id_t id = first_fault(limits, in);
+
+    if (id != FAULT_NONE) {
+        *fault = measured_fault(limits, in, id);
+    }
+    return id;
+}
+
 bool protection_saturated(uint16_t count, uint32_t shift)
 {
     const uint32_t largest = (Q15_ONE >> shift) - 1U;
@@ -77,13 +88,15 @@ bool protection_saturated(uint16_t count, uint32_t shift)
     return (count == 0U) || (count >= largest);
 }
 
-fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b)
+fault_id_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b,
+                                   fault_t *fault)
 {
     const int32_t worse = fx_max(fx_abs(offset_a), fx_abs(offset_b));
+    fault_id_t id = FAULT_NONE;
 
-    return (fault_t){
-        .id = (worse > cfg->offset_max) ? FAULT_CURRENT_OFFSET : FAULT_NONE,
-        .value = worse,
-        .limit = cfg->offset_max,
-    };
+    if (worse > cfg->offset_max) {
+        id = FAULT_CURRENT_OFFSET;
+        *fault = (fault_t){.id = id, .value = worse, .limit = cfg->offset_max};
+    }
+    return id;
 }

@@ -38,12 +38,9 @@ typedef struct {
 /* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
 
-/* Returns the first fault in the order of fault_id_t, or FAULT_NONE. Phase c is −a − b. */
-fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in);
-
-/* Returns the record of a fault of protection_check, or of ADC_SATURATED: measured value and limit. Its tick is 0. */
-fault_t protection_record(const protection_limits_t *limits, const protection_in_t *in,
-                          fault_id_t id);
+/* The first fault in the order of fault_id_t. Phase c is −a − b. */
+fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,
+                            fault_t *fault);
 
 /*
  * Whether a raw count is at an end of the range of its converter. shift: as sampling_cfg_t has it, 15 − bits. config_check
@@ -51,7 +48,8 @@ fault_t protection_record(const protection_limits_t *limits, const protection_in
  */
 bool protection_saturated(uint16_t count, uint32_t shift);
 
-/* Checks the offsets of both sensors from mid-scale after the calibration. Returns the record, or one with FAULT_NONE. */
-fault_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b);
+/* The offsets of both sensors from mid-scale after the calibration. */
+fault_id_t protection_check_offset(const protection_cfg_t *cfg, int32_t offset_a, int32_t offset_b,
+                                   fault_t *fault);
 
 #endif

@@ -7,8 +7,8 @@
  * causes a fault. The phases are checked once per slow period. Of the other checks one runs per slow period, in turn. One
  * round of them is the supervision period. All periods below are supervision periods unless they are called slow.
  *
- * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. A check returns the fault
- * that it found, with value and limit in `fault`. Without a fault it returns FAULT_NONE and does not change `fault`.
+ * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only. Checks return
+ * faults as fault.h says.
  */
 #ifndef SUPERVISION_H
 #define SUPERVISION_H

@@ -57,8 +57,8 @@ double lead(const Tick &t)
 {
     const drive_t &drive = t.sim->drive();
     const dq_t &v = drive.signals.voltage;
-    const double along = drive.voltage_magnitude < 0 ? -1 : 1;
-    return drive.voltage_driven ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
+    const double along = drive.voltage_drive.magnitude < 0 ? -1 : 1;
+    return drive.voltage_drive.active ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
 }
 
 double duty(const Tick &t, std::size_t leg)

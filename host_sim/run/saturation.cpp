@@ -100,8 +100,8 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
     const modulator_cfg_t &modulator = drive.cfg->modulator;
     const auto [lowest, highest] =
         std::minmax({out.compare.phase[0], out.compare.phase[1], out.compare.phase[2]});
-    note(Signal::torque, s.current_ref.q >= drive.torque_range.upper ||
-                             s.current_ref.q <= drive.torque_range.lower);
+    note(Signal::torque, drive_current_in_force(&drive).q >= drive.torque_range.upper ||
+                             drive_current_in_force(&drive).q <= drive.torque_range.lower);
     note(Signal::voltage, on_circle(s));
     note(Signal::ratio, std::abs(s.ratio_ab.alpha) >= modulator.ratio_max_q15 ||
                             std::abs(s.ratio_ab.beta) >= modulator.ratio_max_q15);

@@ -62,8 +62,8 @@ std::string way_problem(const drive_t &s, const drive_cfg_t &cfg)
         return fmt::format("state is {}, and the configuration has no start-up",
                            static_cast<int>(s.state));
     }
-    return s.voltage_driven && cfg.voltage_drive.enabled == 0
-               ? "voltage_driven is 1, and the configuration has no voltage drive"
+    return s.voltage_drive.active && cfg.voltage_drive.enabled == 0
+               ? "voltage_drive.active is 1, and the configuration has no voltage drive"
                : "";
 }
 

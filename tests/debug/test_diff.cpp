@@ -250,9 +250,9 @@ static void test_a_wrong_word_is_named()
     expect_first(running(), "drive.signals.ratio_ab.alpha = 0.3", "state");
     expect_first(running(), "drive.position.turns_q32 = 0.25", "state");
     expect_first(running(), "drive.speed_loop.pi.integral_q26.raw = 0", "state");
-    expect_first(driven_by_voltage(), "drive.frame_speed = 500", "state");
-    expect_first(driven_by_voltage(), "drive.compensator.angle = 0.1", "state");
-    expect_first(driven_by_voltage(), "drive.voltage_magnitude = 5", "state");
+    expect_first(driven_by_voltage(), "drive.vector.step = 500", "state");
+    expect_first(driven_by_voltage(), "drive.voltage_drive.compensator.angle = 0.1", "state");
+    expect_first(driven_by_voltage(), "drive.voltage_drive.magnitude = 5", "state");
 }
 
 static void test_a_wrong_configuration_is_named_with_its_word()

@@ -159,7 +159,7 @@ class Prints(SessionTest):
     def test_stages_are_those_of_the_state(self):
         own = {"CATCH_SPIN": "drive.catch_spin.phase ", "ALIGN": "drive.align.phase ",
                "RUN": "drive.speed_loop.pi.integral_q26 "}
-        imposed = "drive.signals.current_mean.d "
+        imposed = "drive.vector.current_mean.d "
         for state, part in own.items():
             shown = self.session([f"run until state == {state}", "stages"])[1]
             self.assertEqual([one for one in own.values() if f"  {one}" in shown], [part])
@@ -171,8 +171,8 @@ class Prints(SessionTest):
     def test_stages_are_those_of_the_drive_that_runs(self):
         sensed = self.session(["goto 0.5s", "stages"], "s4")[1]
         self.assertIn(" RUN, voltage-driven  ", sensed)
-        for part in ("in.angle ", "drive.voltage_magnitude ", "lead_el_deg ",
-                     "drive.compensator.angle "):
+        for part in ("in.angle ", "drive.voltage_drive.magnitude ", "lead_el_deg ",
+                     "drive.voltage_drive.compensator.angle "):
             self.assertIn(part, sensed)
         self.assertNotIn("current loop", sensed)
         regulated = self.session(["goto 0.5s", "stages"])[1]

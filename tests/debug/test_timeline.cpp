@@ -260,11 +260,12 @@ static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
     Timeline timeline(config);
     timeline.go_to(9000);
     const Mark before(timeline);
-    for (const char *assignment : {"drive.guard.at.raw = 100000000", "drive.guard.at.raw = 1",
-                                   "drive.voltage_driven.raw = 2", "drive.align.phase.raw = 77",
-                                   "drive.catch_spin.phase.raw = 99", "drive.slow_count.raw = 0",
-                                   "drive.model.observer.rate_shift.raw = 40",
-                                   "load_torque_nm = 1/0", "speed_command_rpm = 0/0"}) {
+    for (const char *assignment :
+         {"drive.guard.at.raw = 100000000", "drive.guard.at.raw = 1",
+          "drive.voltage_drive.active.raw = 2", "drive.align.phase.raw = 77",
+          "drive.catch_spin.phase.raw = 99", "drive.slow_count.raw = 0",
+          "drive.model.observer.rate_shift.raw = 40", "load_torque_nm = 1/0",
+          "speed_command_rpm = 0/0"}) {
         bool refused = false;
         try {
             (void)set_signal(timeline, assignment, Span::once);

@@ -31,7 +31,7 @@ struct Source {
 // Where the drive is: a state, or a part of one.
 std::size_t place(const drive_t &drive)
 {
-    std::size_t part = drive.voltage_driven ? 1 : 0;
+    std::size_t part = drive.voltage_drive.active ? 1 : 0;
     if (drive.state == DRIVE_STATE_ALIGN) {
         part = drive.align.phase;
     } else if (drive.state == DRIVE_STATE_CATCH_SPIN) {

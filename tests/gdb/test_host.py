@@ -130,7 +130,7 @@ class OfTheVoltageDrive(support.GdbTest):
         tick = 3000
         shown = self.gdb([f"step-isr {tick + 2}", "stages"])[1]
         self.assert_same_stages(shown, tick)
-        self.assertIn("drive.compensator.angle", shown)
+        self.assertIn("drive.voltage_drive.compensator.angle", shown)
         self.assertIn("in.angle", shown)
 
 

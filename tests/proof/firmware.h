@@ -8,12 +8,12 @@
 #undef DISTANCE_MAX /* motion_loop.c and derating.c have one each */
 #include "../../firmware/config/config_check.c"
 #include "../../firmware/control/align.c"
+#include "../../firmware/control/angle_sensor.c"
 #include "../../firmware/control/catch_spin.c"
 #include "../../firmware/control/nn_observer.c"
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"
 #include "../../firmware/control/transforms.c"
-#include "../../firmware/drive/angle_sensor.c"
 #undef CFG
 #undef CFG_STARTUP
 #undef CFG_BOTH
@@ -21,9 +21,13 @@
 #include "../../firmware/config/config_guard.c"
 #include "../../firmware/control/model.c"
 #include "../../firmware/drive/drive.c"
-#include "../../firmware/drive/low_speed.c"
+#include "../../firmware/drive/estimate.c"
+#include "../../firmware/drive/frame.c"
 #include "../../firmware/drive/monitor.c"
-#include "../../firmware/drive/vector_control.c"
+#include "../../firmware/drive/open_loop.c"
+#include "../../firmware/drive/run.c"
+#include "../../firmware/drive/schedule.c"
+#include "../../firmware/drive/transitions.c"
 #include "../../firmware/drive/voltage_drive.c"
 #include "../../firmware/math/crc32.c"
 #include "../../firmware/protect/derating.c"

@@ -49,20 +49,20 @@ BACKGROUND = {  # of the recorder
 CASES = {
     DRIVE: {
         "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
-        "vector_control_estimate": 300, "measure_frame": 200, "modulate": 2000, "judge": 50, "fx_approach": 20,
-        "average": 20, "heat_up": 60, "nn_observer_update_rho": 10,
+        "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "judge": 50, "fx_approach": 20,
+        "average": 20, "heat_up": 60, "nn_observer_update_rho": 10, "watch": 20,
     },
     RECORDER: {"turn_over": 20},
 }
 OPTIONS = [
     "-c11", "-machdep", "gcc_x86_32", "-eva", "-eva-precision", "0", "-eva-ilevel", "16",
     "-eva-domains", "equality,symbolic-locations", "-eva-subdivide-non-linear", "10", "-eva-split-limit", "1024",
-    "-eva-split-return-function", "fx_leading_zeros:full",
     "-warn-signed-downcast", "-warn-unsigned-downcast",
 ]
+SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full"}
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
 NOT_CALLED = {"drive_position_q32"}  # by the firmware itself
-A_BRANCH_AN_ENTRY = {"leave_ready"}  # start-up; sensor or none
+A_BRANCH_AN_ENTRY = {"start"}  # start-up; sensor or none
 UNASKED = "not asked for"
 UNREACHED = "never gone through"
 UNREACHED_STATEMENTS = "statements cannot be reached"
@@ -94,7 +94,8 @@ def analyse(root, entry, folder):
     cases = ",".join(f"{name}:{count}" for name, count in CASES[source].items())
     rows = folder / f"{entry}.csv"
     run = subprocess.run(
-        ["frama-c", f"-cpp-extra-args={' '.join(paths)}", *OPTIONS, "-eva-slevel-function", cases, "-main", entry,
+        ["frama-c", f"-cpp-extra-args={' '.join(paths)}", *OPTIONS, "-eva-slevel-function", cases,
+         "-eva-split-return-function", SPLIT_RETURN[source], "-main", entry,
          source, "-then", "-metrics-eva-cover",
          "-then", "-report-no-proven", "-report-csv", rows],
         cwd=root, env={**os.environ, **COLLECTED_SELDOM, "PWD": str(root)},  # Frama-C believes PWD

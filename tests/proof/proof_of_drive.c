@@ -83,7 +83,8 @@ static void choose_state(void)
 #include "state.def"
 #undef FIELD
     drive.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
-    drive.frame.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.vector.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
+    drive.angle_sensor.position.turns_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.position_loop.profile_q32 = Frama_C_long_long_interval(INT64_MIN, INT64_MAX);
     drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_FAULT);
     drive.guard.at = Frama_C_unsigned_int_interval(0U, GUARD_AT_MAX);
@@ -114,12 +115,12 @@ static void choose_regulated(void)
 {
     cfg.voltage_drive.enabled = 0U;
     choose_state();
-    drive.voltage_driven = false;
+    drive.voltage_drive.active = false;
 }
 
 static void check_regulated(void)
 {
-    within(drive.voltage_driven, 0, 0);
+    within(drive.voltage_drive.active, 0, 0);
 }
 
 /* Without a start-up its states are never entered, and what is configured of it is free, as it is not read. */

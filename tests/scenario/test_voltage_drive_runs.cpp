@@ -27,8 +27,8 @@ public:
     {
         const drive_signals_t &s = tick.sim->drive().signals;
         states_[tick.sim->drive().state]++;
-        changes_ += tick.sim->drive().voltage_driven != driven_ ? 1 : 0;
-        driven_ = tick.sim->drive().voltage_driven;
+        changes_ += tick.sim->drive().voltage_drive.active != driven_ ? 1 : 0;
+        driven_ = tick.sim->drive().voltage_drive.active;
         if (tick.time_s < SETTLED_FROM_S) {
             return;
         }
@@ -40,7 +40,7 @@ public:
         square_ += tick.truth.i_d_a * tick.truth.i_d_a + tick.truth.i_q_a * tick.truth.i_q_a;
         speed_ += tick.truth.omega_mech_rad_s;
         ticks_++;
-        all_voltage_ &= tick.sim->drive().voltage_driven;
+        all_voltage_ &= tick.sim->drive().voltage_drive.active;
     }
 
     double lead_deg() const

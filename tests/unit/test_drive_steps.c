@@ -3,12 +3,14 @@
  * The parts of the drive, called one by one on states put together by hand: what each begins with, what it looks at and
  * what it leaves behind. What a run shows only after long, or only together with other faults, is told here at once.
  */
-#include "drive_state.h"
+#include "drive.h"
+#include "estimate.h"
 #include "example_cfg.h"
-#include "low_speed.h"
-#include "monitor.h"
+#include "open_loop.h"
+#include "run.h"
+#include "schedule.h"
+#include "transitions.h"
 #include "unity.h"
-#include "vector_control.h"
 
 #include <string.h>
 
@@ -22,10 +24,23 @@ static drive_cfg_t cfg;
 static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
+static fault_t fault;
 
 static void enter(drive_state_t state)
 {
-    drive_enter(&drive, state);
+    drive.state = state;
+    drive.limits = protection_limits(&cfg.protection, drive_is_driving(state));
+}
+
+/* The work of one slot of the slow schedule, and what follows from it. */
+static void slot(slot_t which)
+{
+    const drive_event_t event = schedule_step(&drive, &in, which, true, &fault);
+
+    if (event == DRIVE_EVENT_FAULT) {
+        drive.fault = fault;
+    }
+    enter(transitions_next(drive.state, event));
 }
 
 void setUp(void)
@@ -35,7 +50,7 @@ void setUp(void)
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
     drive.signals.bus = NOMINAL_BUS;
     drive.bus_before = NOMINAL_BUS;
-    vector_control_reset(&drive);
+    run_reset(&drive);
     supervision_reset(&drive.supervision);
 }
 
@@ -49,39 +64,39 @@ static void test_a_reset_forgets_all_that_a_run_has_left(void)
 {
     const drive_t fresh = drive;
 
-    drive.voltage_driven = true;
-    drive.voltage_periods = STALE;
+    drive.voltage_drive.active = true;
+    drive.voltage_drive.calm_periods = STALE;
     drive.lost_periods = STALE;
     drive.residual = STALE_CURRENT;
-    drive.frame_speed = 1;
+    drive.vector.step = 1;
     drive.speed_reference = 1;
     drive.signals.ratio_ab = (ab_t){1, 1};
     drive.ratio_acting = (ab_t){1, 1};
     drive.signals.current_ref = (dq_t){1, 1};
-    drive.signals.current_mean = (dq_t){1, 1};
+    drive.vector.current_mean = (dq_t){1, 1};
     drive.torque_range = (torque_range_t){0, 0};
     drive.mode = (uint8_t)DRIVE_MODE_POSITION;
     drive.position.turns_q32 = QUARTER;
-    drive.frame.turns_q32 = QUARTER;
+    drive.vector.position.turns_q32 = QUARTER;
     pi_reset(&drive.current_loop.pi_d, 1);
     pi_reset(&drive.current_loop.pi_q, 1);
     drive.observer.speed = 1;
     speed_loop_reset(&drive.speed_loop, 1);
     position_loop_reset(&drive.position_loop, QUARTER, 1);
-    vector_control_reset(&drive);
+    run_reset(&drive);
     TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive, sizeof drive);
 }
 
 static void test_a_reset_is_at_rest_at_angle_0(void)
 {
     TEST_ASSERT_EQUAL_INT64(0, drive.position.turns_q32);
-    TEST_ASSERT_EQUAL_INT64(0, drive.frame.turns_q32);
+    TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
     TEST_ASSERT_EQUAL_INT64(0, drive.position_loop.profile_q32);
     TEST_ASSERT_EQUAL_INT32(0, drive.position_loop.profile_speed);
     TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
     TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
     TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
-    TEST_ASSERT_EQUAL_INT32(0, drive.frame_speed);
+    TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
     TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
 }
@@ -94,7 +109,7 @@ static void test_a_run_begins_with_nothing_counted(void)
     } counts[] = {
         {"attempts", &drive.attempts},
         {"lost_periods", &drive.lost_periods},
-        {"voltage_periods", &drive.voltage_periods},
+        {"calm_periods", &drive.voltage_drive.calm_periods},
         {"late", &drive.supervision.late},
         {"unexplained", &drive.supervision.unexplained},
         {"absent_periods", &drive.supervision.absent_periods},
@@ -112,7 +127,7 @@ static void test_a_run_begins_with_nothing_counted(void)
     drive.offset_b = 16384;
     drive.attempts = STALE;
     drive.lost_periods = STALE;
-    drive.voltage_periods = STALE;
+    drive.voltage_drive.calm_periods = STALE;
     drive.supervision.late = STALE;
     drive.supervision.unexplained = STALE;
     drive.supervision.absent_periods = STALE;
@@ -128,6 +143,37 @@ static void test_a_run_begins_with_nothing_counted(void)
     }
 }
 
+/* Whatever slot falls on the tick of the start: it has measured nothing that a motion loop could use. */
+static void test_a_start_moves_nothing_in_its_own_tick(void)
+{
+    cfg.startup.current_hold = 0;
+    for (uint32_t slot_count = 1U; slot_count <= cfg.slow_ticks; slot_count++) {
+        drive_t before;
+
+        cfg.crc = config_guard_crc(&cfg);
+        TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+        enter(DRIVE_STATE_READY);
+        in.adc_ia = 2048U;
+        in.adc_ib = 2048U;
+        in.adc_bus = 2822U;
+        in.command = (drive_command_t){.target = cfg.speed_loop.speed_max,
+                                       .mode = (uint8_t)DRIVE_MODE_POSITION,
+                                       .request = DRIVE_REQUEST_RUN};
+        drive.offset_a = 16384;
+        drive.offset_b = 16384;
+        drive.slow_count = slot_count;
+        before = drive;
+        drive_step(&drive, &in, &out);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+        TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.speed_loop.reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.residual);
+        TEST_ASSERT_EQUAL(DRIVE_MODE_SPEED, drive.mode);
+        TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
+        TEST_ASSERT_EQUAL_INT32(before.model.flux_q30, drive.model.flux_q30);
+    }
+}
+
 /* ---- the imposed current ---- */
 
 static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
@@ -137,7 +183,7 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
         const int32_t before = drive.signals.current_ref.d;
 
-        low_speed_step(&drive);
+        (void)open_loop_step(&drive);
         TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.signals.current_ref.d);
     }
     TEST_ASSERT_EQUAL_INT32(expected, drive.signals.current_ref.d);
@@ -158,8 +204,8 @@ static void drag(step_t speed)
 {
     speed_loop_reset(&drive.speed_loop, speed);
     drive.speed_reference = speed;
-    drive.frame_speed = speed;
-    low_speed_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    drive.vector.step = speed;
+    slot(SLOT_SPEED);
 }
 
 static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
@@ -205,7 +251,7 @@ static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vect
         setUp();
         enter(DRIVE_STATE_HANDOVER);
         drive.position.turns_q32 = QUARTER;
-        drive.frame.turns_q32 = QUARTER + cases[k].load_angle;
+        drive.vector.position.turns_q32 = QUARTER + cases[k].load_angle;
         drag(cfg.startup.handover_speed);
         TEST_ASSERT_EQUAL(cases[k].then, drive.state);
     }
@@ -259,7 +305,7 @@ static void before_the_hand_back(void)
     drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
     drive.signals.current = (dq_t){3000, -4000};
     drive.signals.current_frame = (dq_t){1, 1};
-    drive.signals.current_mean = (dq_t){2, 2};
+    drive.vector.current_mean = (dq_t){2, 2};
     drive.supervision.absent = 1U;
     drive.supervision.absent_periods = STALE;
     drive.supervision.unexplained = STALE;
@@ -270,14 +316,14 @@ static void before_the_hand_back(void)
 static void test_the_hand_back_begins_with_what_flows_and_nothing_older(void)
 {
     before_the_hand_back();
-    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    slot(SLOT_SPEED);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_EQUAL_UINT32(SUPERVISION_PHASES, drive.supervision.absent);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.absent_periods);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
-    TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.frame_speed);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.signals.current_mean.d);
-    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.signals.current_mean.q);
+    TEST_ASSERT_EQUAL_INT32(drive.speed_loop.reference, drive.vector.step);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.vector.current_mean.d);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.vector.current_mean.q);
 }
 
 /* As long as before, and in the frame, which has turned forwards from the rotor by the angle of the reference. */
@@ -287,12 +333,12 @@ static void test_the_hand_back_turns_the_currents_into_its_frame(void)
     int64_t across;
 
     before_the_hand_back();
-    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    slot(SLOT_SPEED);
     /* The speed loop has set a torque current of its own: the frame's angle is that of the reference then. */
     along = ((int64_t)drive.signals.current_frame.d * drive.signals.current_frame.d) +
             ((int64_t)drive.signals.current_frame.q * drive.signals.current_frame.q);
     TEST_ASSERT_INT64_WITHIN(2LL * 5000 * TURN_LSB, 25000000LL, along);
-    across = drive.frame.turns_q32 - drive.position.turns_q32;
+    across = drive.vector.position.turns_q32 - drive.position.turns_q32;
     TEST_ASSERT_TRUE((across > -QUARTER) && (across < QUARTER));
     TEST_ASSERT_INT32_WITHIN(TURN_LSB, 0, drive.signals.current_ref.q);
     TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
@@ -306,7 +352,7 @@ static void assert_rho_follows(step_t own, step_t speed)
     enter(DRIVE_STATE_RUN);
     drive.observer.speed = own;
     speed_loop_reset(&drive.speed_loop, -own);
-    vector_control_refine(&drive);
+    estimate_refine(&drive);
     TEST_ASSERT_TRUE(drive.observer.rho_q13 != 0);
     TEST_ASSERT_EQUAL((speed > 0), (drive.observer.rho_q13 > 0));
 }
@@ -325,7 +371,7 @@ static void test_the_static_part_follows_the_estimate_from_twice_the_hand_over_s
 
 static void control_speed(void)
 {
-    vector_control_motion(&drive, &in.command, (uint32_t)SLOW_PART_SPEED);
+    slot(SLOT_SPEED);
 }
 
 /* One slow period in RUN, `change` of the reference asked for, the torque limited to `range`, the profile elsewhere. */
@@ -392,14 +438,15 @@ static void offer_voltage_drive(void)
 static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(void)
 {
     offer_voltage_drive();
+    drive.voltage_drive.end_periods = STALE;
     for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
         control_speed();
-        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_periods);
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_drive.calm_periods);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
     control_speed();
-    TEST_ASSERT_TRUE(drive.voltage_driven);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.end_periods);
 }
 
 /* Also while the rotor is already as fast as the command asks. */
@@ -414,26 +461,28 @@ static void test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_fo
     speed_loop_start(&drive.speed_loop, least, 1000);
     drive.speed_reference = least - 1;
     control_speed();
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
     drive.speed_reference = least;
     control_speed();
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.voltage_periods);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.voltage_drive.calm_periods);
 }
 
 static void
 test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew(void)
 {
     offer_voltage_drive();
-    drive.voltage_driven = true;
+    drive.voltage_drive.active = true;
+    drive.voltage_drive.calm_periods = STALE;
+    drive.voltage_drive.current_mean = (dq_t){0, 1000};
     drive.signals.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
     for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
         control_speed();
-        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_periods);
-        TEST_ASSERT_TRUE(drive.voltage_driven);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.voltage_drive.end_periods);
+        TEST_ASSERT_TRUE(drive.voltage_drive.active);
     }
     control_speed();
-    TEST_ASSERT_FALSE(drive.voltage_driven);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_periods);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
 }
 
 /* ---- the monitor ---- */
@@ -444,7 +493,7 @@ static int32_t heat_after_one_look(drive_state_t state)
     drive.derating.heat_q24 = 1000000;
     drive.supervision.step = 0U;
     drive.signals.current = (dq_t){STALE_CURRENT, 0};
-    monitor_step(&drive, &in, (uint32_t)SLOW_PART_CHECKS);
+    slot(SLOT_CHECKS);
     return drive.derating.heat_q24;
 }
 
@@ -462,7 +511,7 @@ static void test_at_rest_the_motor_cools_whatever_current_was_measured_last(void
 static void look_at_phases(uint32_t count)
 {
     for (uint32_t k = 0U; k < count; k++) {
-        monitor_step(&drive, &in, (uint32_t)SLOW_PART_PHASES);
+        slot(SLOT_PHASES);
     }
 }
 
@@ -472,13 +521,13 @@ static void turn_with_a_dead_phase(int32_t of_rotor, int32_t of_vector)
     const int32_t samples = 10; /* a half turn; an arc is of 8 at least */
 
     drive.position.turns_q32 = 0;
-    drive.frame.turns_q32 = 0;
+    drive.vector.position.turns_q32 = 0;
     for (int32_t k = 0; k < (samples * 4); k++) {
         drive.signals.phase_a = 0;
         drive.signals.phase_b = ((k % 2) == 0) ? STALE_CURRENT : -STALE_CURRENT;
         look_at_phases(1U);
         drive.position.turns_q32 += of_rotor * (((int64_t)2 * QUARTER) / samples);
-        drive.frame.turns_q32 += of_vector * (((int64_t)2 * QUARTER) / samples);
+        drive.vector.position.turns_q32 += of_vector * (((int64_t)2 * QUARTER) / samples);
     }
 }
 
@@ -527,7 +576,7 @@ static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_
     for (uint32_t k = 0U; k < 2U; k++) {
         setUp();
         enter(DRIVE_STATE_IF_RAMP);
-        drive.frame_speed = speeds[k];
+        drive.vector.step = speeds[k];
         pi_reset(&drive.current_loop.pi_q, cfg.supervision.voltage_max + emf);
         look_at_phases(2U * cfg.supervision.swing_periods);
         TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, drive.state);
@@ -546,11 +595,11 @@ static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
 {
     enter(DRIVE_STATE_RUN);
     drive.signals.bus = cfg.derating.bus_low.zero;
-    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    slot(SLOT_LIMITS);
     TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
     drive.bus_before = drive.signals.bus;
     drive.signals.bus = NOMINAL_BUS;
-    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    slot(SLOT_LIMITS);
     TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
     TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
 }
@@ -560,13 +609,13 @@ test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_i
 {
     drive.signals.bus = cfg.derating.bus_high.zero; /* no braking */
     drive.observer.speed = 2 * cfg.derating.regeneration_speed;
-    drive.frame_speed = -2 * cfg.derating.regeneration_speed;
+    drive.vector.step = -2 * cfg.derating.regeneration_speed;
     enter(DRIVE_STATE_RUN);
-    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    slot(SLOT_LIMITS);
     TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.lower);
     TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max, drive.torque_range.upper);
     enter(DRIVE_STATE_IF_RAMP);
-    monitor_step(&drive, &in, (uint32_t)SLOW_PART_LIMITS);
+    slot(SLOT_LIMITS);
     TEST_ASSERT_EQUAL_INT32(-cfg.derating.current_max, drive.torque_range.lower);
     TEST_ASSERT_EQUAL_INT32(0, drive.torque_range.upper);
 }
@@ -585,7 +634,7 @@ static void test_a_stall_is_told_from_either_limit_of_the_torque(void)
         drive.signals.current_ref.q = torques[k];
         for (uint32_t turn = 0U; turn <= cfg.supervision.stall_periods; turn++) {
             drive.supervision.step = SUPERVISION_STEPS - 1U;
-            monitor_step(&drive, &in, (uint32_t)SLOW_PART_CHECKS);
+            slot(SLOT_CHECKS);
         }
         TEST_ASSERT_EQUAL(expected, drive.state);
     }
@@ -598,6 +647,7 @@ int main(void)
     RUN_TEST(test_a_reset_forgets_all_that_a_run_has_left);
     RUN_TEST(test_a_reset_is_at_rest_at_angle_0);
     RUN_TEST(test_a_run_begins_with_nothing_counted);
+    RUN_TEST(test_a_start_moves_nothing_in_its_own_tick);
     RUN_TEST(test_derating_holds_for_an_imposed_current_too);
     RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
     RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);

@@ -151,7 +151,7 @@ static void test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only(void
         expect_next(DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN);
         expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
         TEST_ASSERT_EQUAL(commands[k].backwards, drive.align.backwards);
-        TEST_ASSERT_EQUAL(commands[k].backwards, drive.frame.turns_q32 > 0);
+        TEST_ASSERT_EQUAL(commands[k].backwards, drive.vector.position.turns_q32 > 0);
     }
 }
 
@@ -221,8 +221,8 @@ static void test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the
         TEST_ASSERT_TRUE((drive.state == DRIVE_STATE_HOLD) || (drive.state == DRIVE_STATE_IF_RAMP));
         TEST_ASSERT_DOUBLE_WITHIN(
             ALIGNED_RAD, 0.0,
-            remainder(motor.angle - ((double)rotor_position_angle(&drive.frame) / 4294967296.0 *
-                                     2.0 * EXAMPLE_PI),
+            remainder(motor.angle - ((double)rotor_position_angle(&drive.vector.position) /
+                                     4294967296.0 * 2.0 * EXAMPLE_PI),
                       2.0 * EXAMPLE_PI));
     }
 }

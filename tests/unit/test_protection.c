@@ -15,11 +15,13 @@ static protection_in_t in;
 static fault_id_t check(bool running)
 {
     const protection_limits_t limits = protection_limits(&cfg, running);
+    fault_t fault;
 
-    return protection_check(&limits, &in);
+    return protection_check(&limits, &in, &fault);
 }
 
 #define RUNNING (true)
+#define UNTOUCHED (77U) /* what a check without a fault leaves as it is */
 #define AT_REST (false)
 
 void setUp(void)
@@ -156,8 +158,9 @@ static void test_faults_are_found_in_the_order_of_their_numbers(void)
 static void assert_record(fault_id_t id, int32_t value, int32_t limit)
 {
     const protection_limits_t limits = protection_limits(&cfg, RUNNING);
-    const fault_t fault = protection_record(&limits, &in, id);
+    fault_t fault = {.id = FAULT_NONE, .tick = UNTOUCHED};
 
+    TEST_ASSERT_EQUAL_INT(id, protection_check(&limits, &in, &fault));
     TEST_ASSERT_EQUAL_INT(id, fault.id);
     TEST_ASSERT_EQUAL_INT32(value, fault.value);
     TEST_ASSERT_EQUAL_INT32(limit, fault.limit);
@@ -167,17 +170,22 @@ static void test_record_holds_the_measured_value_and_its_limit(void)
 {
     in.phase_a = -9000;
     in.phase_b = -8000;
-    in.bus = 12345;
+    in.break_input = true;
     assert_record(FAULT_BREAK, 17000, 0);
+    in.break_input = false;
     assert_record(FAULT_OVERCURRENT, 17000, cfg.current_max);
-    assert_record(FAULT_OVERVOLTAGE, 12345, cfg.bus_max);
-    assert_record(FAULT_UNDERVOLTAGE, 12345, cfg.bus_min);
+    in.phase_a = 0;
+    in.phase_b = 0;
+    in.bus = cfg.bus_max + 1;
+    assert_record(FAULT_OVERVOLTAGE, cfg.bus_max + 1, cfg.bus_max);
+    in.bus = cfg.bus_min - 1;
+    assert_record(FAULT_UNDERVOLTAGE, cfg.bus_min - 1, cfg.bus_min);
 }
 
 static void test_record_of_an_overcurrent_holds_the_phase_that_carries_most(void)
 {
     static const int32_t currents[][3] = {
-        {-9000, 1000, 9000}, {1000, -9000, 9000}, {9000, -8000, 9000}, {5000, 4000, 9000}};
+        {-15000, 1000, 15000}, {1000, -15000, 15000}, {15000, -14000, 15000}, {8000, 7000, 15000}};
 
     for (size_t i = 0; i < COUNT(currents); i++) {
         in.phase_a = currents[i][0];
@@ -191,11 +199,14 @@ static void test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_s
     const int32_t max = cfg.offset_max;
     const int32_t above[][2] = {{max + 1, 0}, {-max - 1, 0}, {0, max + 1}, {0, -max - 1}};
 
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, max, -max).id);
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, -max, max).id);
-    for (size_t i = 0; i < COUNT(above); i++) {
-        const fault_t fault = protection_check_offset(&cfg, above[i][0], above[i][1]);
+    fault_t fault = {.tick = UNTOUCHED};
 
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, max, -max, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, -max, max, &fault));
+    TEST_ASSERT_EQUAL_UINT32(UNTOUCHED, fault.tick);
+    for (size_t i = 0; i < COUNT(above); i++) {
+        TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET,
+                              protection_check_offset(&cfg, above[i][0], above[i][1], &fault));
         TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET, fault.id);
         TEST_ASSERT_EQUAL_INT32(max + 1, fault.value);
         TEST_ASSERT_EQUAL_INT32(max, fault.limit);
@@ -204,9 +215,11 @@ static void test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_s
 
 static void test_offset_limit_of_zero_accepts_only_a_perfect_sensor(void)
 {
+    fault_t fault;
+
     cfg.offset_max = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, 0, 0).id);
-    TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET, protection_check_offset(&cfg, 0, 1).id);
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, protection_check_offset(&cfg, 0, 0, &fault));
+    TEST_ASSERT_EQUAL_INT(FAULT_CURRENT_OFFSET, protection_check_offset(&cfg, 0, 1, &fault));
 }
 
 int main(void)

@@ -132,7 +132,7 @@ static void test_run_begins_at_once_and_with_current_control(void)
     run_at(600.0);
     tick();
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
     TEST_ASSERT_FALSE(out.gate_enable);
     tick();
     TEST_ASSERT_TRUE(out.gate_enable);
@@ -147,7 +147,7 @@ static void test_both_directions_reach_their_speed_without_i_d(void)
         run_at(rpm[k]);
         ticks(25000U); /* 0.6 s of ramp, then 8 time constants of the slowest mode */
         TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-        TEST_ASSERT_TRUE(drive.voltage_driven);
+        TEST_ASSERT_TRUE(drive.voltage_drive.active);
         TEST_ASSERT_DOUBLE_WITHIN(3.0, rpm[k], true_rpm());
         TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, motor.d); /* two counts of the converter */
     }
@@ -196,11 +196,11 @@ static int32_t jump_at_change(bool driven)
     int32_t largest = 0;
     dq_t before = drive.signals.voltage;
 
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.voltage_driven != driven); k++) {
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.voltage_drive.active != driven); k++) {
         before = drive.signals.voltage;
         tick();
     }
-    TEST_ASSERT_TRUE(drive.voltage_driven == driven);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active == driven);
     for (uint32_t k = 0U; k < 3U; k++) {
         largest = fx_max(largest, jump(before));
         before = drive.signals.voltage;
@@ -217,14 +217,14 @@ static void test_without_sensor_the_start_is_as_ever_and_then_the_voltage_goes_o
     begin_without_sensor();
     run_at(600.0);
     while (drive.state != DRIVE_STATE_RUN) {
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
         tick();
     }
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
     TEST_ASSERT_INT32_WITHIN(255, 0, drive.signals.current_ref.d);
     ticks(25000U);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
-    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
 }
 
 static void test_a_slow_reference_gives_back_to_current_control_which_holds(void)
@@ -232,13 +232,13 @@ static void test_a_slow_reference_gives_back_to_current_control_which_holds(void
     begin_without_sensor();
     run_at(600.0);
     ticks(PATIENCE_TICKS);
-    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
     run_at(0.0);
     TEST_ASSERT_TRUE(jump_at_change(false) < JUMP_LSB);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     ticks(PATIENCE_TICKS);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
 }
 
 static void test_a_position_is_for_current_control_and_a_speed_again_for_the_voltage(void)
@@ -249,7 +249,7 @@ static void test_a_position_is_for_current_control_and_a_speed_again_for_the_vol
     in.command.target = (int32_t)(drive.position.turns_q32 / 65536) + (40 * 65536);
     TEST_ASSERT_TRUE(jump_at_change(false) < JUMP_LSB);
     ticks(PATIENCE_TICKS);
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
     TEST_ASSERT_INT32_WITHIN(655, in.command.target, (int32_t)(drive.position.turns_q32 / 65536));
     run_at(600.0);
     TEST_ASSERT_TRUE(jump_at_change(true) < JUMP_LSB);
@@ -258,7 +258,7 @@ static void test_a_position_is_for_current_control_and_a_speed_again_for_the_vol
 static void test_no_change_before_the_speed_is_reached(void)
 {
     run_at(600.0);
-    while (!drive.voltage_driven) {
+    while (!drive.voltage_drive.active) {
         TEST_ASSERT_TRUE(drive.tick < PATIENCE_TICKS);
         tick();
     }
@@ -271,7 +271,7 @@ static void test_below_its_lowest_speed_current_control_stays(void)
     run_at(230.0); /* of 240 */
     for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
         tick();
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
 }
 
@@ -282,10 +282,10 @@ static void test_a_load_that_drives_is_held_by_current_control(void)
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
     ticks(SETTLED_TICKS);
-    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
     loaded_ticks(PATIENCE_TICKS, -3.0);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
 
@@ -297,14 +297,14 @@ static void run_above_the_current_floor(void)
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);
-    TEST_ASSERT_TRUE(drive.voltage_driven);
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
 }
 
 static void test_a_current_that_falls_below_its_floor_is_given_back_and_then_kept(void)
 {
     run_above_the_current_floor();
     ticks(PATIENCE_TICKS); /* 0.05 A of friction */
-    TEST_ASSERT_FALSE(drive.voltage_driven);
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
     TEST_ASSERT_INT32_WITHIN(100, 1000, drive.signals.current_ref.d);
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
@@ -317,7 +317,7 @@ static void test_a_lead_beyond_its_end_is_left_to_current_control(void)
     run_at(600.0);
     for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
         loaded_ticks(1U, 3.0);
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
@@ -330,7 +330,7 @@ static void test_no_change_while_currents_are_not_where_they_are_asked_for(void)
     run_at(600.0);
     for (uint32_t k = 0U; k < PATIENCE_TICKS; k++) {
         tick();
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
 }
 
@@ -340,11 +340,11 @@ static void test_more_than_the_torque_range_gives_back_at_once(void)
         begin_with_sensor(0.0, 0.0);
         run_at(sign * 600.0);
         ticks(SETTLED_TICKS);
-        TEST_ASSERT_TRUE(drive.voltage_driven);
-        drive.signals.current_ref.q =
+        TEST_ASSERT_TRUE(drive.voltage_drive.active);
+        drive.voltage_drive.current_mean.q =
             (sign > 0) ? (drive.torque_range.upper + 2000) : (drive.torque_range.lower - 2000);
         ticks(cfg.slow_ticks);
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
 }
 
@@ -356,7 +356,7 @@ static void test_a_drive_that_is_not_asked_to_never_changes_over(void)
     run_at(600.0);
     for (uint32_t k = 0U; k < 10000U; k++) {
         tick();
-        TEST_ASSERT_FALSE(drive.voltage_driven);
+        TEST_ASSERT_FALSE(drive.voltage_drive.active);
     }
     TEST_ASSERT_DOUBLE_WITHIN(6.0, 600.0, true_rpm());
 }
@@ -374,7 +374,7 @@ static void test_protection_stays_in_force(void)
         begin_with_sensor(0.0, 0.0);
         run_at(600.0);
         ticks(SETTLED_TICKS);
-        TEST_ASSERT_TRUE(drive.voltage_driven);
+        TEST_ASSERT_TRUE(drive.voltage_drive.active);
         measure();
         make[k](&in);
         drive_step(&drive, &in, &out);
@@ -402,7 +402,7 @@ static void test_the_voltage_stays_within_the_circle_whatever_the_frame(void)
             in.command.target = seeded_i32(&seeded);
             in.command.request = DRIVE_REQUEST_RUN;
             drive_step(&drive, &in, &out);
-            if (drive.voltage_driven && (drive.state == DRIVE_STATE_RUN)) {
+            if (drive.voltage_drive.active && (drive.state == DRIVE_STATE_RUN)) {
                 const int32_t limit =
                     drive.signals.voltage_limit + 1; /* rounded down, so by one longer */
 

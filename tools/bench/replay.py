@@ -71,7 +71,7 @@ class Bench:
 
 def state_names():
     """The drive's states in the order of their numbers."""
-    header = (ROOT / "firmware/drive/drive.h").read_text(encoding="utf-8")
+    header = (ROOT / "firmware/drive/state.h").read_text(encoding="utf-8")
     listed = re.search(r"typedef enum \{([^}]*)\} drive_state_t;", header)[1]
     return re.findall(r"DRIVE_STATE_(\w+)", listed)
 

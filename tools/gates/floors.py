@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""gate.floors: includes go downwards only, and registers are touched in target bindings only.
+"""gate.floors: includes go downwards only and in no circle, as calls do, and registers are touched in target bindings only.
 
 A firmware file includes its own floor or one below, a control module no other control
 module, and hal.h is seen by the HAL and the app alone. The plant knows no firmware; the rest of the simulator
@@ -7,12 +7,14 @@ sees any of it.
 A folder of firmware/, hal/ or host_sim/ that is no floor is a finding: nobody has said what it may include.
 Outside of a target's binding nothing is volatile at an address: no pointer made of a number, no cast to a pointer to
 volatile, no volatile object that the linker places.
+circles.py says what a circle is, and who may write the state of the drive.
 """
 
 import argparse
 import re
 from pathlib import Path
 
+import circles
 import sources
 
 # Floors from the ground up: each folder may include itself and those it lists.
@@ -54,6 +56,7 @@ GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's i
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
     "align": ["transforms"],
+    "angle_sensor": ["rotor_position"],
     "catch_spin": ["transforms"],
     "current_loop": ["pi", "transforms"],
     "model": ["current_loop", "nn_observer"],
@@ -62,7 +65,7 @@ BUILT_OF = {
     "nn_observer": ["transforms"],
     "phase_compensator": ["transforms"],
 }
-FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"}
+FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h"}
 REGISTER = re.compile(
     r"\(\s*(?:const\s+)?volatile\b[^()]*\*[^()]*\)"        # (volatile uint32_t *)
     r"|\([^()]*\bvolatile\s*\*[^()]*\)\s*[\w(]"            # (uint32_t volatile *)x
@@ -124,6 +127,7 @@ def findings(root):
             if why:
                 line = text.count("\n", 0, match.start()) + 1
                 yield f"{path}:{line}: {why}"
+    yield from circles.findings(root)
 
 
 parser = argparse.ArgumentParser(description=__doc__)

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "estimate.h"
+
+#include "trig.h"
+
+#define COUNT_TO_ANGLE (65536U)
+#define PULL_SHIFT (6U) /* while it is led, θ̂ closes 1/64 of its distance to the vector in a tick */
+#define RESIDUAL_SHIFT (3U) /* of the residual's filter, in slow periods */
+
+void estimate_start(drive_t *drive, step_t speed, dq_t current)
+{
+    nn_observer_start(&drive->observer, &drive->model.observer, speed, current,
+                      trig_sincos(rotor_position_angle(&drive->position)));
+}
+
+void estimate_sense(drive_t *drive, uint16_t count)
+{
+    const angle_t shaft = (angle_t)count * COUNT_TO_ANGLE;
+
+    angle_sensor_step(&drive->angle_sensor, shaft * drive->cfg->sampling.sensor_pole_pairs,
+                      drive->model.observer.speed_limit);
+    drive->position = drive->angle_sensor.position;
+    nn_observer_follow(&drive->observer, drive->angle_sensor.speed);
+}
+
+void estimate_start_sensed(drive_t *drive)
+{
+    const step_t speed = drive->angle_sensor.speed;
+
+    drive->position = drive->angle_sensor.position;
+    rotor_position_step(&drive->position, speed); /* this tick controls nothing, so it ends here */
+    estimate_start(drive, speed, (dq_t){0, 0});
+}
+
+bool estimate_is_trained(const drive_t *drive)
+{
+    return (drive->state == DRIVE_STATE_RUN) ||
+           ((drive->state != DRIVE_STATE_ALIGN) &&
+            (fx_abs(drive->vector.step) >= drive->cfg->startup.track_speed));
+}
+
+/* The voltage that acted since the last instant: duty ratio times the mean bus voltage of that period. */
+static ab_t applied_voltage(const drive_t *drive)
+{
+    const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
+
+    return (ab_t){
+        .alpha = fx_sat16(fx_asr(drive->ratio_acting.alpha * bus, 15U)),
+        .beta = fx_sat16(fx_asr(drive->ratio_acting.beta * bus, 15U)),
+    };
+}
+
+void estimate_step(drive_t *drive, bool trained)
+{
+    const angle_t rotor = rotor_position_angle(&drive->position);
+    /*@ assert BLOCKS(rotor); */
+    drive_signals_t *const s = &drive->signals;
+    const nn_observer_cfg_t *const cfg = &drive->model.observer;
+    const sincos_t angle = trig_sincos(rotor);
+
+    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    s->current = transforms_park(s->current_ab, angle);
+    s->voltage_applied = applied_voltage(drive);
+    nn_observer_predict(&drive->observer, cfg, s->current, s->voltage_applied, angle);
+    if (trained) {
+        nn_observer_train(&drive->observer, cfg);
+    } else {
+        nn_observer_follow(&drive->observer, drive->vector.step);
+    }
+    s->speed = drive_speed_q15(drive, drive->observer.speed);
+}
+
+static step_t closing_step(const drive_t *drive)
+{
+    const angle_t distance =
+        rotor_position_angle(&drive->vector.position) - rotor_position_angle(&drive->position);
+
+    return fx_asr(fx_signed(distance), PULL_SHIFT);
+}
+
+void estimate_advance(drive_t *drive, bool trained)
+{
+    step_t step = drive->observer.speed_out;
+
+    if (!trained) {
+        step += closing_step(drive);
+    }
+    rotor_position_step(&drive->position, step);
+}
+
+/*
+ * The speed for ρ of the observer: its estimate when that is far from zero, else the commanded speed. A swing of the
+ * estimate through zero would change the sign of ρ and sustain itself.
+ */
+static step_t calm_speed(const drive_t *drive)
+{
+    const step_t fast = 2 * drive->cfg->startup.handover_speed;
+    const step_t own = drive->observer.speed;
+
+    return (fx_abs(own) >= fast) ? own : drive->speed_loop.reference;
+}
+
+void estimate_refine(drive_t *drive)
+{
+    const nn_observer_t *const observer = &drive->observer;
+    const model_nominal_t nominal = drive_nominal(drive);
+
+    drive->residual = fx_approach(drive->residual, fx_abs(observer->turned.q), RESIDUAL_SHIFT);
+    model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
+                     observer->speed);
+    nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
+}

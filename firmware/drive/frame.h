@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The frame in which the currents are controlled: in RUN that of the rotor, below it that of the imposed vector.
+ *
+ * A frame_t holds what current control and modulation need to know of it. It lives for one tick.
+ * Part of the drive; called from drive_step only.
+ */
+#ifndef FRAME_H
+#define FRAME_H
+
+#include "state.h"
+
+typedef struct {
+    angle_t angle;                  /* at this instant */
+    step_t step;                    /* by which it turns in a tick */
+    int32_t speed;                  /* ω of the decoupling, Q15 of Ω_b */
+    dq_t current;                   /* measured, in this frame */
+    const current_loop_cfg_t *loop; /* gains and decoupling */
+} frame_t;
+
+/* The frame of the rotor: estimate_step() has run. */
+static inline frame_t frame_of_rotor(const drive_t *drive)
+{
+    return (frame_t){
+        .angle = rotor_position_angle(&drive->position),
+        .step = drive->observer.speed_out,
+        .speed = drive->signals.speed,
+        .current = drive->signals.current,
+        .loop = &drive->model.run_loop,
+    };
+}
+
+/* The frame of the imposed vector: frame_measure() has run. */
+static inline frame_t frame_of_vector(const drive_t *drive)
+{
+    return (frame_t){
+        .angle = rotor_position_angle(&drive->vector.position),
+        .step = drive->vector.step,
+        .speed = drive_speed_q15(drive, drive->vector.step),
+        .current = drive->signals.current_frame,
+        .loop = &drive->model.hold_loop,
+    };
+}
+
+/* Below RUN, each tick: turns the measured current into the frame of the vector, and filters it. */
+void frame_measure(drive_t *drive);
+
+/* Sets the voltage for current_ref (current_loop.h). */
+void frame_control_current(drive_t *drive, const frame_t *frame);
+
+/* The voltage to compare values. It is turned for the middle of the period in which it acts. */
+void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out);
+
+/*
+ * Change to a frame that is ahead by `angle`. A vector that is constant in space turns back in it: current_ref and the
+ * integrals of the current control. So nothing jumps.
+ */
+void frame_turn(drive_t *drive, angle_t angle);
+
+#endif

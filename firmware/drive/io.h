@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/* What goes into a control tick and what comes out: the frames of a hardware binding, and the user's command. */
+#ifndef IO_H
+#define IO_H
+
+#include "modulator.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    DRIVE_MODE_SPEED = 0,
+    DRIVE_MODE_POSITION
+} drive_mode_t;
+
+#define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
+#define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
+
+#define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
+/* The tick before ended too late: no voltage acted in place of its demand. */
+#define DRIVE_FLAG_LATE (0x0002U)
+
+/* The user's command. */
+typedef struct {
+    int32_t target; /* SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns */
+    uint8_t mode;   /* drive_mode_t; any other value counts as SPEED */
+    uint8_t request;
+} drive_command_t;
+
+/*
+ * One input frame: raw ADC counts (straight binary, currents with zero at mid-scale) and command. The
+ * temperature is that of the power stage and may be some ticks old. The angle is that of a sensor on the shaft:
+ * 2^16 = one turn, 0 where the magnet flux is along phase a, positive from a towards b. Without a sensor it is 0.
+ */
+typedef struct {
+    uint16_t adc_ia;
+    uint16_t adc_ib;
+    uint16_t adc_bus;
+    uint16_t flags;
+    drive_command_t command;
+    /* Behind the command: in front of it this field would cost a Cortex-M0+ 57 instructions. */
+    uint16_t adc_temperature;
+    uint16_t angle;
+} drive_in_t;
+
+/* One output frame. */
+typedef struct {
+    compare_t compare;
+    bool gate_enable;
+} drive_out_t;
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Start-up and low speed, where the back-EMF is too small to find the rotor angle.
+ *
+ * The drive imposes a current vector at an angle of its own (open-loop I/f). The rotor follows it as a synchronous machine
+ * follows its supply, displaced by the load angle. The current control is soft, so that the resistance of the windings
+ * damps the swinging of the rotor, as a short circuit would. Above track_speed the observer runs free beside it. Above
+ * handover_speed the observer takes over when its residual is small enough, that is, when it has found the rotor. Else
+ * the start is repeated.
+ *
+ * Part of the drive; called from drive_step only. What returns an event writes `fault` with DRIVE_EVENT_FAULT only.
+ */
+#ifndef OPEN_LOOP_H
+#define OPEN_LOOP_H
+
+#include "io.h"
+#include "state.h"
+
+/* From READY: begin CATCH_SPIN. */
+drive_event_t open_loop_start(drive_t *drive);
+
+/* One complete tick of CATCH_SPIN: STANDS, TRACKED (from the next tick on), or FAULT when a current does not decay. */
+drive_event_t open_loop_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out,
+                              fault_t *fault);
+
+/* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN. */
+drive_event_t open_loop_step(drive_t *drive);
+
+/* The speed reference of the next slow period; not in ALIGN. */
+void open_loop_plan(drive_t *drive, const drive_command_t *command);
+
+/* The speed of the vector for the next slow period, and what follows from it; not in ALIGN. */
+drive_event_t open_loop_drag(drive_t *drive, fault_t *fault);
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "run.h"
+
+#include "estimate.h"
+#include "frame.h"
+#include "trig.h"
+#include "voltage_drive.h"
+
+#define Q16_TO_Q32 (65536)
+
+void run_reset(drive_t *drive)
+{
+    rotor_position_reset(&drive->position, 0U);
+    estimate_start(drive, 0, (dq_t){0, 0});
+    rotor_position_reset(&drive->vector.position, 0U);
+    drive->vector.step = 0;
+    drive->vector.current_mean = (dq_t){0, 0};
+    drive->voltage_drive.active = false;
+    drive->voltage_drive.calm_periods = 0U;
+    current_loop_reset(&drive->current_loop);
+    speed_loop_reset(&drive->speed_loop, 0);
+    position_loop_reset(&drive->position_loop, 0, 0);
+    drive->speed_reference = 0;
+    drive->signals.ratio_ab = (ab_t){0, 0};
+    drive->ratio_acting = (ab_t){0, 0};
+    drive->residual = 0;
+    drive->lost_periods = 0U;
+    drive->signals.current_ref = (dq_t){0, 0};
+    drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
+    drive->derating.voltage = (dq_t){0, 0};
+    drive->mode = (uint8_t)DRIVE_MODE_SPEED;
+}
+
+void run_reset_sensed(drive_t *drive)
+{
+    run_reset(drive);
+    estimate_start_sensed(drive);
+    speed_loop_reset(&drive->speed_loop, drive->observer.speed);
+    drive->speed_reference = drive->observer.speed;
+}
+
+static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
+{
+    drive->mode = mode;
+    position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
+}
+
+void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+
+    if (command->mode != drive->mode) {
+        change_mode(drive, command->mode, position);
+    }
+    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
+        drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
+                                                    (int64_t)command->target * Q16_TO_Q32,
+                                                    position->turns_q32, cfg->slow_ticks);
+    } else {
+        drive->speed_reference =
+            speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
+    }
+}
+
+/* Commanded speed and rotor speed are both so low that a current has to be imposed. */
+static bool is_slow(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const bool asked = fx_abs(drive->speed_reference) < cfg->hold_speed;
+
+    return asked && (fx_abs(drive->observer.speed) < cfg->handover_speed);
+}
+
+/*
+ * i_d* in RUN. Below the speed at which the observer hands back, it rises to the current that will be imposed. Above, it
+ * keeps the current vector large enough that not all legs switch near their zero crossing.
+ */
+static int32_t next_current_d(const drive_t *drive)
+{
+    const run_cfg_t *const cfg = &drive->cfg->run;
+    const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
+    const dq_t present = drive->signals.current_ref;
+    const bool slow = is_slow(drive);
+    const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
+    const int32_t wanted = slow ? drive->cfg->startup.current_hold : lacking;
+
+    return fx_towards(present.d, wanted, slope);
+}
+
+/* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
+static void hand_back(drive_t *drive)
+{
+    const dq_t reference = drive->signals.current_ref;
+    const angle_t load_angle =
+        trig_atan2((int16_t)fx_sat16(reference.q), (int16_t)fx_sat16(reference.d));
+    dq_t turned;
+
+    drive->vector.position = drive->position;
+    rotor_position_step(&drive->vector.position, fx_signed(load_angle));
+    drive->vector.step = drive->speed_loop.reference;
+    frame_turn(drive, load_angle);
+    turned = transforms_park(
+        (ab_t){fx_sat15(drive->signals.current.d), fx_sat15(drive->signals.current.q)},
+        trig_sincos(load_angle));
+    drive->signals.current_frame = (dq_t){fx_sat15(turned.d), fx_sat15(turned.q)};
+    drive->vector.current_mean = drive->signals.current_frame;
+    supervision_forget_imposed(&drive->supervision);
+}
+
+/*
+ * While derating narrows the torque, ramp and profile wait at the narrowed limit. If they went on, the rotor would fall
+ * further behind in each period. It would then be braked with the whole current as soon as the limit ends.
+ */
+static void wait_at_limit(drive_t *drive, step_t before)
+{
+    const bool faster = drive->speed_loop.reference > before;
+    const int32_t torque = drive->signals.current_ref.q;
+    const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
+    const int32_t towards = faster ? torque : -torque;
+
+    if ((towards >= end) && (end < drive->cfg->derating.current_max)) {
+        drive->speed_loop.reference = before;
+        position_loop_reset(&drive->position_loop, drive->position.turns_q32, before);
+    }
+}
+
+/* The torque current, and i_d*. HELD when i_d* has risen to the imposed current at low speed. */
+static drive_event_t control_torque(drive_t *drive)
+{
+    const int32_t current_hold = drive->cfg->startup.current_hold;
+    const step_t before = drive->speed_loop.reference;
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    drive->signals.current_ref.d = next_current_d(drive);
+    drive->signals.current_ref.q =
+        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                        drive->observer.speed, drive->torque_range);
+    wait_at_limit(drive, before);
+    if ((current_hold != 0) && (drive->signals.current_ref.d >= current_hold) && is_slow(drive)) {
+        hand_back(drive);
+        event = DRIVE_EVENT_HELD;
+    }
+    return event;
+}
+
+drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command)
+{
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if (drive->voltage_drive.active) {
+        voltage_drive_motion(drive, command);
+    } else {
+        event = control_torque(drive);
+        voltage_drive_offer(drive, command);
+    }
+    return event;
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * RUN: closed loop on the angle of the observer or the sensor. Its parts of a slow period.
+ *
+ * Part of the drive; called from drive_step only.
+ */
+#ifndef RUN_H
+#define RUN_H
+
+#include "io.h"
+#include "state.h"
+
+/* Start with a rotor at rest at angle 0 and zero current. The model stays as it is. */
+void run_reset(drive_t *drive);
+
+/* The same at the angle and the speed that the sensor shows. */
+void run_reset_sensed(drive_t *drive);
+
+/*
+ * Computes the speed reference of the next slow period: ramp, or position profile. position: of the frame in which the
+ * currents are controlled.
+ */
+void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position);
+
+/*
+ * Speed PI and i_d*, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed current: then it
+ * has set the vector on the present current.
+ */
+drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command);
+
+#endif

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The slow schedule. The work of a slow period is spread over its last ticks, one slot per tick, so that the longest tick
+ * is shorter. The number of a slot is the number of ticks left in the period.
+ *
+ *     slot     who                                                 in which states     how often
+ *     REFINE   estimate_refine                                     HOLD to RUN         each period
+ *     PHASES   monitor_phases: any current; that of the vector     ALIGN to RUN        each period
+ *     CHECKS   monitor_next_check: four take turns, see there      any                 each in every fourth period
+ *     LIMITS   monitor_limits                                      any                 each period
+ *     PLAN     open_loop_plan, in RUN run_plan                     HOLD to RUN         each period
+ *     SPEED    open_loop_drag, in RUN run_control_speed            HOLD to RUN         each period
+ *
+ * Part of the drive; called from drive_step only.
+ */
+#ifndef SCHEDULE_H
+#define SCHEDULE_H
+
+#include "io.h"
+#include "state.h"
+
+typedef enum {
+    SLOT_SPEED = 0,
+    SLOT_PLAN,
+    SLOT_LIMITS,
+    SLOT_CHECKS,
+    SLOT_PHASES,
+    SLOT_REFINE,
+    SLOTS /* number of slots, none itself */
+} slot_t;
+
+/*
+ * The work of one slot. moving: this tick controls a current and may run REFINE, PLAN and SPEED. A tick in which the drive
+ * starts has measured nothing for them yet. Writes `fault` with DRIVE_EVENT_FAULT only.
+ */
+drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
+                            fault_t *fault);
+
+#endif

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The whole state of a drive, its states and the events that change them.
+ *
+ * drive_t is a plain value: to copy it is to take a snapshot. state.def holds the range of each field. The rotor is known
+ * by two fields, `position` (θ̂) and `observer.speed` (ω̂), whatever they come from; estimate.h says from what. The currents
+ * are controlled in a frame (frame.h): that of this rotor in RUN, else that of `vector`.
+ */
+#ifndef STATE_H
+#define STATE_H
+
+#include "align.h"
+#include "angle_sensor.h"
+#include "catch_spin.h"
+#include "config_guard.h"
+#include "derating.h"
+#include "drive_cfg.h"
+#include "model.h"
+#include "phase_compensator.h"
+#include "protection.h"
+#include "rotor_position.h"
+#include "supervision.h"
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    DRIVE_STATE_INIT = 0,
+    DRIVE_STATE_OFFSET_CAL,
+    DRIVE_STATE_READY,
+    DRIVE_STATE_CATCH_SPIN, /* flying start: does the rotor turn already? */
+    DRIVE_STATE_ALIGN,      /* pulls the rotor to a known angle, measures R and L */
+    DRIVE_STATE_HOLD,       /* an imposed current holds the rotor at standstill */
+    DRIVE_STATE_IF_RAMP,    /* an imposed current turns the rotor: open-loop I/f */
+    DRIVE_STATE_HANDOVER,   /* as IF_RAMP, while the observer's residual is checked */
+    DRIVE_STATE_RUN,        /* closed loop on the angle of the observer or the sensor */
+    DRIVE_STATE_FAULT
+} drive_state_t;
+
+/* What the parts of the drive tell it. transitions.c says what follows in which state. */
+typedef enum {
+    DRIVE_EVENT_NONE = 0,
+    DRIVE_EVENT_CALIBRATE,  /* power has come on, or the user has acknowledged a fault */
+    DRIVE_EVENT_CALIBRATED, /* the zeros of the current sensors are known */
+    DRIVE_EVENT_STOP,       /* the user no longer asks to run */
+    DRIVE_EVENT_SEARCH,     /* a start begins, the first or one more */
+    DRIVE_EVENT_STANDS,  /* an alignment begins: the rotor is slow, or R and L are not measured */
+    DRIVE_EVENT_HELD,    /* the imposed vector is at rest */
+    DRIVE_EVENT_DRAGGED, /* the imposed vector turns, more slowly than handover_speed */
+    DRIVE_EVENT_FAST,    /* the imposed vector has reached handover_speed */
+    DRIVE_EVENT_TRACKED, /* the angle is known, or taken to be 0 where nothing can find it */
+    DRIVE_EVENT_FAULT,   /* with value and limit beside it */
+    DRIVE_EVENTS         /* number of events, none itself */
+} drive_event_t;
+
+/* Values of the last tick, in the order of computation. Some begin the next tick, the others are for traces. */
+typedef struct {
+    int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
+    int32_t phase_b;
+    int32_t bus;           /* Q15 of U_b */
+    ab_t current_ab;       /* Q15 of I_b */
+    dq_t current;          /* turned with θ̂ */
+    dq_t current_frame;    /* turned with the vector's angle, while a current is imposed */
+    ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
+    int32_t speed;         /* ω̂, Q15 of Ω_b */
+    dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
+    int32_t voltage_limit; /* radius of the voltage circle, Q15 of U_b */
+    dq_t voltage;          /* demand */
+    ab_t ratio_ab;
+} drive_signals_t;
+
+/* The zeros of the current sensors, while they are measured. */
+typedef struct {
+    int32_t sum_a; /* of raw counts, 0…2^28 */
+    int32_t sum_b;
+    uint32_t samples;
+} calibration_t;
+
+/* The current vector that is imposed below RUN. */
+typedef struct {
+    rotor_position_t position; /* of the vector */
+    step_t step;               /* by which it turns in a tick */
+    dq_t current_mean;         /* measured in its frame, over some 32 ticks */
+} current_vector_t;
+
+/* RUN without current regulators, see voltage_drive.h. */
+typedef struct {
+    bool active;
+    uint32_t calm_periods; /* slow periods in a row in which the change to it was allowed */
+    uint32_t end_periods;  /* slow periods in a row with lead or current at their lower limit */
+    pi_t pi;               /* speed PI */
+    int32_t magnitude;     /* U, Q15 of U_b, + forwards; may be above a limit that has sunk */
+    dq_t current_mean;     /* measured with θ̂, over some 32 ticks */
+    phase_compensator_t compensator;
+} voltage_drive_t;
+
+/* Fields that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one instruction. */
+typedef struct {
+    rotor_position_t position; /* θ̂ and whole turns, (23) */
+    const drive_cfg_t *cfg;
+    drive_state_t state;
+    protection_limits_t limits; /* in force in this state */
+    int32_t offset_a;           /* sensor zero, Q15 of I_b, mid-scale = 16384 */
+    int32_t offset_b;
+    int32_t bus_before;     /* bus voltage at the last instant, Q15 of U_b */
+    nn_observer_t observer; /* ω̂, (22) */
+    uint32_t slow_count;    /* N…1: ticks to the end of the slow period */
+    current_loop_t current_loop;
+    modulator_t modulator;
+    ab_t ratio_acting; /* demand / bus, Q15, that acted since the last instant */
+    drive_signals_t signals;
+    uint32_t tick; /* since drive_init, wraps */
+    voltage_drive_t voltage_drive;
+    step_t speed_reference;
+    speed_loop_t speed_loop;
+    position_loop_t position_loop;
+    uint8_t mode; /* of the running motion loops */
+    calibration_t calibration;
+    model_t model;   /* motor model in force; kept from run to run */
+    bool identified; /* R and L of the model were measured */
+    current_vector_t vector;
+    angle_sensor_t angle_sensor;
+    int32_t residual;          /* |e'_q|, filtered over slow periods, Q15 of I_b */
+    uint32_t lost_periods;     /* slow periods with a residual too large for a held rotor */
+    uint32_t handover_periods; /* slow periods in HANDOVER */
+    uint32_t attempts;         /* starts that failed since READY */
+    catch_spin_t catch_spin;
+    align_t align;
+    torque_range_t torque_range; /* allowed range of i_q* in this slow period */
+    derating_t derating;
+    supervision_t supervision;
+    config_guard_t guard;
+    fault_t fault; /* the last fault */
+} drive_t;
+
+/* CATCH_SPIN to RUN: current may flow. */
+static inline bool drive_is_driving(drive_state_t state)
+{
+    return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
+}
+
+/* ALIGN to RUN: the current is controlled. */
+static inline bool drive_is_controlled(drive_state_t state)
+{
+    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_FAULT);
+}
+
+/* ALIGN to HANDOVER: the current is that of an imposed vector. */
+static inline bool drive_is_imposed(drive_state_t state)
+{
+    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_RUN);
+}
+
+static inline bool drive_has_sensor(const drive_t *drive)
+{
+    return drive->cfg->sampling.sensor_pole_pairs != 0U;
+}
+
+/*
+ * Speed in steps per tick: in RUN that of the rotor, ω̂, else that of the imposed vector. With a sensor it is always that
+ * of the rotor.
+ */
+static inline step_t drive_speed(const drive_t *drive)
+{
+    const bool known = (drive->state == DRIVE_STATE_RUN) || drive_has_sensor(drive);
+
+    return known ? drive->observer.speed : drive->vector.step;
+}
+
+/* Position estimate in Q32 electrical turns. */
+static inline int64_t drive_position_q32(const drive_t *drive)
+{
+    return drive->position.turns_q32;
+}
+
+/* i_d, i_q that the motor is to have now: the reference of the current control; without it the mean of what it has. */
+static inline dq_t drive_current_in_force(const drive_t *drive)
+{
+    return drive->voltage_drive.active ? drive->voltage_drive.current_mean
+                                       : drive->signals.current_ref;
+}
+
+/* The parts of the configuration that the model corrects. */
+static inline model_nominal_t drive_nominal(const drive_t *drive)
+{
+    const model_nominal_t nominal = {&drive->cfg->observer, &drive->cfg->current_loop,
+                                     &drive->cfg->hold_loop};
+
+    return nominal;
+}
+
+/* A speed in Q15 of Ω_b, saturated, rounded down. */
+static inline int32_t drive_speed_q15(const drive_t *drive, step_t speed)
+{
+    return fx_sat16(fx_asr(speed, drive->cfg->speed_shift));
+}
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+#include "transitions.h"
+
+#define IN(state) (1UL << (uint32_t)(state))
+#define FROM_HOLD_TO_HANDOVER \
+    (IN(DRIVE_STATE_HOLD) | IN(DRIVE_STATE_IF_RAMP) | IN(DRIVE_STATE_HANDOVER))
+#define DRIVING \
+    (FROM_HOLD_TO_HANDOVER | IN(DRIVE_STATE_CATCH_SPIN) | IN(DRIVE_STATE_ALIGN) | \
+     IN(DRIVE_STATE_RUN))
+#define ANY_BUT_FAULT \
+    (DRIVING | IN(DRIVE_STATE_INIT) | IN(DRIVE_STATE_OFFSET_CAL) | IN(DRIVE_STATE_READY))
+
+drive_state_t transitions_next(drive_state_t state, drive_event_t event)
+{
+    static const struct {
+        drive_state_t next;
+        uint32_t from; /* in these states; in others the event changes nothing */
+    } table[DRIVE_EVENTS] = {
+        [DRIVE_EVENT_NONE] = {DRIVE_STATE_INIT, 0U},
+        [DRIVE_EVENT_CALIBRATE] = {DRIVE_STATE_OFFSET_CAL,
+                                   IN(DRIVE_STATE_INIT) | IN(DRIVE_STATE_FAULT)},
+        [DRIVE_EVENT_CALIBRATED] = {DRIVE_STATE_READY, IN(DRIVE_STATE_OFFSET_CAL)},
+        [DRIVE_EVENT_STOP] = {DRIVE_STATE_READY, DRIVING},
+        [DRIVE_EVENT_SEARCH] = {DRIVE_STATE_CATCH_SPIN,
+                                IN(DRIVE_STATE_READY) | FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_STANDS] = {DRIVE_STATE_ALIGN,
+                                IN(DRIVE_STATE_CATCH_SPIN) | IN(DRIVE_STATE_HOLD)},
+        [DRIVE_EVENT_HELD] = {DRIVE_STATE_HOLD,
+                              IN(DRIVE_STATE_ALIGN) | IN(DRIVE_STATE_RUN) | FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_DRAGGED] = {DRIVE_STATE_IF_RAMP, FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_FAST] = {DRIVE_STATE_HANDOVER, FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_TRACKED] = {DRIVE_STATE_RUN, IN(DRIVE_STATE_READY) |
+                                                      IN(DRIVE_STATE_CATCH_SPIN) |
+                                                      IN(DRIVE_STATE_HANDOVER)},
+        [DRIVE_EVENT_FAULT] = {DRIVE_STATE_FAULT, ANY_BUT_FAULT},
+    };
+    /*@ split state; */
+    /*@ split event; */
+    const bool follows = ((table[event].from >> (uint32_t)state) & 1U) != 0U;
+
+    return follows ? table[event].next : state;
+}

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""Circles in the firmware, and who writes the state of the drive. A part of gate.floors.
+
+A module is the files of one folder with one stem. It depends on each module that it includes and on each that defines a
+function that it calls, inline in a header or not. A circle of modules is a finding. So is a recursion, a circle of functions
+of one module.
+
+A call through a pointer counts as a call of each function of this type whose address is taken anywhere in the firmware: a
+pointer that is handed down may call back up, and no include shows it.
+
+One function writes drive_t.state; to take its address is to write it. Those that write all of a drive_t are listed.
+
+libclang parses each source and each header by itself, as for an Armv7E-M, and once with the headers of each port.
+"""
+
+import functools
+import re
+import subprocess
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+from pathlib import Path
+
+from clang.cindex import CursorKind as Kind
+from clang.cindex import Diagnostic, Index, LinkageKind
+
+import sources
+
+PORTS = Path("firmware/math/port")
+CORE = ("-target", "thumbv7em-none-eabi", "-ffreestanding")  # has what the ports use
+DRIVE, STATE = "drive_t", "state"
+DRIVE_FILE, RECORDER_FILE = Path("firmware/drive/drive.c"), Path("firmware/record/recorder.c")
+WRITERS = {  # the recorder writes copies that nobody steps
+    f"{DRIVE}.{STATE}": [(DRIVE_FILE, "enter")],
+    DRIVE: [(DRIVE_FILE, "drive_init"), (RECORDER_FILE, "offer")],
+}
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
+
+
+def module(path):
+    return path.parent, path.stem
+
+
+def includes(root):
+    """(module, module that it includes) → where the first time."""
+    paths = sources.files(root, "firmware/*.c", "firmware/*.h", "firmware/*.def")
+    found = {}
+    for path in paths:
+        text = (root / path).read_text(encoding="utf-8")
+        for match in INCLUDE.finditer(text):
+            name = Path(match[1]).name
+            where = f"{path}:{text.count(chr(10), 0, match.start()) + 1} includes {name}"
+            for included in (p for p in paths if p.name == name and module(p) != module(path)):
+                found.setdefault((module(path), module(included)), where)
+    return found
+
+
+class Code:
+    """What the functions do. A function is a path and a name, a place a path and a line."""
+
+    def __init__(self, root):
+        self.root = root
+        self.calls = {}  # (caller, callee) → first place
+        self.writes = {}  # (what of the drive, function) → first place
+        self.errors = {}  # place → what the parser says
+        self.external = {}  # name → function
+        self.undefined = []  # calls of what another file defines: caller, name, place
+        self.through_pointers = []  # caller, type, place
+        self.taken = set()  # type and name of each function whose address is taken, and the function when it is known
+        self.path = functools.cache(self.path)
+        paths = sources.files(root, "firmware/*.[ch]", "firmware/*.def", "hal/hal.h")
+        folders = {p.parent for p in paths}
+        ports = sorted(folder for folder in folders if folder.parent == PORTS)
+        include = subprocess.run(["gcc", "-print-file-name=include"], check=True, capture_output=True, text=True).stdout
+        for port in ports or [PORTS]:
+            options = ["-xc", "-std=c11", *CORE, "-isystem", include.strip(),
+                       *(f"-I{root / folder}" for folder in (port, *sorted(folders.difference(ports))))]
+            for path in paths:
+                if path.suffix != ".def":
+                    self.parse(path, options)
+        self.resolve()
+
+    def path(self, name):
+        """Relative to the root; None outside of the firmware."""
+        path = Path(name).resolve()
+        return path.relative_to(self.root) if path.is_relative_to(self.root / "firmware") else None
+
+    def place(self, location):
+        return (location.file and self.path(location.file.name)), location.line
+
+    def function(self, cursor):
+        return self.place(cursor.location)[0], cursor.spelling
+
+    def parse(self, path, options):
+        unit = Index.create().parse(str(self.root / path), args=options)
+        for found in unit.diagnostics:
+            if found.severity >= Diagnostic.Error:
+                place = self.place(found.location)
+                self.errors.setdefault(place if place[0] else (path, 1), found.spelling)
+        for cursor in unit.cursor.get_children():
+            function = self.function(cursor)
+            if function[0] == path:
+                if cursor.kind == Kind.FUNCTION_DECL and cursor.linkage == LinkageKind.EXTERNAL and cursor.is_definition():
+                    self.external[cursor.spelling] = function
+                self.visit(cursor, None, function)
+
+    def visit(self, cursor, parent, function):
+        """parent: without brackets."""
+        children = list(cursor.get_children())
+        target = cursor.referenced if cursor.kind in (Kind.CALL_EXPR, Kind.DECL_REF_EXPR, Kind.MEMBER_REF_EXPR) else None
+        names_function = target is not None and target.kind == Kind.FUNCTION_DECL
+        if cursor.kind == Kind.CALL_EXPR and names_function:
+            self.call(function, target, self.place(cursor.location))
+            children = children[1:]  # without the name
+        elif cursor.kind == Kind.CALL_EXPR:
+            pointer = children[0].type.get_canonical()
+            self.through_pointers.append((function, pointer.get_pointee().spelling, self.place(cursor.location)))
+        elif names_function:
+            definition = target.get_definition()
+            self.taken.add((target.type.get_canonical().spelling, target.spelling, definition and self.function(definition)))
+        elif target is not None and cursor.spelling == STATE and target.semantic_parent.type.spelling == DRIVE:
+            if parent.kind != Kind.UNEXPOSED_EXPR:  # by which it would be read
+                self.writes.setdefault((f"{DRIVE}.{STATE}", function), self.place(cursor.location))
+        elif cursor.kind == Kind.BINARY_OPERATOR and cursor.type.get_canonical().spelling == DRIVE:
+            self.writes.setdefault((DRIVE, function), self.place(cursor.location))
+        for child in children:
+            self.visit(child, parent if cursor.kind == Kind.PAREN_EXPR else cursor, function)
+
+    def call(self, caller, target, place):
+        definition = target.get_definition()
+        if definition is None:
+            self.undefined.append((caller, target.spelling, place))
+        else:
+            self.add(caller, self.function(definition), place)
+
+    def add(self, caller, callee, place):
+        if callee[0] is not None:
+            self.calls[caller, callee] = min(place, self.calls.get((caller, callee), place))
+
+    def resolve(self):
+        """Calls whose callee is known when all is parsed. A function that no file defines is none of the firmware."""
+        nowhere = None, ""
+        for caller, name, place in self.undefined:
+            self.add(caller, self.external.get(name, nowhere), place)
+        for caller, of_type, place in self.through_pointers:
+            for taken_type, name, function in self.taken:
+                if taken_type == of_type:
+                    self.add(caller, function or self.external.get(name, nowhere), place)
+
+
+def circles(edges):
+    """Circles of a graph, (from, to) → what to say of it, as what to say of each. No two have an edge in common."""
+    edges = dict(sorted(edges.items()))
+    while True:
+        graph = {}
+        for start, end in edges:
+            graph.setdefault(start, []).append(end)
+        try:
+            TopologicalSorter(graph).prepare()
+            return
+        except CycleError as found:
+            nodes = found.args[1][:0:-1]  # each node before the one that depends on it, and the first again at the end
+            first = nodes.index(min(nodes))
+            nodes = [*nodes[first:], *nodes[:first], nodes[first]]
+            yield " -> ".join(edges.pop(edge) for edge in pairwise(nodes))
+
+
+def foreign_writes(root, writes):
+    for (what, function), (path, line) in sorted(writes.items()):
+        if function not in WRITERS[what]:
+            yield f"{path}:{line}: {function[1]} writes {what}, which is for {names(WRITERS[what])} alone"
+    for what, functions in WRITERS.items():
+        # A name that is gone: the rule would hold for nothing.
+        gone = [function for function in functions if (root / function[0]).is_file() and (what, function) not in writes]
+        if gone:
+            yield f"tools/gates/circles.py: {names(gone)} does not write {what}"
+
+
+def names(functions):
+    return ", ".join(f"{name} of {path}" for path, name in functions)
+
+
+def findings(root):
+    code = Code(root.resolve())
+    between, within = {}, {}
+    for (caller, callee), (path, line) in sorted(code.calls.items(), key=lambda call: call[1]):
+        edge = module(caller[0]), module(callee[0])
+        where = f"{path}:{line} calls {callee[1]}"
+        if edge[0] == edge[1]:
+            within[caller, callee] = where
+        else:
+            between.setdefault(edge, where)
+    yield from (f"{path}:{line}: {text}" for (path, line), text in code.errors.items())
+    yield from (f"{circle}: modules in a circle" for circle in circles(includes(root) | between))
+    yield from (f"{circle}: a recursion" for circle in circles(within))
+    yield from foreign_writes(root, code.writes)
