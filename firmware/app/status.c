@@ -95,8 +95,8 @@ static void add_fault(text_t *text, const about_t *about, const fault_t *fault)
 static void add_state(text_t *text, const drive_t *drive, const about_t *about)
 {
     static const char *const names[] = {
-        "INIT", "OFFSET_CAL", "READY",    "CATCH_SPIN", "ALIGN",
-        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",        "FAULT",
+        "INIT", "OFFSET_CAL", "READY",    "FLYING_START", "ALIGN",
+        "HOLD", "IF_RAMP",    "HANDOVER", "RUN",          "FAULT",
     };
     const drive_state_t state = drive->state;
 

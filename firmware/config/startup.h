@@ -4,12 +4,12 @@
 #define STARTUP_H
 
 #include "align.h"
-#include "catch_spin.h"
+#include "flying_start.h"
 
 #include <stdint.h>
 
 typedef struct {
-    catch_spin_cfg_t catch_spin;
+    flying_start_cfg_t flying_start;
     align_cfg_t align;
     /* imposed at standstill, Q15 of I_b, 1…16384. 0: no start-up; RUN begins with a rotor that is taken to be at rest at
      * angle 0 */

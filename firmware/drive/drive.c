@@ -305,11 +305,11 @@ static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
 static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
     open_gates(drive, out);
-    if (drive->state == DRIVE_STATE_CATCH_SPIN) {
+    if (drive->state == DRIVE_STATE_FLYING_START) {
         fault_t fault;
 
         fault_clear(&fault);
-        follow_or_fail(drive, open_loop_catch(drive, in, out, &fault), &fault);
+        follow_or_fail(drive, open_loop_flying_start(drive, in, out, &fault), &fault);
     }
     slow_step(drive, in, left, false);
     out->gate_enable = out->gate_enable && drive_is_driving(drive->state);

@@ -12,8 +12,8 @@
  * from t_k+1 to t_k+2; gate_enable acts at once.
  *
  * States
- *     INIT → OFFSET_CAL → READY → CATCH_SPIN → ALIGN → HOLD ⇄ IF_RAMP → HANDOVER → RUN → HOLD
- *     CATCH_SPIN → RUN when the rotor turns already; HANDOVER → CATCH_SPIN when the hand-over fails
+ *     INIT → OFFSET_CAL → READY → FLYING_START → ALIGN → HOLD ⇄ IF_RAMP → HANDOVER → RUN → HOLD
+ *     FLYING_START → RUN when the rotor turns already; HANDOVER → FLYING_START when the hand-over fails
  *     any but INIT, OFFSET_CAL, FAULT → READY without DRIVE_REQUEST_RUN
  *     any → FAULT, latched, gates off in the same tick; FAULT → OFFSET_CAL on DRIVE_REQUEST_CLEAR without
  *     DRIVE_REQUEST_RUN

@@ -11,7 +11,7 @@
 drive_event_t open_loop_start(drive_t *drive)
 {
     run_reset(drive);
-    catch_spin_reset(&drive->catch_spin);
+    flying_start_reset(&drive->flying_start);
     return DRIVE_EVENT_SEARCH;
 }
 
@@ -38,11 +38,11 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
 static drive_event_t start_turning(drive_t *drive)
 {
-    const catch_spin_t *const spin = &drive->catch_spin;
+    const flying_start_t *const found = &drive->flying_start;
 
-    rotor_position_reset(&drive->position, spin->angle);
-    estimate_start(drive, spin->speed,
-                   transforms_park(drive->signals.current_ab, trig_sincos(spin->angle)));
+    rotor_position_reset(&drive->position, found->angle);
+    estimate_start(drive, found->speed,
+                   transforms_park(drive->signals.current_ab, trig_sincos(found->angle)));
     rotor_position_step(&drive->position, drive->observer.speed_out);
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
@@ -52,29 +52,29 @@ static drive_event_t start_turning(drive_t *drive)
 /* A slower rotor is aligned instead. */
 static bool is_fast(const drive_t *drive)
 {
-    return fx_abs(drive->catch_spin.speed) >= drive->cfg->startup.handover_speed;
+    return fx_abs(drive->flying_start.speed) >= drive->cfg->startup.handover_speed;
 }
 
-drive_event_t open_loop_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out,
-                              fault_t *fault)
+drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
+                                     fault_t *fault)
 {
-    const catch_spin_cfg_t *const cfg = &drive->cfg->startup.catch_spin;
+    const flying_start_cfg_t *const cfg = &drive->cfg->startup.flying_start;
     drive_signals_t *const s = &drive->signals;
     drive_event_t event = DRIVE_EVENT_NONE;
-    catch_spin_result_t result;
+    flying_start_result_t result;
 
     s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
-    result = catch_spin_step(&drive->catch_spin, cfg, s->current_ab);
+    result = flying_start_step(&drive->flying_start, cfg, s->current_ab);
     *out =
-        (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->catch_spin.gates};
-    if ((result == CATCH_SPIN_TURNING) && is_fast(drive)) {
+        (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->flying_start.gates};
+    if ((result == FLYING_START_TURNING) && is_fast(drive)) {
         event = start_turning(drive);
-    } else if (result == CATCH_SPIN_LIVE) {
+    } else if (result == FLYING_START_LIVE) {
         event = DRIVE_EVENT_FAULT;
         *fault = (fault_t){.id = FAULT_ADC_STUCK,
                            .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),
-                           .limit = fx_asr(cfg->current, CATCH_SPIN_QUIET_LOG2)};
-    } else if (result != CATCH_SPIN_BUSY) {
+                           .limit = fx_asr(cfg->current, FLYING_START_QUIET_LOG2)};
+    } else if (result != FLYING_START_BUSY) {
         out->gate_enable = false;
         event = start_alignment(drive, &in->command);
     } else {

@@ -16,12 +16,12 @@
 #include "io.h"
 #include "state.h"
 
-/* From READY: begin CATCH_SPIN. */
+/* From READY: begin FLYING_START. */
 drive_event_t open_loop_start(drive_t *drive);
 
-/* One complete tick of CATCH_SPIN: STANDS, TRACKED (from the next tick on), or FAULT when a current does not decay. */
-drive_event_t open_loop_catch(drive_t *drive, const drive_in_t *in, drive_out_t *out,
-                              fault_t *fault);
+/* One complete tick of FLYING_START: STANDS, TRACKED (from the next tick on), or FAULT when a current does not decay. */
+drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
+                                     fault_t *fault);
 
 /* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN. */
 drive_event_t open_loop_step(drive_t *drive);

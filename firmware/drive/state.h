@@ -11,10 +11,10 @@
 
 #include "align.h"
 #include "angle_sensor.h"
-#include "catch_spin.h"
 #include "config_guard.h"
 #include "derating.h"
 #include "drive_cfg.h"
+#include "flying_start.h"
 #include "model.h"
 #include "phase_compensator.h"
 #include "protection.h"
@@ -29,12 +29,12 @@ typedef enum {
     DRIVE_STATE_INIT = 0,
     DRIVE_STATE_OFFSET_CAL,
     DRIVE_STATE_READY,
-    DRIVE_STATE_CATCH_SPIN, /* flying start: does the rotor turn already? */
-    DRIVE_STATE_ALIGN,      /* pulls the rotor to a known angle, measures R and L */
-    DRIVE_STATE_HOLD,       /* an imposed current holds the rotor at standstill */
-    DRIVE_STATE_IF_RAMP,    /* an imposed current turns the rotor: open-loop I/f */
-    DRIVE_STATE_HANDOVER,   /* as IF_RAMP, while the observer's residual is checked */
-    DRIVE_STATE_RUN,        /* closed loop on the angle of the observer or the sensor */
+    DRIVE_STATE_FLYING_START, /* does the rotor turn already? */
+    DRIVE_STATE_ALIGN,        /* pulls the rotor to a known angle, measures R and L */
+    DRIVE_STATE_HOLD,         /* an imposed current holds the rotor at standstill */
+    DRIVE_STATE_IF_RAMP,      /* an imposed current turns the rotor: open-loop I/f */
+    DRIVE_STATE_HANDOVER,     /* as IF_RAMP, while the observer's residual is checked */
+    DRIVE_STATE_RUN,          /* closed loop on the angle of the observer or the sensor */
     DRIVE_STATE_FAULT
 } drive_state_t;
 
@@ -125,7 +125,7 @@ typedef struct {
     uint32_t lost_periods;     /* slow periods with a residual too large for a held rotor */
     uint32_t handover_periods; /* slow periods in HANDOVER */
     uint32_t attempts;         /* starts that failed since READY */
-    catch_spin_t catch_spin;
+    flying_start_t flying_start;
     align_t align;
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
@@ -134,7 +134,7 @@ typedef struct {
     fault_t fault; /* the last fault */
 } drive_t;
 
-/* CATCH_SPIN to RUN: current may flow. */
+/* FLYING_START to RUN: current may flow. */
 static inline bool drive_is_driving(drive_state_t state)
 {
     return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
@@ -143,13 +143,13 @@ static inline bool drive_is_driving(drive_state_t state)
 /* ALIGN to RUN: the current is controlled. */
 static inline bool drive_is_controlled(drive_state_t state)
 {
-    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_FAULT);
+    return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_FAULT);
 }
 
 /* ALIGN to HANDOVER: the current is that of an imposed vector. */
 static inline bool drive_is_imposed(drive_state_t state)
 {
-    return (state > DRIVE_STATE_CATCH_SPIN) && (state < DRIVE_STATE_RUN);
+    return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_RUN);
 }
 
 static inline bool drive_has_sensor(const drive_t *drive)

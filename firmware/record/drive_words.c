@@ -30,9 +30,9 @@ static const piece_t pieces[] = {
     BYTE(identified),
     WORDS(vector, vector.current_mean.q),
     WORDS(angle_sensor, angle_sensor.speed),
-    WORDS(residual, catch_spin.first.beta),
-    BYTE(catch_spin.gates),
-    WORDS(catch_spin.speed, align.tick),
+    WORDS(residual, flying_start.first.beta),
+    BYTE(flying_start.gates),
+    WORDS(flying_start.speed, align.tick),
     BYTE(align.backwards),
     WORDS(align.current_ref, fault.tick),
 };

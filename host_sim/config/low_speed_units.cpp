@@ -27,15 +27,15 @@ constexpr double HOLD_DAMPING = 0.7;
 constexpr double HOLD_INTEGRAL = 0.2;
 
 // A pulse that looks for a turning rotor ends at this share of the largest current.
-constexpr double CATCH_SHARE = 0.05;
-constexpr double CATCH_LSB = 25; // or so many counts: 4 % of noise, 2°
+constexpr double FLYING_START_SHARE = 0.05;
+constexpr double FLYING_START_LSB = 25; // or so many counts: 4 % of noise, 2°
 // Open gates put the bus against a current, which ends in L·I/U: ten times what 100 mH, 30 A and 300 V take.
-constexpr double CATCH_WAIT_S = 0.1;
-constexpr int CATCH_TICKS = 8;
-constexpr int CATCH_GAP_MAX = 16;
-constexpr int CATCH_PAUSE_MAX = 32;
+constexpr double FLYING_START_WAIT_S = 0.1;
+constexpr int FLYING_START_TICKS = 8;
+constexpr int FLYING_START_GAP_MAX = 16;
+constexpr int FLYING_START_PAUSE_MAX = 32;
 // Turns between two pulses at the highest speed: below a half is unique.
-constexpr double CATCH_TURN = 0.4;
+constexpr double FLYING_START_TURN = 0.4;
 
 // Shares of the hand-over speed: the observer runs free from the first on, and hands back at the second.
 constexpr double TRACK_SHARE = 0.5;
@@ -155,20 +155,21 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     return c;
 }
 
-catch_spin_cfg_t make_catch_spin(const MotorSettings &motor, const BoardSettings &board,
-                                 const Model &m, const Bases &b)
+flying_start_cfg_t make_flying_start(const MotorSettings &motor, const BoardSettings &board,
+                                     const Model &m, const Bases &b)
 {
     const double lsb = board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
-    const double threshold = std::max(CATCH_SHARE * motor.max_current_a, CATCH_LSB * lsb);
+    const double threshold =
+        std::max(FLYING_START_SHARE * motor.max_current_a, FLYING_START_LSB * lsb);
     const double turn = m.max_speed_el * b.control_period_s / TWO_PI;
-    catch_spin_cfg_t c{};
+    flying_start_cfg_t c{};
     store(c.current, threshold / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
-    c.wait_ticks = ticks(CATCH_WAIT_S, b);
-    c.pulse_ticks = CATCH_TICKS;
+    c.wait_ticks = ticks(FLYING_START_WAIT_S, b);
+    c.pulse_ticks = FLYING_START_TICKS;
     c.gap_factor = static_cast<uint32_t>(
-        std::clamp(std::floor(CATCH_TURN / turn) - 1, 1.0, double{CATCH_GAP_MAX}));
-    c.pause_max = CATCH_PAUSE_MAX;
+        std::clamp(std::floor(FLYING_START_TURN / turn) - 1, 1.0, double{FLYING_START_GAP_MAX}));
+    c.pause_max = FLYING_START_PAUSE_MAX;
     const double per_step = TWO_PI / STEPS_PER_TURN * m.flux_current / b.current_a * Q15;
     const Mantissa emf =
         normalise(std::ldexp(per_step, 16), 0, 30, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
@@ -201,7 +202,7 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     require(handover_rpm, 0, motor.max_speed_rpm, {"motor.rated_speed_rpm", motor.rated_speed_rpm},
             "the share startup.handover_speed_pct of it is within motor.max_speed_rpm");
     const double handover = b.step_from_rpm(handover_rpm);
-    c.catch_spin = make_catch_spin(motor, board, m, b);
+    c.flying_start = make_flying_start(motor, board, m, b);
     c.align = make_align(motor, board, tuning, m, b);
     store(c.current_hold, current, HOLD_MIN, Q14,
           {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
@@ -298,10 +299,11 @@ double startup_time(const MotorSettings &motor, const BoardSettings &board,
     }
     const Bases b = make_bases(motor, board);
     const double swing = swing_rad_s(motor, board, tuning, make_model(motor, ModelScales()));
-    const double catching = (2 * CATCH_TICKS + CATCH_PAUSE_MAX + 2) * b.control_period_s;
+    const double looking =
+        (2 * FLYING_START_TICKS + FLYING_START_PAUSE_MAX + 2) * b.control_period_s;
     const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
     const double pulling = sweep_time_s(swing, b) * (PULL / SWEEP);
-    return catching + board.bootstrap_charge_s + pulling + SETTLE / swing + measuring +
+    return looking + board.bootstrap_charge_s + pulling + SETTLE / swing + measuring +
            STEP_TICKS_MAX * b.control_period_s;
 }
 

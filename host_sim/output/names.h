@@ -18,8 +18,8 @@ inline const char *state_name(drive_state_t state)
         return "OFFSET_CAL";
     case DRIVE_STATE_READY:
         return "READY";
-    case DRIVE_STATE_CATCH_SPIN:
-        return "CATCH_SPIN";
+    case DRIVE_STATE_FLYING_START:
+        return "FLYING_START";
     case DRIVE_STATE_ALIGN:
         return "ALIGN";
     case DRIVE_STATE_HOLD:

@@ -108,7 +108,7 @@ void a_row_shows_its_meaning_with_value_unit_and_what_it_was_made_of()
 {
     TEST_ASSERT_EQUAL_STRING("18 A", meaning("protection.current_max").c_str());
     TEST_ASSERT_EQUAL_STRING("low sides on for 0 s at a standing rotor",
-                             meaning("startup.catch_spin.charge_ticks").c_str());
+                             meaning("startup.flying_start.charge_ticks").c_str());
     TEST_ASSERT_EQUAL_STRING("starts before it is a fault", meaning("startup.attempts").c_str());
     TEST_ASSERT_EQUAL_STRING(", bandwidth 14 Hz", meaning("speed_loop.pi.kp").substr(12).c_str());
 }

@@ -43,7 +43,7 @@ const std::map<std::string, std::int64_t> FROM_THE_RULES = {
 
 // Not of this tuning, or a sum over all others.
 const std::vector<std::string> NOT_BY_HAND = {"voltage_drive.", "model.",
-                                              "startup.catch_spin.gap_factor", "crc"};
+                                              "startup.flying_start.gap_factor", "crc"};
 
 // Each number by hand was rounded, of a physical value with four digits and more.
 constexpr std::int64_t ROUNDED = 1;
@@ -443,18 +443,18 @@ void a_start_imposes_what_motor_and_board_bear()
 }
 
 // 0.05·6.3 A, or 25 counts of 20 A/2048; 1800 rpm are 0.006 turn in a tick, 24000 rpm 0.08.
-void catching()
+void flying_start()
 {
-    const catch_spin_cfg_t c = motor_b({"board.bootstrap_charge_s=0.00205"}).startup.catch_spin;
+    const flying_start_cfg_t c = motor_b({"board.bootstrap_charge_s=0.00205"}).startup.flying_start;
     expect(0.315 / 40 * 32768, c.current);
     expect(16, c.gap_factor);
     expect(21, c.charge_ticks);
     expect_mantissa(27.7777778 / 40 * 32768 / 683565275.6 * 65536, c.emf_current, c.emf_shift);
     expect(25.0 * 20 / 2048 / 40 * 32768,
-           motor_b({"motor.max_current_a=4"}).startup.catch_spin.current);
+           motor_b({"motor.max_current_a=4"}).startup.flying_start.current);
     const std::vector<std::string> fast = {
         "motor.max_speed_rpm=24000", "motor.flux_linkage_wb=0.03", "motor.rated_torque_nm=0.3"};
-    expect(4, motor_b(fast).startup.catch_spin.gap_factor);
+    expect(4, motor_b(fast).startup.flying_start.gap_factor);
 }
 
 // Without a start of its own the run's current changes as with one of 100 %.
@@ -487,8 +487,8 @@ void model()
     expect(240 * STEPS_PER_RPM, c.flux_speed_min);
 }
 
-// Catching 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top. With
-// 1 % of the current ω_n is a tenth.
+// Flying start 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top.
+// With 1 % of the current ω_n is a tenth.
 void the_time_of_a_start()
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
@@ -626,7 +626,7 @@ int main()
     RUN_TEST(steps_and_rpm_are_turned_into_each_other);
     RUN_TEST(start);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
-    RUN_TEST(catching);
+    RUN_TEST(flying_start);
     RUN_TEST(run);
     RUN_TEST(hold_loop);
     RUN_TEST(model);

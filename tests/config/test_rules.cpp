@@ -311,7 +311,7 @@ void charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up()
     for (const auto &[seconds, ticks] : lengths) {
         const std::string set = std::string("board.bootstrap_charge_s=") + seconds;
         const nf::Config config = nf::load_scenario("s", {}, {set, "startup.current_pct=50"});
-        TEST_ASSERT_EQUAL_UINT32(ticks, nf::build(config).startup.catch_spin.charge_ticks);
+        TEST_ASSERT_EQUAL_UINT32(ticks, nf::build(config).startup.flying_start.charge_ticks);
         TEST_ASSERT_TRUE(config.scenario.notes.empty());
     }
     for (const char *without : {"startup.current_pct=0", "drive.angle_source=sensor"}) {

@@ -117,7 +117,7 @@ class Stops(SessionTest):
     def test_break_on_state_stops_at_each_change(self):
         answers = self.session(["break on state", "run", "run", "run", "run"])
         states = [re.search(r" s  (\w+)  ", answer)[1] for answer in answers[1:]]
-        self.assertEqual(states, ["READY", "CATCH_SPIN", "ALIGN", "HOLD"])
+        self.assertEqual(states, ["READY", "FLYING_START", "ALIGN", "HOLD"])
 
     def test_break_on_fault_and_on_an_expression(self):
         fault = "scenario.fault=[{time_s=0.3, what=\"overcurrent\", value=19}]"
@@ -157,7 +157,7 @@ class Prints(SessionTest):
         self.assertEqual(places, sorted(places))
 
     def test_stages_are_those_of_the_state(self):
-        own = {"CATCH_SPIN": "drive.catch_spin.phase ", "ALIGN": "drive.align.phase ",
+        own = {"FLYING_START": "drive.flying_start.phase ", "ALIGN": "drive.align.phase ",
                "RUN": "drive.speed_loop.pi.integral_q26 "}
         imposed = "drive.vector.current_mean.d "
         for state, part in own.items():

@@ -121,7 +121,7 @@ class VcdTest(unittest.TestCase):
     def test_states_change_at_their_tick(self):
         dump = self.dump("s1_robust", "--vcd-from", "-1")
         states = [state for _, state in dump.changes["state"]]
-        self.assertEqual(states[:3], [1, 2, 3])   # OFFSET_CAL, READY, CATCH_SPIN
+        self.assertEqual(states[:3], [1, 2, 3])   # OFFSET_CAL, READY, FLYING_START
         self.assertIn(8, states)                  # RUN
         for time, _ in dump.changes["state"]:
             self.assertEqual(time % TICK_NS, dump.changes["state"][0][0] % TICK_NS)

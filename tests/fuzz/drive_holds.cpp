@@ -72,7 +72,7 @@ void tick_holds(drive_state_t before, const drive_t &drive, const drive_in_t &in
     for (const uint16_t compare : out.compare.phase) {
         within("a compare value", compare, 0, drive.cfg->modulator.timer_counts);
     }
-    HOLDS(!out.gate_enable || may_drive(drive.state), "gates on only from CATCH_SPIN to RUN");
+    HOLDS(!out.gate_enable || may_drive(drive.state), "gates on only from FLYING_START to RUN");
     HOLDS(!out.gate_enable || run, "gates on only while it shall run");
     HOLDS((in.flags & DRIVE_FLAG_BREAK) == 0 || drive.state == DRIVE_STATE_FAULT,
           "a break is a fault in its tick");

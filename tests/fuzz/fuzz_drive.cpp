@@ -34,8 +34,8 @@ std::size_t place(const drive_t &drive)
     std::size_t part = drive.voltage_drive.active ? 1 : 0;
     if (drive.state == DRIVE_STATE_ALIGN) {
         part = drive.align.phase;
-    } else if (drive.state == DRIVE_STATE_CATCH_SPIN) {
-        part = drive.catch_spin.phase;
+    } else if (drive.state == DRIVE_STATE_FLYING_START) {
+        part = drive.flying_start.phase;
     }
     return static_cast<std::size_t>(drive.state) * PARTS + part;
 }

@@ -75,7 +75,7 @@ class OnTheHost(support.GdbTest):
         self.assertEqual(fault.split("=")[1].strip(), "NONE")
 
     def test_a_word_without_a_place_in_the_table_is_shown_by_its_name_or_type(self):
-        guard, sine = self.gdb([STEP, "print app->drive.catch_spin", "print (sincos_t){16384, -8192}"])[1:]
+        guard, sine = self.gdb([STEP, "print app->drive.flying_start", "print (sincos_t){16384, -8192}"])[1:]
         self.assertIn("speed = 0 rpm, 0 rad/s el (raw 0)", guard)
         self.assertIn("sin 0.5, cos -0.25 (raw 16384, -8192; as Q15)", sine)
 

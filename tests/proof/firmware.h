@@ -9,7 +9,7 @@
 #include "../../firmware/config/config_check.c"
 #include "../../firmware/control/align.c"
 #include "../../firmware/control/angle_sensor.c"
-#include "../../firmware/control/catch_spin.c"
+#include "../../firmware/control/flying_start.c"
 #include "../../firmware/control/nn_observer.c"
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"

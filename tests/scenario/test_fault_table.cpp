@@ -34,7 +34,7 @@ struct Place {
 enum PlaceId {
     READY,
     START,
-    CATCH,
+    FLYING_START,
     PULL,
     MEASURE,
     HELD,
@@ -45,7 +45,7 @@ enum PlaceId {
 };
 
 constexpr Place PLACE[PLACES] = {
-    {"READY", false},       {"start", true},           {"CATCH_SPIN", false},
+    {"READY", false},       {"start", true},           {"FLYING_START", false},
     {"ALIGN, pull", false}, {"ALIGN, measure", false}, {"HOLD", false},
     {"IF_RAMP", true},      {"HANDOVER", true},        {"RUN", true},
 };
@@ -134,8 +134,8 @@ std::size_t place_tick(PlaceId place, const drive_cfg_t &cfg)
     case READY:
     case START: // the request to run comes with the fault
         return first_with(standing, DRIVE_STATE_READY) + 100;
-    case CATCH:
-        return first_with(standing, DRIVE_STATE_CATCH_SPIN) + 1;
+    case FLYING_START:
+        return first_with(standing, DRIVE_STATE_FLYING_START) + 1;
     case PULL: // the vector turns
         return first_with(standing, DRIVE_STATE_ALIGN, ALIGN_PULL) + align.sweep_ticks / 2;
     case MEASURE:

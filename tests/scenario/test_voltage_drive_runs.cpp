@@ -294,7 +294,7 @@ void a_caught_rotor_settles_before_the_change()
 void a_drive_without_sensor_starts_as_ever_and_changes_over()
 {
     const Outcome one = run("s5", {});
-    for (const drive_state_t state : {DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+    for (const drive_state_t state : {DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
                                       DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN}) {
         TEST_ASSERT_TRUE(one.settled.ticks_in(state) > 0);
     }
@@ -304,7 +304,7 @@ void a_drive_without_sensor_starts_as_ever_and_changes_over()
 void a_drive_with_sensor_needs_no_start()
 {
     const Outcome one = run("s4", {}, {"scenario.initial_angle_el_deg=170"});
-    for (const drive_state_t state : {DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+    for (const drive_state_t state : {DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
                                       DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER}) {
         TEST_ASSERT_EQUAL_INT64(0, one.settled.ticks_in(state));
     }

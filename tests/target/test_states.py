@@ -15,7 +15,7 @@ DRIVE_H, FOLDER = sys.argv[1:3]
 HEADER = struct.Struct("<IHHII")  # hal/mps2/recording.h
 RESULT = struct.Struct("<HHHBBI")
 STATE = 4
-START_UP = "OFFSET_CAL READY CATCH_SPIN ALIGN HOLD IF_RAMP HANDOVER RUN".split()
+START_UP = "OFFSET_CAL READY FLYING_START ALIGN HOLD IF_RAMP HANDOVER RUN".split()
 
 
 def states():

@@ -174,9 +174,9 @@ static inline modulator_cfg_t example_modulator_cfg_with_dead_time(void)
 }
 
 /* Pulses of up to 8 ticks, pauses 8 times as long. */
-static inline catch_spin_cfg_t example_catch_spin_cfg(void)
+static inline flying_start_cfg_t example_flying_start_cfg(void)
 {
-    return (catch_spin_cfg_t){
+    return (flying_start_cfg_t){
         .current = 410, /* 0.5 A */
         .wait_ticks = 1000U,
         .pulse_ticks = 8U,
@@ -209,7 +209,7 @@ static inline align_cfg_t example_align_cfg(void)
 static inline startup_cfg_t example_startup_cfg(void)
 {
     return (startup_cfg_t){
-        .catch_spin = example_catch_spin_cfg(),
+        .flying_start = example_flying_start_cfg(),
         .align = example_align_cfg(),
         .current_hold = 6554,
         .current_move = 8192, /* 10 A */

@@ -137,7 +137,7 @@ static void test_a_run_begins_with_nothing_counted(void)
     drive.supervision.runaway = STALE;
     in.command.request = DRIVE_REQUEST_RUN;
     drive_step(&drive, &in, &out);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
     for (uint32_t k = 0U; k < (sizeof counts / sizeof counts[0]); k++) {
         TEST_ASSERT_EQUAL_UINT32_MESSAGE(0U, *counts[k].count, counts[k].name);
     }
@@ -222,7 +222,7 @@ static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
         TEST_ASSERT_EQUAL_UINT32(k, drive.handover_periods);
     }
     drag(cfg.startup.handover_speed);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
 }
 
@@ -290,7 +290,7 @@ static void test_a_rotor_is_lost_after_its_periods_in_a_row_only(void)
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
         drag(0);
     }
-    TEST_ASSERT_EQUAL(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
 }

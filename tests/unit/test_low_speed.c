@@ -94,8 +94,8 @@ static void expect_next(drive_state_t through, drive_state_t state)
 static void go_to(drive_state_t state)
 {
     static const drive_state_t way[] = {
-        DRIVE_STATE_READY,   DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
-        DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER,   DRIVE_STATE_RUN};
+        DRIVE_STATE_READY,   DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD,
+        DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER,     DRIVE_STATE_RUN};
 
     run_at((state <= DRIVE_STATE_HOLD) ? 0.0 : FAST_RPM);
     for (uint32_t i = 0U; drive.state != state; i++) {
@@ -122,8 +122,8 @@ static void test_a_standing_rotor_is_looked_at_then_aligned_then_held(void)
 {
     run_at(0.0);
     tick();
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
-    expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
+    expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
     expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
     for (uint32_t k = 0U; k < 5000U; k++) {
         tick();
@@ -148,8 +148,8 @@ static void test_a_rotor_is_pulled_in_backwards_for_a_speed_below_zero_only(void
         begin();
         in.command = (drive_command_t){
             .request = DRIVE_REQUEST_RUN, .mode = commands[k].mode, .target = commands[k].target};
-        expect_next(DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN);
-        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        expect_next(DRIVE_STATE_READY, DRIVE_STATE_FLYING_START);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
         TEST_ASSERT_EQUAL(commands[k].backwards, drive.align.backwards);
         TEST_ASSERT_EQUAL(commands[k].backwards, drive.vector.position.turns_q32 > 0);
     }
@@ -178,8 +178,8 @@ static void test_a_high_speed_is_reached_through_hand_over_in_both_directions(vo
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
         run_at(sign * FAST_RPM);
-        expect_next(DRIVE_STATE_READY, DRIVE_STATE_CATCH_SPIN);
-        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        expect_next(DRIVE_STATE_READY, DRIVE_STATE_FLYING_START);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
         expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
         expect_next(DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP);
         expect_next(DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER);
@@ -250,7 +250,7 @@ static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
         motor = example_motor_at(1.0, sign * FAST_RPM * RAD_S_PER_RPM);
         run_at(sign * FAST_RPM);
         tick();
-        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_RUN);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_RUN);
         for (uint32_t k = 0U; k < 5000U; k++) {
             tick();
             TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
@@ -271,9 +271,9 @@ static void test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pul
         motor = example_motor_at(1.0, rpm * RAD_S_PER_RPM);
         run_at(sign * FAST_RPM);
         tick();
-        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_ALIGN);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
         /* The pulses are to say which way and roughly how fast: noise is a factor of two off. */
-        TEST_ASSERT_DOUBLE_WITHIN(0.2 * 150.0, rpm, drive.catch_spin.speed / STEPS_PER_RPM);
+        TEST_ASSERT_DOUBLE_WITHIN(0.2 * 150.0, rpm, drive.flying_start.speed / STEPS_PER_RPM);
         expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
     }
 }
@@ -289,7 +289,7 @@ static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
     for (uint32_t k = 0U; (k < (2U * PATIENCE_TICKS)) && !drive.identified; k++) {
         tick();
         TEST_ASSERT_TRUE(is_driving(drive.state));
-        TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_CATCH_SPIN);
+        TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_FLYING_START);
     }
     TEST_ASSERT_TRUE(drive.identified);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_HOLD, drive.state);
@@ -300,7 +300,7 @@ static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
 
 static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
 {
-    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         begin();
         go_to((drive_state_t)s);
         if (s != (int32_t)DRIVE_STATE_ALIGN) { /* entered in the tick that ended the pulses */
@@ -320,10 +320,10 @@ static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
 {
     static const uint32_t after[] = {20U, 2000U, 100U, 400U, 5U, 1000U};
 
-    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         begin();
         go_to((drive_state_t)s);
-        ticks(after[s - (int32_t)DRIVE_STATE_CATCH_SPIN]);
+        ticks(after[s - (int32_t)DRIVE_STATE_FLYING_START]);
         TEST_ASSERT_TRUE(is_driving(drive.state));
         in.command.request = DRIVE_REQUEST_CLEAR;
         tick();
@@ -334,14 +334,14 @@ static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
 
 static void test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor(void)
 {
-    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         begin();
         go_to((drive_state_t)s);
         in.command.request = 0U;
         tick();
         in.command.request = DRIVE_REQUEST_RUN;
         tick();
-        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
         TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
         TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
         TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
@@ -364,7 +364,7 @@ static const fault_case_t FAULTS[] = {
 
 static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start(void)
 {
-    for (int32_t s = DRIVE_STATE_CATCH_SPIN; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
         static drive_t entered;
         static drive_in_t frame;
 
@@ -398,12 +398,12 @@ static void test_a_fault_found_during_the_search_opens_the_gates_in_its_tick(voi
         cfg.derating.temperature_periods = 0U;
         begin();
         ticks(phase);
-        go_to(DRIVE_STATE_CATCH_SPIN);
+        go_to(DRIVE_STATE_FLYING_START);
         in.adc_temperature = 2100U; /* limit 2048 */
-        expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_FAULT);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_FAULT);
         TEST_ASSERT_EQUAL_INT(FAULT_OVERTEMPERATURE, drive.fault.id);
         TEST_ASSERT_FALSE(out.gate_enable);
-        in_a_pulse += drive.catch_spin.gates ? 1U : 0U;
+        in_a_pulse += drive.flying_start.gates ? 1U : 0U;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(0U, in_a_pulse);
 }
@@ -424,7 +424,7 @@ static void make_handover_impossible(uint32_t attempts)
 static void tick_with_a_brake(void)
 {
     tick();
-    if (drive.state == DRIVE_STATE_CATCH_SPIN) {
+    if (drive.state == DRIVE_STATE_FLYING_START) {
         motor = example_motor_at(motor.angle, 0.0);
     }
 }
@@ -440,7 +440,7 @@ static void test_a_start_is_repeated_as_often_as_allowed_and_is_then_a_fault(voi
              (k < (attempts * PATIENCE_TICKS)) && (drive.state != DRIVE_STATE_FAULT); k++) {
             tick_with_a_brake();
             TEST_ASSERT_TRUE(drive.state != DRIVE_STATE_RUN);
-            if ((drive.state == DRIVE_STATE_CATCH_SPIN) && (before != DRIVE_STATE_CATCH_SPIN)) {
+            if ((drive.state == DRIVE_STATE_FLYING_START) && (before != DRIVE_STATE_FLYING_START)) {
                 starts++;
             }
             before = drive.state;
@@ -467,7 +467,7 @@ static void test_a_failed_start_stays_latched_and_is_tried_afresh_after_clearing
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
     run_at(FAST_RPM);
     tick();
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
 }
 
@@ -476,8 +476,8 @@ static void test_a_rotor_that_turns_when_its_start_is_repeated_is_caught(void)
 {
     make_handover_impossible(3U);
     go_to(DRIVE_STATE_HANDOVER);
-    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_CATCH_SPIN);
-    expect_next(DRIVE_STATE_CATCH_SPIN, DRIVE_STATE_RUN);
+    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_FLYING_START);
+    expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_RUN);
     ticks(15000U);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_DOUBLE_WITHIN(SPEED_TOLERANCE_RPM, FAST_RPM, motor.speed / RAD_S_PER_RPM);
@@ -498,7 +498,7 @@ static void test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_agai
         motor.speed = TORN_RPM * RAD_S_PER_RPM;
         tick();
     }
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
     TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
     assert_gates_open();
 }
@@ -508,7 +508,7 @@ static void test_the_tick_that_repeats_a_start_opens_the_gates(void)
 {
     make_handover_impossible(3U);
     go_to(DRIVE_STATE_HANDOVER);
-    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_CATCH_SPIN);
+    expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_FLYING_START);
     assert_gates_open();
 }
 
@@ -526,8 +526,8 @@ static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(v
         }
         TEST_ASSERT_EQUAL_INT(FAULT_ADC_STUCK, drive.fault.id);
         TEST_ASSERT_EQUAL_INT32(200 * 8, drive.fault.value);
-        TEST_ASSERT_EQUAL_INT32(cfg.startup.catch_spin.current / 4, drive.fault.limit);
-        TEST_ASSERT_EQUAL_UINT32(CALIBRATION_TICKS + cfg.startup.catch_spin.wait_ticks,
+        TEST_ASSERT_EQUAL_INT32(cfg.startup.flying_start.current / 4, drive.fault.limit);
+        TEST_ASSERT_EQUAL_UINT32(CALIBRATION_TICKS + cfg.startup.flying_start.wait_ticks,
                                  drive.fault.tick);
     }
 }
@@ -539,18 +539,18 @@ static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(v
 static void begin_charging(void)
 {
     run_at(0.0);
-    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.catch_spin.phase != CATCH_SPIN_CHARGE);
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.flying_start.phase != FLYING_START_CHARGE);
          k++) {
         tick();
     }
-    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_CHARGE, drive.catch_spin.phase);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_CHARGE, drive.flying_start.phase);
 }
 
 static void assert_charges_then_aligns(void)
 {
     for (uint32_t k = 0U; k < CHARGE_TICKS; k++) {
-        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_CATCH_SPIN, drive.state);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FLYING_START, drive.state);
         TEST_ASSERT_TRUE(out.gate_enable);
         for (int32_t p = 0; p < 3; p++) {
             TEST_ASSERT_EQUAL_UINT16(0U, out.compare.phase[p]);
@@ -563,7 +563,7 @@ static void assert_charges_then_aligns(void)
 
 static void test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side(void)
 {
-    cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+    cfg.startup.flying_start.charge_ticks = CHARGE_TICKS;
     begin();
     begin_charging();
     assert_charges_then_aligns();
@@ -571,7 +571,7 @@ static void test_low_sides_alone_are_on_for_the_charge_before_the_first_high_sid
 
 static void test_a_charge_that_was_stopped_begins_anew_behind_a_new_look(void)
 {
-    cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+    cfg.startup.flying_start.charge_ticks = CHARGE_TICKS;
     begin();
     begin_charging();
     ticks(CHARGE_TICKS - 1U);
@@ -581,7 +581,7 @@ static void test_a_charge_that_was_stopped_begins_anew_behind_a_new_look(void)
     assert_gates_open();
     run_at(0.0);
     tick();
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.catch_spin.phase); /* nothing flows: the first pulse */
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.flying_start.phase); /* nothing flows: the first pulse */
     begin_charging();
     assert_charges_then_aligns();
 }
@@ -598,7 +598,7 @@ static void test_a_fault_in_the_charge_opens_the_gates_at_once(void)
 
     for (uint32_t i = 0U; i < 2U; i++) {
         setUp();
-        cfg.startup.catch_spin.charge_ticks = CHARGE_TICKS;
+        cfg.startup.flying_start.charge_ticks = CHARGE_TICKS;
         begin();
         begin_charging();
         ticks(CHARGE_TICKS / 2U);
@@ -718,7 +718,7 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.current_loop.reactance_q_q13 = 16250;
         cfg.current_loop.resistance_q13 = 32767;
         cfg.hold_loop = cfg.current_loop;
-        cfg.startup.catch_spin = (catch_spin_cfg_t){
+        cfg.startup.flying_start = (flying_start_cfg_t){
             1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run, run};
         cfg.startup.align.step_voltage = 32767;
         cfg.startup.handover_speed = 2;

@@ -99,7 +99,7 @@ def drawn(mutant):
 CORE = ("firmware/control", "firmware/math", "firmware/math/port/generic", "firmware/math/port")
 DRIVE = ("firmware/record", "firmware/drive", "firmware/config", "firmware/protect", *CORE)
 # Modules of lower rooms of which a sample is drawn, as of the drive.
-SAMPLED = ("firmware/control/align.c", "firmware/control/catch_spin.c", "firmware/control/model.c", "firmware/math/crc32.c")
+SAMPLED = ("firmware/control/align.c", "firmware/control/flying_start.c", "firmware/control/model.c", "firmware/math/crc32.c")
 APP = ("firmware/app", "hal", *DRIVE)
 AREAS = (
     Area("control and math", ("firmware/control/*.[ch]", "firmware/math/*.[ch]", "firmware/math/port/*.h",

@@ -57,8 +57,8 @@ GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's i
 BUILT_OF = {
     "align": ["transforms"],
     "angle_sensor": ["rotor_position"],
-    "catch_spin": ["transforms"],
     "current_loop": ["pi", "transforms"],
+    "flying_start": ["transforms"],
     "model": ["current_loop", "nn_observer"],
     "modulator": ["transforms"],
     "motion_loop": ["pi"],

@@ -14,18 +14,18 @@
  * A bootstrap supply has to be charged before its first high side is driven. That needs a low side that is on for longer
  * than two pulses, which would brake a rotor that turns. So the low sides stay on only when the rotor is found to stand.
  *
- * Pure, total. Call catch_spin_step once per control tick in place of current control, with all compare values 0.
+ * Pure, total. Call flying_start_step once per control tick in place of current control, with all compare values 0.
  */
-#ifndef CATCH_SPIN_H
-#define CATCH_SPIN_H
+#ifndef FLYING_START_H
+#define FLYING_START_H
 
 #include "transforms.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A current below 2^-CATCH_SPIN_QUIET_LOG2 of the current at which a pulse ends counts as zero. */
-#define CATCH_SPIN_QUIET_LOG2 (2U)
+/* A current below 2^-FLYING_START_QUIET_LOG2 of the current at which a pulse ends counts as zero. */
+#define FLYING_START_QUIET_LOG2 (2U)
 
 typedef struct {
     int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
@@ -37,35 +37,36 @@ typedef struct {
     int32_t emf_current;
     uint32_t emf_shift;    /* 0…30 */
     uint32_t charge_ticks; /* bootstrap charge when the rotor stands, ticks, 0…2^20 */
-} catch_spin_cfg_t;
+} flying_start_cfg_t;
 
 typedef enum {
-    CATCH_SPIN_BUSY = 0,
-    CATCH_SPIN_STANDING, /* at rest, or too slow to tell */
-    CATCH_SPIN_TURNING,
-    CATCH_SPIN_LIVE /* a current does not decay */
-} catch_spin_result_t;
+    FLYING_START_BUSY = 0,
+    FLYING_START_STANDING, /* at rest, or too slow to tell */
+    FLYING_START_TURNING,
+    FLYING_START_LIVE /* a current does not decay */
+} flying_start_result_t;
 
 typedef enum {
-    CATCH_SPIN_PRELOAD = 0, /* until the current is zero; compare values of now act a tick later */
-    CATCH_SPIN_FIRST_PULSE,
-    CATCH_SPIN_PAUSE,
-    CATCH_SPIN_SECOND_PULSE,
-    CATCH_SPIN_CHARGE /* of the bootstrap supplies */
-} catch_spin_phase_t;
+    /* until the current is zero; compare values of now act a tick later */
+    FLYING_START_PRELOAD = 0,
+    FLYING_START_FIRST_PULSE,
+    FLYING_START_PAUSE,
+    FLYING_START_SECOND_PULSE,
+    FLYING_START_CHARGE /* of the bootstrap supplies */
+} flying_start_phase_t;
 
 typedef struct {
     uint32_t tick; /* of the phase */
-    catch_spin_phase_t phase;
+    flying_start_phase_t phase;
     uint32_t length; /* of the pulses */
     ab_t first;      /* current at the end of the first pulse */
     bool gates;      /* enable the gates in this tick */
     step_t speed;    /* measured speed, valid with TURNING */
     angle_t angle;   /* of the rotor at the end of the second pulse, valid with TURNING */
-} catch_spin_t;
+} flying_start_t;
 
 /* Begin. */
-void catch_spin_reset(catch_spin_t *spin);
+void flying_start_reset(flying_start_t *start);
 
 /*
  * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`.
@@ -76,6 +77,7 @@ void catch_spin_reset(catch_spin_t *spin);
  * tick, unless current control takes over a rotor that turns. LIVE is returned in the first phase only, before the gates
  * are enabled.
  */
-catch_spin_result_t catch_spin_step(catch_spin_t *spin, const catch_spin_cfg_t *cfg, ab_t current);
+flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
+                                        ab_t current);
 
 #endif

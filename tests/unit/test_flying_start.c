@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Looking for a rotor that turns: shorted windings of a turning motor, a standing one, noise. */
-#include "catch_spin.h"
 #include "example_cfg.h"
 #include "figure.h"
+#include "flying_start.h"
 #include "seeded.h"
 #include "unity.h"
 
@@ -24,14 +24,14 @@
 /* Preload, two pulses of 8, a pause of 64. */
 #define LONGEST_TICKS (1U + 8U + 64U + 8U)
 
-static catch_spin_cfg_t cfg;
-static catch_spin_t spin;
+static flying_start_cfg_t cfg;
+static flying_start_t start;
 
 void setUp(void)
 {
-    cfg = example_catch_spin_cfg();
+    cfg = example_flying_start_cfg();
     cfg.pause_max = 256U; /* the pulse's length alone sets the pause */
-    catch_spin_reset(&spin);
+    flying_start_reset(&start);
 }
 
 void tearDown(void)
@@ -64,22 +64,22 @@ static void motor_tick(motor_t *m, bool shorted)
 }
 
 /* Until the result, at which the motor is left. noise: the largest, Q15 of I_b. */
-static catch_spin_result_t look(motor_t *m, seeded_t *seed, int32_t noise)
+static flying_start_result_t look(motor_t *m, seeded_t *seed, int32_t noise)
 {
-    catch_spin_result_t result = CATCH_SPIN_BUSY;
+    flying_start_result_t result = FLYING_START_BUSY;
     uint32_t ticks = 0U;
 
-    catch_spin_reset(&spin);
-    while (result == CATCH_SPIN_BUSY) {
+    flying_start_reset(&start);
+    while (result == FLYING_START_BUSY) {
         const ab_t current = {
             (int32_t)lround(m->alpha_a / CURRENT_LSB_A) + seeded_in(seed, -noise, noise),
             (int32_t)lround(m->beta_a / CURRENT_LSB_A) + seeded_in(seed, -noise, noise)};
 
-        result = catch_spin_step(&spin, &cfg, current);
+        result = flying_start_step(&start, &cfg, current);
         ticks++;
         TEST_ASSERT_TRUE(ticks <= LONGEST_TICKS);
-        if (result == CATCH_SPIN_BUSY) {
-            motor_tick(m, spin.gates);
+        if (result == FLYING_START_BUSY) {
+            motor_tick(m, start.gates);
         }
     }
     return result;
@@ -87,7 +87,7 @@ static catch_spin_result_t look(motor_t *m, seeded_t *seed, int32_t noise)
 
 static double speed_found(void)
 {
-    return spin.speed / TURN * TWO_PI / PERIOD_S;
+    return start.speed / TURN * TWO_PI / PERIOD_S;
 }
 
 /* Of a current of so many LSB rounding and noise turn the direction by (½ + noise)·√2 of it; atan2 2^-17 turn. */
@@ -114,14 +114,14 @@ static double worst_angle;
 static void look_at(double speed, double angle, seeded_t *seed, int32_t noise)
 {
     motor_t m = {.speed = speed, .angle = angle};
-    const catch_spin_result_t result = look(&m, seed, noise);
+    const flying_start_result_t result = look(&m, seed, noise);
     const double error = direction_error(least_current(speed), noise);
-    const double between_s = spin.length * 9.0 * PERIOD_S;
-    const double pulse_s = spin.length * PERIOD_S;
+    const double between_s = start.length * 9.0 * PERIOD_S;
+    const double pulse_s = start.length * PERIOD_S;
     const double late = fabs(speed) * RESISTANCE / INDUCTANCE * pulse_s * pulse_s / 12.0;
-    const double angle_error = remainder(((double)spin.angle / TURN * TWO_PI) - m.angle, TWO_PI);
+    const double angle_error = remainder(((double)start.angle / TURN * TWO_PI) - m.angle, TWO_PI);
 
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, result);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, result);
     worst_speed = fmax(worst_speed, fabs(speed_found() - speed) / (2.0 * error / between_s));
     worst_angle = fmax(worst_angle, fabs(angle_error) / (late + error + (error / 9.0)));
 }
@@ -167,7 +167,7 @@ static void test_a_standing_rotor_is_standing_with_and_without_noise(void)
     for (int32_t k = 0; k < 2000; k++) {
         motor_t m = {.speed = 0.0, .angle = k};
 
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, look(&m, &seed, (k % 4) * 24));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, look(&m, &seed, (k % 4) * 24));
     }
 }
 
@@ -179,7 +179,7 @@ static void test_a_rotor_too_slow_to_tell_is_standing(void)
     for (int32_t k = 0; k < 24; k++) {
         motor_t m = {.speed = ((k % 2) == 0) ? 3.0 : -3.0, .angle = k};
 
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, look(&m, &seed, 0));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, look(&m, &seed, 0));
     }
 }
 
@@ -191,22 +191,22 @@ static void test_a_long_pulse_is_followed_by_the_longest_pause_allowed(void)
 
     cfg.pause_max = 20U;
     for (uint32_t tick = 0U; tick < (1U + 8U + 20U + 7U); tick++) {
-        (void)catch_spin_step(&spin, &cfg, (ab_t){0, 0});
-        off += spin.gates ? 0U : 1U;
+        (void)flying_start_step(&start, &cfg, (ab_t){0, 0});
+        off += start.gates ? 0U : 1U;
     }
     TEST_ASSERT_EQUAL_UINT32(20U, off);
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, catch_spin_step(&spin, &cfg, (ab_t){0, 0}));
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, flying_start_step(&start, &cfg, (ab_t){0, 0}));
 }
 
 static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
 {
-    TEST_ASSERT_FALSE(spin.gates);
+    TEST_ASSERT_FALSE(start.gates);
     for (uint32_t tick = 1U; tick <= LONGEST_TICKS; tick++) {
-        const catch_spin_result_t result = catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+        const flying_start_result_t result = flying_start_step(&start, &cfg, (ab_t){0, 0});
         const bool pause = (tick >= 9U) && (tick < 73U);
 
-        TEST_ASSERT_EQUAL_INT(!pause, spin.gates);
-        TEST_ASSERT_EQUAL_INT((tick == LONGEST_TICKS) ? CATCH_SPIN_STANDING : CATCH_SPIN_BUSY,
+        TEST_ASSERT_EQUAL_INT(!pause, start.gates);
+        TEST_ASSERT_EQUAL_INT((tick == LONGEST_TICKS) ? FLYING_START_STANDING : FLYING_START_BUSY,
                               result);
     }
 }
@@ -214,20 +214,20 @@ static void test_gates_are_on_in_the_pulses_and_off_in_the_pause(void)
 static void test_first_pulse_ends_above_the_current_and_the_second_is_as_long(void)
 {
     for (uint32_t length = 1U; length <= 8U; length++) {
-        catch_spin_result_t result = CATCH_SPIN_BUSY;
+        flying_start_result_t result = FLYING_START_BUSY;
         uint32_t tick = 0U;
         uint32_t on = 0U;
 
-        catch_spin_reset(&spin);
-        while (result == CATCH_SPIN_BUSY) {
+        flying_start_reset(&start);
+        while (result == FLYING_START_BUSY) {
             /* The preload takes the first tick, without a current; 410 alone is not above. */
             const int32_t current = (tick == 0U) ? 0 : ((tick >= length) ? 411 : 410);
 
-            result = catch_spin_step(&spin, &cfg, (ab_t){current, 0});
+            result = flying_start_step(&start, &cfg, (ab_t){current, 0});
             tick++;
-            on += (spin.gates && (result == CATCH_SPIN_BUSY)) ? 1U : 0U;
+            on += (start.gates && (result == FLYING_START_BUSY)) ? 1U : 0U;
         }
-        TEST_ASSERT_EQUAL_UINT32(length, spin.length);
+        TEST_ASSERT_EQUAL_UINT32(length, start.length);
         TEST_ASSERT_EQUAL_UINT32(2U * length, on);
         TEST_ASSERT_EQUAL_UINT32(1U + (length * 10U), tick);
     }
@@ -244,18 +244,18 @@ typedef struct {
 static charge_t charge_at_rest(void)
 {
     charge_t seen = {0U, 0U};
-    catch_spin_result_t result = CATCH_SPIN_BUSY;
+    flying_start_result_t result = FLYING_START_BUSY;
 
-    catch_spin_reset(&spin);
-    while (result == CATCH_SPIN_BUSY) {
-        result = catch_spin_step(&spin, &cfg, (ab_t){0, 0});
+    flying_start_reset(&start);
+    while (result == FLYING_START_BUSY) {
+        result = flying_start_step(&start, &cfg, (ab_t){0, 0});
         seen.ticks++;
-        if ((seen.ticks >= LONGEST_TICKS) && (result == CATCH_SPIN_BUSY)) {
-            TEST_ASSERT_TRUE(spin.gates);
+        if ((seen.ticks >= LONGEST_TICKS) && (result == FLYING_START_BUSY)) {
+            TEST_ASSERT_TRUE(start.gates);
             seen.charging++;
         }
     }
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, result);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, result);
     return seen;
 }
 
@@ -282,17 +282,17 @@ static void test_a_turning_rotor_is_not_braked_by_a_charge(void)
     for (int32_t k = 0; k < 24; k++) {
         motor_t m = {.speed = ((k % 2) == 0) ? 10.0 : -90.0, .angle = k};
 
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, look(&m, &seed, 0)); /* in LONGEST_TICKS */
+        TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, look(&m, &seed, 0)); /* in LONGEST_TICKS */
     }
 }
 
 static void test_reset_forgets_what_was_there_before(void)
 {
-    memset(&spin, 0x5A, sizeof spin);
-    catch_spin_reset(&spin);
-    TEST_ASSERT_EQUAL_UINT32(0U, spin.tick | (uint32_t)spin.phase | spin.length | spin.angle);
-    TEST_ASSERT_FALSE(spin.gates);
-    TEST_ASSERT_EQUAL_INT32(0, spin.speed | spin.first.alpha | spin.first.beta);
+    memset(&start, 0x5A, sizeof start);
+    flying_start_reset(&start);
+    TEST_ASSERT_EQUAL_UINT32(0U, start.tick | (uint32_t)start.phase | start.length | start.angle);
+    TEST_ASSERT_FALSE(start.gates);
+    TEST_ASSERT_EQUAL_INT32(0, start.speed | start.first.alpha | start.first.beta);
 }
 
 static void test_gates_stay_open_until_the_current_from_before_has_ended(void)
@@ -300,37 +300,38 @@ static void test_gates_stay_open_until_the_current_from_before_has_ended(void)
     const int32_t quiet = cfg.current / 4; /* 102 */
 
     for (uint32_t tick = 1U; tick < cfg.wait_ticks; tick++) {
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY,
-                              catch_spin_step(&spin, &cfg, (ab_t){0, -(quiet + 1)}));
-        TEST_ASSERT_FALSE(spin.gates);
+        TEST_ASSERT_EQUAL_INT(FLYING_START_BUSY,
+                              flying_start_step(&start, &cfg, (ab_t){0, -(quiet + 1)}));
+        TEST_ASSERT_FALSE(start.gates);
     }
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY, catch_spin_step(&spin, &cfg, (ab_t){0, -quiet}));
-    TEST_ASSERT_TRUE(spin.gates);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_BUSY, flying_start_step(&start, &cfg, (ab_t){0, -quiet}));
+    TEST_ASSERT_TRUE(start.gates);
 }
 
 static void test_a_current_that_does_not_end_in_time_is_reported_with_open_gates(void)
 {
     for (uint32_t tick = 1U; tick < cfg.wait_ticks; tick++) {
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_BUSY, catch_spin_step(&spin, &cfg, (ab_t){2000, 0}));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_BUSY, flying_start_step(&start, &cfg, (ab_t){2000, 0}));
     }
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_LIVE, catch_spin_step(&spin, &cfg, (ab_t){2000, 0}));
-    TEST_ASSERT_FALSE(spin.gates);
+    TEST_ASSERT_EQUAL_INT(FLYING_START_LIVE, flying_start_step(&start, &cfg, (ab_t){2000, 0}));
+    TEST_ASSERT_FALSE(start.gates);
 }
 
 /* ---- what is believed ---- */
 
 /* One tick of `length` and the currents at the ends of both pulses. */
-static catch_spin_result_t judge(double current, double turned_rad)
+static flying_start_result_t judge(double current, double turned_rad)
 {
     const ab_t first = {(int32_t)lround(current), 0};
     const ab_t second = {(int32_t)lround(current * cos(turned_rad)),
                          (int32_t)lround(current * sin(turned_rad))};
-    catch_spin_result_t result = CATCH_SPIN_BUSY;
+    flying_start_result_t result = FLYING_START_BUSY;
 
-    catch_spin_reset(&spin);
-    (void)catch_spin_step(&spin, &cfg, (ab_t){0, 0});
-    while (result == CATCH_SPIN_BUSY) {
-        result = catch_spin_step(&spin, &cfg, (spin.phase < CATCH_SPIN_PAUSE) ? first : second);
+    flying_start_reset(&start);
+    (void)flying_start_step(&start, &cfg, (ab_t){0, 0});
+    while (result == FLYING_START_BUSY) {
+        result =
+            flying_start_step(&start, &cfg, (start.phase < FLYING_START_PAUSE) ? first : second);
     }
     return result;
 }
@@ -341,11 +342,11 @@ static void test_a_current_that_the_speed_explains_within_a_factor_of_two_is_bel
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double turned = sign * TWO_PI / 20.0;
 
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(470.0, turned));
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(484.0, turned));
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(sign, (spin.speed > 0) - (spin.speed < 0), "direction");
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(1900.0, turned));
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(1920.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(470.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, judge(484.0, turned));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(sign, (start.speed > 0) - (start.speed < 0), "direction");
+        TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, judge(1900.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(1920.0, turned));
     }
 }
 
@@ -355,23 +356,23 @@ static void test_half_and_twice_the_current_that_the_speed_explains_are_not_beli
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const double turned = sign * TWO_PI / 4.0;
 
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(2384.0, turned));
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(2385.0, turned));
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_TURNING, judge(9537.0, turned));
-        TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(9538.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(2384.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, judge(2385.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_TURNING, judge(9537.0, turned));
+        TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(9538.0, turned));
     }
 }
 
 static void test_a_current_that_rests_in_space_is_no_turning_rotor(void)
 {
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, 0.0));
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(20000.0, 0.0));
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, 0.0));
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(20000.0, 0.0));
 }
 
 static void test_too_fast_a_turn_for_its_current_is_no_turning_rotor(void)
 {
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, TWO_PI / 4.0));
-    TEST_ASSERT_EQUAL_INT(CATCH_SPIN_STANDING, judge(500.0, -TWO_PI / 2.1));
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, TWO_PI / 4.0));
+    TEST_ASSERT_EQUAL_INT(FLYING_START_STANDING, judge(500.0, -TWO_PI / 2.1));
 }
 
 /* ---- any current ---- */
@@ -382,10 +383,10 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
     seeded_t seed = {0xCA7C4U};
 
     for (int32_t run = 0; run < 20000; run++) {
-        catch_spin_result_t result = CATCH_SPIN_BUSY;
+        flying_start_result_t result = FLYING_START_BUSY;
         uint32_t ticks = 0U;
 
-        cfg = (catch_spin_cfg_t){
+        cfg = (flying_start_cfg_t){
             .current = seeded_in(&seed, 1, 16384),
             .wait_ticks = (uint32_t)seeded_in(&seed, 1, 100),
             .pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
@@ -395,16 +396,16 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
             .emf_shift = (uint32_t)seeded_in(&seed, 0, 30),
             .charge_ticks = (uint32_t)seeded_in(&seed, 0, 20),
         };
-        catch_spin_reset(&spin);
-        while (result == CATCH_SPIN_BUSY) {
+        flying_start_reset(&start);
+        while (result == FLYING_START_BUSY) {
             const ab_t current = {ends[seeded_u32(&seed) % 9U], ends[seeded_u32(&seed) % 9U]};
 
-            result = catch_spin_step(&spin, &cfg, current);
+            result = flying_start_step(&start, &cfg, current);
             ticks++;
             TEST_ASSERT_TRUE(ticks <= (cfg.wait_ticks + (cfg.pulse_ticks * (cfg.gap_factor + 2U)) +
                                        cfg.charge_ticks));
         }
-        TEST_ASSERT_TRUE(abs(spin.speed) <= 0x40000000);
+        TEST_ASSERT_TRUE(abs(start.speed) <= 0x40000000);
     }
 }
 

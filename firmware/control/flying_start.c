@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT */
+#include "flying_start.h"
+
+#include "trig.h"
+
+#define QUARTER_TURN (0x40000000U)
+#define QUARTER_TURN_BACK (0xC0000000U)
+
+/* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
+static uint32_t pause_ticks(const flying_start_t *start, const flying_start_cfg_t *cfg)
+{
+    const uint32_t ticks = start->length * cfg->gap_factor;
+
+    return (ticks < cfg->pause_max) ? ticks : cfg->pause_max;
+}
+
+void flying_start_reset(flying_start_t *start)
+{
+    *start = (flying_start_t){.phase = FLYING_START_PRELOAD};
+}
+
+static void next_start_phase(flying_start_t *start)
+{
+    start->phase++;
+    start->tick = 0U;
+}
+
+static angle_t direction(ab_t v)
+{
+    return trig_atan2((int16_t)fx_sat16(v.beta), (int16_t)fx_sat16(v.alpha));
+}
+
+static int32_t magnitude(ab_t v)
+{
+    const int32_t alpha = fx_sat16(v.alpha);
+    const int32_t beta = fx_sat16(v.beta);
+    const int32_t alpha_square = alpha * alpha;
+    const int32_t beta_square = beta * beta;
+
+    return (int32_t)trig_sqrt((uint32_t)alpha_square + (uint32_t)beta_square);
+}
+
+/* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
+static bool plausible(const flying_start_t *start, const flying_start_cfg_t *cfg, int32_t current)
+{
+    const int32_t per_tick =
+        fx_asr(fx_mul_32x16(fx_abs(start->speed), cfg->emf_current), cfg->emf_shift);
+    const int32_t expected = fx_min(per_tick, FX_Q15_MAX) * (int32_t)start->length;
+
+    return ((2 * current) > expected) && (current < (2 * expected));
+}
+
+static flying_start_result_t judge(flying_start_t *start, const flying_start_cfg_t *cfg,
+                                   ab_t second)
+{
+    /*@ split start->length; */
+    const uint32_t length = start->length;
+    const int32_t least = fx_min(magnitude(start->first), magnitude(second));
+    const angle_t turned = direction(second) - direction(start->first);
+    const uint32_t between = length + pause_ticks(start, cfg);
+    const int32_t ticks = fx_max((int32_t)between, 2);
+    flying_start_result_t result = FLYING_START_STANDING;
+
+    start->speed = fx_signed(turned) / ticks;
+    if (((4 * least) > cfg->current) && plausible(start, cfg, least)) {
+        const angle_t quarter = (start->speed > 0) ? QUARTER_TURN : QUARTER_TURN_BACK;
+        const int32_t since_middle = fx_asr(start->speed * (int32_t)length, 1U);
+
+        start->angle = direction(second) + quarter + fx_unsigned(since_middle);
+        result = FLYING_START_TURNING;
+    }
+    return result;
+}
+
+/* The low sides stay on, so the tick that ends the second pulse is the first tick of the charge. */
+static flying_start_result_t judge_then_charge(flying_start_t *start, const flying_start_cfg_t *cfg,
+                                               ab_t second)
+{
+    flying_start_result_t result = judge(start, cfg, second);
+
+    if ((result == FLYING_START_STANDING) && (cfg->charge_ticks > 0U)) {
+        next_start_phase(start);
+        result = FLYING_START_BUSY;
+    }
+    return result;
+}
+
+/* Wait until the old current has decayed. */
+static flying_start_result_t preload(flying_start_t *start, const flying_start_cfg_t *cfg,
+                                     ab_t current)
+{
+    flying_start_result_t result = FLYING_START_BUSY;
+
+    if (magnitude(current) <= fx_asr(cfg->current, FLYING_START_QUIET_LOG2)) {
+        next_start_phase(start);
+        start->gates = true;
+    } else if (start->tick >= cfg->wait_ticks) {
+        result = FLYING_START_LIVE;
+    } else {
+        /* it decays */
+    }
+    return result;
+}
+
+/* The pulse lasts until the current is large enough to measure. */
+static void pulse(flying_start_t *start, const flying_start_cfg_t *cfg, ab_t current)
+{
+    if ((magnitude(current) > cfg->current) || (start->tick >= cfg->pulse_ticks)) {
+        start->first = current;
+        start->length = (start->tick < cfg->pulse_ticks) ? start->tick : cfg->pulse_ticks;
+        start->gates = false;
+        next_start_phase(start);
+    }
+}
+
+flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
+                                        ab_t current)
+{
+    flying_start_result_t result = FLYING_START_BUSY;
+
+    start->tick++;
+    switch (start->phase) {
+    case FLYING_START_PRELOAD:
+        result = preload(start, cfg, current);
+        break;
+    case FLYING_START_FIRST_PULSE:
+        pulse(start, cfg, current);
+        break;
+    case FLYING_START_PAUSE:
+        if (start->tick >= pause_ticks(start, cfg)) {
+            start->gates = true;
+            next_start_phase(start);
+        }
+        break;
+    case FLYING_START_SECOND_PULSE:
+        if (start->tick >= start->length) {
+            result = judge_then_charge(start, cfg, current);
+        }
+        break;
+    default: /* FLYING_START_CHARGE */
+        if (start->tick >= cfg->charge_ticks) {
+            result = FLYING_START_STANDING;
+        }
+        break;
+    }
+    return result;
+}
