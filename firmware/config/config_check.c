@@ -113,8 +113,8 @@ static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
     const char *bad = before;
 
     bad = in_order(bad, "startup.current_hold", cfg->startup.current_hold, 0);
-    bad = in_order(bad, "observer.rate", cfg->observer.rate, 0);
-    bad = in_order(bad, "observer.proportional", cfg->observer.proportional, 0);
+    bad = in_order(bad, "observer.eta", cfg->observer.eta, 0);
+    bad = in_order(bad, "observer.kappa_p", cfg->observer.kappa_p, 0);
     return in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
 }
 

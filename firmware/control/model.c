@@ -55,8 +55,8 @@ static void apply_weights(model_t *model, const model_nominal_t *nominal)
 
     to->decay = times(times(from->decay, r), inverse);
     to->volt_gain = times(from->volt_gain, inverse);
-    to->rate = times(times(from->rate, l), l);
-    to->proportional = times(times(from->proportional, l), l);
+    to->eta = times(times(from->eta, l), l);
+    to->kappa_p = times(times(from->kappa_p, l), l);
     to->corner = fx_min(times_wide(times_wide(from->corner, r), inverse), CORNER_MAX);
     model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, r);
     model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;

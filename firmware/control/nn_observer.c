@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
-#define STATE_BITS (11U) /* from Q26, as predict() returns a state, to Q15 */
+#define STATE_BITS (11U) /* from Q26, as observer_predict_state() returns a state, to Q15 */
 #define SPEED_TO_HALF (14U)
 #define PI_Q12 (12868)     /* angle of half a step in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
@@ -29,7 +29,7 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
  * The current in the middle of the period that has just ended, stationary frame. In the rotor frame the current hardly
  * changes within a period, so the current of k−1 is used. The rotor frame of k−1 is half a step behind the middle.
  */
-static ab_t middle_current(const nn_observer_t *obs, sincos_t angle)
+static ab_t observer_middle_current(const nn_observer_t *obs, sincos_t angle)
 {
     const int32_t half_q15 = fx_asr(fx_asr(obs->speed_out, SPEED_TO_HALF) * PI_Q12, 15U);
     const dq_t i = obs->current;
@@ -42,17 +42,20 @@ static ab_t middle_current(const nn_observer_t *obs, sincos_t angle)
 }
 
 /* W3·v less the voltage across the resistance. */
-static int32_t change(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
+static int32_t observer_flux_step(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
 {
     return fx_asr((cfg->volt_gain * voltage) - (cfg->decay * current), cfg->weight_shift);
 }
 
 /* (14)–(16). Returns x̂(k), ŷ(k), Q26 of I_x. */
-static dq_t predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, ab_t voltage, sincos_t angle)
+static dq_t observer_predict_state(nn_observer_t *obs, const nn_observer_cfg_t *cfg, ab_t voltage,
+                                   sincos_t angle)
 {
-    const ab_t current = middle_current(obs, angle);
-    const int32_t alpha = fx_sat28(obs->alpha_q27 + change(cfg, voltage.alpha, current.alpha));
-    const int32_t beta = fx_sat28(obs->beta_q27 + change(cfg, voltage.beta, current.beta));
+    const ab_t current = observer_middle_current(obs, angle);
+    const int32_t alpha =
+        fx_sat28(obs->alpha_q27 + observer_flux_step(cfg, voltage.alpha, current.alpha));
+    const int32_t beta =
+        fx_sat28(obs->beta_q27 + observer_flux_step(cfg, voltage.beta, current.beta));
 
     obs->alpha_q27 = alpha;
     obs->beta_q27 = beta;
@@ -62,8 +65,9 @@ static dq_t predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, ab_t volta
     };
 }
 
-/* The network's output in the base of the measurement, the output error (17), and that error turned. */
-static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state_q26, dq_t measured)
+/* The network's output in the base of the measurement, the output error (17), and the rotated error. */
+static void observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state_q26,
+                             dq_t measured)
 {
     const uint32_t shift = STATE_BITS - cfg->current_shift;
     const int32_t flux_q26 = fx_asr(cfg->flux_q27, 1U);
@@ -78,27 +82,28 @@ static void compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state
     obs->current.d = fx_sat15(current.d);
     obs->current.q = fx_sat15(current.q);
     obs->error = e;
-    obs->turned.d = fx_sat14(e.d + fx_asr(rho * flux_error_q, 13U));
-    obs->turned.q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U));
+    obs->rotated_error.d = fx_sat14(e.d + fx_asr(rho * flux_error_q, 13U));
+    obs->rotated_error.q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U));
 }
 
 void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                          ab_t voltage, sincos_t angle)
 {
     const dq_t before = obs->state;
-    const dq_t state_q26 = predict(obs, cfg, voltage, angle);
+    const dq_t state_q26 = observer_predict_state(obs, cfg, voltage, angle);
 
-    compare(obs, cfg, state_q26, measured);
-    obs->descent = fx_sat16(
-        fx_asr((obs->turned.q * before.d) - (obs->turned.d * before.q), cfg->descent_shift));
+    observer_compare(obs, cfg, state_q26, measured);
+    obs->gradient =
+        fx_sat16(fx_asr((obs->rotated_error.q * before.d) - (obs->rotated_error.d * before.q),
+                        cfg->gradient_shift));
     obs->state.d = fx_asr(state_q26.d, STATE_BITS);
     obs->state.q = fx_asr(state_q26.q, STATE_BITS);
 }
 
 void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
 {
-    const int32_t descent = obs->descent;
-    step_t weight_step = fx_asr(descent * cfg->rate, cfg->rate_shift);
+    const int32_t gradient = obs->gradient;
+    step_t weight_step = fx_asr(gradient * cfg->eta, cfg->eta_shift);
 
     if (cfg->momentum_q15 != 0) {
         weight_step += fx_mul_32x16(obs->weight_step, cfg->momentum_q15) * 2;
@@ -106,8 +111,7 @@ void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
         obs->weight_step = weight_step;
     }
     obs->speed = fx_clamp(obs->speed - weight_step, -cfg->speed_limit, cfg->speed_limit);
-    obs->speed_out =
-        fx_sat30(obs->speed - fx_asr(descent * cfg->proportional, cfg->proportional_shift));
+    obs->speed_out = fx_sat30(obs->speed - fx_asr(gradient * cfg->kappa_p, cfg->kappa_p_shift));
 }
 
 void nn_observer_follow(nn_observer_t *obs, step_t speed)

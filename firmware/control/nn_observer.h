@@ -14,8 +14,8 @@
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T
  *                                                              the rotation by W2 is exact, see below
  *     e_d = i_d − î_d,  e_q = i_q − î_q                        (17)
- *     e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)                    flux error, turned; ρ = 0 in the paper
- *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        descent direction of (18)
+ *     e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)                    flux error, rotated; ρ = 0 in the paper
+ *     b(k) = e'_q·x̂(k−1) − e'_d·ŷ(k−1)                        gradient of (18), signed as the descent: −∂E/∂W2
  *     ΔW2(k) = η·b(k) + α·ΔW2(k−1)                             (19)–(21)
  *     ω̂(k+1) = ω̂(k) − ΔW2(k)/T                                (22)
  *     ω̂_out = ω̂ − κ_p/T·b(k)/(φ/L_d)²                         proportional path; κ_p = 0 in the paper
@@ -58,24 +58,24 @@
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay;          /* 1 − W1 = T·R/L_d; scale: I_b/I_x·2^(12 + weight_shift) */
-    int32_t volt_gain;      /* W3/L_d; scale: U_b/I_x·2^(12 + weight_shift) */
-    uint32_t weight_shift;  /* 2…15 */
-    int32_t flux_q27;       /* (φ/L_d)/I_x, the offset of x in (7), 1…2^27 − 1 */
-    int32_t iq_gain_q14;    /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
-    int32_t saliency_q13;   /* L_q/L_d: converts an error of i_q to one of y, 1…32767 */
-    uint32_t current_shift; /* s, 0…9 */
-    uint32_t descent_shift; /* right shift of b, 4…12; below 12 where φ/L_d is small against I_b */
-    /* η and κ_p: steps = d·mantissa / 2^shift with the descent d = b >> descent_shift, saturated to 16 bits. */
-    int32_t rate;
-    uint32_t rate_shift; /* 0…30 */
-    int32_t proportional;
-    uint32_t proportional_shift; /* 0…30 */
-    int32_t momentum_q15;        /* α */
-    step_t speed_limit;          /* limit of |ω̂|, 1…2^29 */
-    step_t corner;               /* R/L_d as a speed, for ρ = corner/ω̂, 0…2^27 */
-    int32_t rho_max_q13;         /* limit of |ρ|, 0…32767; 0: off */
-    step_t rho_speed_min;        /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
+    int32_t decay;           /* 1 − W1 = T·R/L_d; scale: I_b/I_x·2^(12 + weight_shift) */
+    int32_t volt_gain;       /* W3/L_d; scale: U_b/I_x·2^(12 + weight_shift) */
+    uint32_t weight_shift;   /* 2…15 */
+    int32_t flux_q27;        /* (φ/L_d)/I_x, the offset of x in (7), 1…2^27 − 1 */
+    int32_t iq_gain_q14;     /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
+    int32_t saliency_q13;    /* L_q/L_d: converts an error of i_q to one of y, 1…32767 */
+    uint32_t current_shift;  /* s, 0…9 */
+    uint32_t gradient_shift; /* right shift of b, 4…12; below 12 where φ/L_d is small against I_b */
+    /* η and κ_p: steps = g·mantissa / 2^shift with the gradient g = b >> gradient_shift, saturated to 16 bits. */
+    int32_t eta;
+    uint32_t eta_shift; /* 0…30 */
+    int32_t kappa_p;
+    uint32_t kappa_p_shift; /* 0…30 */
+    int32_t momentum_q15;   /* α */
+    step_t speed_limit;     /* limit of |ω̂|, 1…2^29 */
+    step_t corner;          /* R/L_d as a speed, for ρ = corner/ω̂, 0…2^27 */
+    int32_t rho_max_q13;    /* limit of |ρ|, 0…32767; 0: off */
+    step_t rho_speed_min;   /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
 } nn_observer_cfg_t;
 
 typedef struct {
@@ -88,8 +88,8 @@ typedef struct {
     step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     dq_t current;       /* î_d, î_q, saturated at ±16384, the converters' full scale */
     dq_t error;         /* e_d, e_q, saturated to −8192…8191 (¼) */
-    dq_t turned;        /* e', same range: d shows an error of the flux magnitude, q of the angle */
-    int32_t descent;    /* b >> descent_shift in Q30 of I_b·I_x, saturated to 16 bits */
+    dq_t rotated_error; /* e', same range: d shows an error of the flux magnitude, q of the angle */
+    int32_t gradient;   /* b >> gradient_shift in Q30 of I_b·I_x, saturated to 16 bits */
     int32_t rho_q13;    /* ρ in force */
 } nn_observer_t;
 
@@ -110,7 +110,7 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
 void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                          ab_t voltage, sincos_t angle);
 
-/* (19)–(22): train W2 along the descent direction. The speeds are limited as stated at their fields. */
+/* (19)–(22): train W2 along the gradient. The speeds are limited as stated at their fields. */
 void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 
 /* Call in place of training when the speed is known: sets W2. speed: within ±speed_limit. */

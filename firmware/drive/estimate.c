@@ -105,8 +105,9 @@ void estimate_refine(drive_t *drive)
     const nn_observer_t *const observer = &drive->observer;
     const model_nominal_t nominal = drive_nominal(drive);
 
-    drive->residual = fx_approach(drive->residual, fx_abs(observer->turned.q), RESIDUAL_SHIFT);
-    model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->turned.d,
+    drive->residual =
+        fx_approach(drive->residual, fx_abs(observer->rotated_error.q), RESIDUAL_SHIFT);
+    model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->rotated_error.d,
                      observer->speed);
     nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
 }

@@ -18,8 +18,8 @@ std::map<std::string, std::string> sources(const Config &config)
     const TuningSettings tuning =
         settled_tuning(config.motor, config.board, config.tuning, config.model);
     return {
-        {"observer.rate", fmt::format("κ = {:g}", tuning.observer_kappa)},
-        {"observer.proportional", fmt::format("κ_p = {:g}", tuning.observer_kappa_p)},
+        {"observer.eta", fmt::format("κ = {:g}", tuning.observer_kappa)},
+        {"observer.kappa_p", fmt::format("κ_p = {:g}", tuning.observer_kappa_p)},
         {"speed_loop.pi.kp", fmt::format("bandwidth {:.5g} Hz", tuning.speed_bandwidth_hz)},
         {"position_loop.softness_q15", fmt::format("{:.5g} s", tuning.position_softness_s)},
         {"position_loop.gain", fmt::format("bandwidth {:.5g} Hz", tuning.position_bandwidth_hz)},

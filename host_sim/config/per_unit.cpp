@@ -360,8 +360,8 @@ Mantissa with_headroom(double number, double headroom, const Source &source, con
 }
 
 // Bits that b loses: as many as leave room for the largest error, fewer where the states are small and the gains large.
-constexpr int DESCENT_SHIFT_MAX = 12;
-constexpr int DESCENT_SHIFT_MIN = 4;
+constexpr int GRADIENT_SHIFT_MAX = 12;
+constexpr int GRADIENT_SHIFT_MIN = 4;
 
 // κ, κ_p, α: (19)–(22), and the limit of ρ.
 void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double headroom,
@@ -373,22 +373,22 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
     // b(k) is a product in Q15 of I_b times Q15 of I_x; 4/2π turns radians in Q30 into steps.
     const double steps = b.current_a * base_x / (m.flux_current * m.flux_current) * 4.0 / TWO_PI;
-    const double rate = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
-    const double path = tuning.observer_kappa_p * steps;
-    int shift = DESCENT_SHIFT_MAX;
-    while (shift > DESCENT_SHIFT_MIN &&
-           std::ldexp(headroom * std::max(rate, path), shift) > MANTISSA_MAX) {
+    const double eta_steps = tuning.observer_kappa * (1.0 - tuning.observer_momentum) * steps;
+    const double kappa_p_steps = tuning.observer_kappa_p * steps;
+    int shift = GRADIENT_SHIFT_MAX;
+    while (shift > GRADIENT_SHIFT_MIN &&
+           std::ldexp(headroom * std::max(eta_steps, kappa_p_steps), shift) > MANTISSA_MAX) {
         shift--;
     }
-    c.descent_shift = static_cast<uint32_t>(shift);
-    const Mantissa eta = with_headroom(std::ldexp(rate, shift), headroom,
+    c.gradient_shift = static_cast<uint32_t>(shift);
+    const Mantissa eta = with_headroom(std::ldexp(eta_steps, shift), headroom,
                                        {"observer.kappa", tuning.observer_kappa}, reason);
-    c.rate = eta.value;
-    c.rate_shift = eta.shift;
-    const Mantissa proportional = with_headroom(
-        std::ldexp(path, shift), headroom, {"observer.kappa_p", tuning.observer_kappa_p}, reason);
-    c.proportional = proportional.value;
-    c.proportional_shift = proportional.shift;
+    c.eta = eta.value;
+    c.eta_shift = eta.shift;
+    const Mantissa kappa_p = with_headroom(std::ldexp(kappa_p_steps, shift), headroom,
+                                           {"observer.kappa_p", tuning.observer_kappa_p}, reason);
+    c.kappa_p = kappa_p.value;
+    c.kappa_p_shift = kappa_p.shift;
     c.momentum_q15 = static_cast<int32_t>(std::lround(tuning.observer_momentum * Q15));
     const double corner = m.resistance / m.inductance_d * b.control_period_s / TWO_PI;
     c.corner = static_cast<step_t>(std::lround(std::min(corner * STEPS_PER_TURN, Q27)));

@@ -146,7 +146,7 @@ constexpr Row ROWS[] = {
      [](const Context &c) { return c.weight() * c.network_current() / c.bases.current_a; }},
     {Q::network_gain, 0, "A/V", "one = {:.6g} A/V",
      [](const Context &c) { return c.weight() * c.network_current() / c.bases.voltage_v; }},
-    {Q::descent, 0, "A2", "",
+    {Q::gradient, 0, "A2", "",
      [](const Context &c) { return c.bases.current_a * c.network_current(); }},
     {Q::corner, 32, "rad/s", "Q32 of a turn a tick = {:.6g} rad/s",
      [](const Context &c) { return 2 * PI / c.bases.control_period_s; }},
@@ -191,10 +191,10 @@ Format format_of(Quantity quantity, const Bases &bases, const drive_cfg_t &cfg, 
     } else if (quantity == Quantity::compare) {
         format.text = "count of {:.6g}";
         format.base = 1 / base;
-    } else if (quantity == Quantity::descent) {
-        const int bits = 30 - static_cast<int>(cfg.observer.descent_shift);
+    } else if (quantity == Quantity::gradient) {
+        const int bits = 30 - static_cast<int>(cfg.observer.gradient_shift);
         format.text = bits == 18 ? "Q18 of I_b I_x = {:.6g} A2"
-                                 : "Q(30 - descent_shift) of I_b I_x = {:.6g} A2";
+                                 : "Q(30 - gradient_shift) of I_b I_x = {:.6g} A2";
         format.one = std::ldexp(base, -bits);
     }
     return format;

@@ -58,7 +58,7 @@ enum class Quantity {
     network_q27,
     network_decay,
     network_gain,
-    descent,
+    gradient,
     corner,
     flux_rate,
     // Mantissas, see cfg.def.

@@ -108,7 +108,7 @@ const std::vector<Field> FIELDS = {
     {"observer", "kappa", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa>, "κ = η·(φ/L)²/(1−α): speed error removed per sample", WITH_OBSERVER},
     {"observer", "kappa_p", "", 0, 0.5, NEEDED, tuning<&T::observer_kappa_p>, "proportional path; 0 is the published law", WITH_OBSERVER},
     {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)", WITH_OBSERVER},
-    {"observer", "rho_max", "", 0, 3.9, OPTIONAL, tuning<&T::observer_rho_max>, "largest ρ = R/(ωL) by which the error is turned; 0 is the published law"},
+    {"observer", "rho_max", "", 0, 3.9, OPTIONAL, tuning<&T::observer_rho_max>, "largest ρ = R/(ωL) by which the error is rotated; 0 is the published law"},
     {"startup", "current_pct", "%", 0, 200, OPTIONAL, tuning<&T::startup_current_pct>, "imposed at low speed, of motor.continuous_current_a; 0: no start-up", WITH_OBSERVER},
     {"startup", "handover_speed_pct", "%", 1, 50, OPTIONAL, tuning<&T::handover_speed_pct>, "of motor.rated_speed_rpm: the observer takes over", WITH_HANDOVER},
     {"adaptation", "resistance_pct", "%", 0, 90, OPTIONAL, tuning<&T::adapt_resistance_pct>, "how far R may be corrected by what is measured; 0: not at all", WITH_STARTUP},

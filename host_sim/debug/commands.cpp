@@ -338,7 +338,7 @@ constexpr const char *HELP_EXPR =
     "EXPR: names, numbers, + - * / ( ), < <= > >= == !=, && || !, abs(x). Names are signals in SI\n"
     "units, NAME.raw their integers, and states and faults as words:\n"
     "    run until speed_rpm > 1000 && state == RUN\n"
-    "    run until abs(angle_error_el_deg) > 5 || drive.observer.descent.raw == 32767";
+    "    run until abs(angle_error_el_deg) > 5 || drive.observer.gradient.raw == 32767";
 
 constexpr const char *HELP_SET =
     "What can be set: words of the drive's state (drive.…), of its configuration (cfg.…, sealed anew\n"

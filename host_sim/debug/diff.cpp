@@ -88,8 +88,8 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
     word("observer.volt_gain", m.observer.volt_gain, from.volt_gain * inverse, 1);
     word("observer.flux_q27", m.observer.flux_q27, from.flux_q27 * flux * inverse, 3,
          LARGEST_WORD - 1);
-    word("observer.rate", m.observer.rate, from.rate * l * l, 3);
-    word("observer.proportional", m.observer.proportional, from.proportional * l * l, 3);
+    word("observer.eta", m.observer.eta, from.eta * l * l, 3);
+    word("observer.kappa_p", m.observer.kappa_p, from.kappa_p * l * l, 3);
     word("observer.corner", m.observer.corner, from.corner * r * inverse, 3, LARGEST_WORD);
     const auto loop = [&](const std::string &name, const current_loop_cfg_t &own,
                           const current_loop_cfg_t &nominal) {

@@ -47,7 +47,7 @@ constexpr double PHASE_LSB = 1.6; // of a ratio or a current
 // Where the observer's integers saturate.
 constexpr int32_t CURRENT_MAX = 16383;
 constexpr int32_t ERROR_MAX = 8191;
-constexpr int32_t DESCENT_MAX = 32767;
+constexpr int32_t GRADIENT_MAX = 32767;
 
 // Of the tick that is being compared.
 twin::PerUnit si;        // with the configuration that a module was given
@@ -138,9 +138,9 @@ NnObserver observer_twin(const nn_observer_t &obs, const nn_observer_cfg_t &cfg,
     return twin;
 }
 
-double descent_lsb(const nn_observer_cfg_t &cfg)
+double gradient_lsb(const nn_observer_cfg_t &cfg)
 {
-    return si.bases.current_a * si.state_base() / Q30 * (1U << cfg.descent_shift);
+    return si.bases.current_a * si.state_base() / Q30 * (1U << cfg.gradient_shift);
 }
 
 // A current as it saturates in the drive.
@@ -170,23 +170,23 @@ void compare_network(const nn_observer_t &before, const nn_observer_t &after,
     add({"e_d", "e_q"}, "A", si.current(after.error), limited(twin.error(), ERROR_MAX), output);
 }
 
-// e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q turned again. Then b of (18).
-void compare_descent(const nn_observer_t &before, const nn_observer_t &after,
-                     const nn_observer_cfg_t &cfg)
+// e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q): each product rounded down, that of e_q rotated again. Then b of (18).
+void compare_gradient(const nn_observer_t &before, const nn_observer_t &after,
+                      const nn_observer_cfg_t &cfg)
 {
     const double rho = before.rho_q13 / Q13;
     const Vector e = si.current(after.error);
     const double error_q = cfg.saliency_q13 / Q13 * e.y();
-    add({"e'_d", "e'_q"}, "A", si.current(after.turned),
+    add({"e'_d", "e'_q"}, "A", si.current(after.rotated_error),
         limited({e.x() + rho * error_q, error_q - rho * e.x()}, ERROR_MAX),
         Vector(2.0 + std::abs(rho), 2.0) * si.current(1));
 
     const Vector x = si.current(before.state) * (si.state_base() / si.bases.current_a);
-    const Vector turned = si.current(after.turned);
-    const double one = descent_lsb(cfg);
-    add("descent", "A2", after.descent * one,
-        std::clamp(turned.y() * x.x() - turned.x() * x.y(), -(DESCENT_MAX + 1) * one,
-                   DESCENT_MAX * one),
+    const Vector e_rotated = si.current(after.rotated_error);
+    const double one = gradient_lsb(cfg);
+    add("gradient", "A2", after.gradient * one,
+        std::clamp(e_rotated.y() * x.x() - e_rotated.x() * x.y(), -(GRADIENT_MAX + 1) * one,
+                   GRADIENT_MAX * one),
         one);
 }
 
@@ -269,13 +269,13 @@ decltype(nn_observer_predict) *seam_nn_observer_predict = [](auto obs, auto cfg,
     const nn_observer_t before = *obs;
     CALL(nn_observer_predict)(obs, cfg, measured, voltage, turn);
     compare_network(before, *obs, *cfg, si.current(measured), si.voltage(voltage), angle_of(turn));
-    compare_descent(before, *obs, *cfg);
+    compare_gradient(before, *obs, *cfg);
 };
 
 // Paper A (19)–(22). ΔW2 is rounded down to a step, its momentum to two; ω̂_out to another.
 decltype(nn_observer_train) *seam_nn_observer_train = [](auto obs, auto cfg) {
     NnObserver twin = observer_twin(*obs, *cfg, Vector::Zero());
-    twin.train(obs->descent * descent_lsb(*cfg));
+    twin.train(obs->gradient * gradient_lsb(*cfg));
     const double limit = si.speed_of_step(cfg->speed_limit);
     const double speed = std::clamp(twin.speed(), -limit, limit);
     const double steps = cfg->momentum_q15 != 0 ? 3.0 : 1.0;

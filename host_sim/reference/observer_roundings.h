@@ -44,8 +44,8 @@ inline double half_turn_error(const PerUnit &s, const NnObserver &twin, double s
 }
 
 // b = e'_q·x − e'_d·y as a function of e around a steady state, where e is small.
-inline Eigen::RowVector2d effect_on_descent(const NnObserver::Params &p, double rho,
-                                            const Vector &state)
+inline Eigen::RowVector2d effect_on_gradient(const NnObserver::Params &p, double rho,
+                                             const Vector &state)
 {
     Eigen::Matrix2d turn;
     turn << 1.0, rho * p.saliency, -rho, p.saliency;
@@ -53,7 +53,7 @@ inline Eigen::RowVector2d effect_on_descent(const NnObserver::Params &p, double 
 }
 
 // Roundings of e_d, e_q, b, ΔW2 and ω_out, in A, A², rad and rad/s. Of b: the error of i_q scaled 1 LSB, turned and
-// added 1 in each axis; b >> descent_shift; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
+// added 1 in each axis; b >> gradient_shift; x, y in b turned and rounded down to Q15 of I_x, times the error. ΔW2 rounded down to a
 // step, its momentum to two; ω_out to a step.
 inline Eigen::Matrix<double, 5, 1> training_roundings(const PerUnit &s, const NnObserver::Params &p,
                                                       double rho, const Vector &state,
@@ -67,7 +67,7 @@ inline Eigen::Matrix<double, 5, 1> training_roundings(const PerUnit &s, const Nn
     Eigen::Matrix<double, 5, 1> r;
     r << output_roundings(s, state),
         lsb * (scaled + size.x() + size.y()) +
-            std::ldexp(lsb, static_cast<int>(s.cfg.observer.descent_shift)) * base_x / Q15 +
+            std::ldexp(lsb, static_cast<int>(s.cfg.observer.gradient_shift)) * base_x / Q15 +
             2.0 * largest_error * (base_x / Q15 + turn_error(state)),
         (p.alpha > 0 ? 3.0 : 1.0) * step * p.period_s, step;
     return r;

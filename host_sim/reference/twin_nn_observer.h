@@ -100,17 +100,17 @@ public:
         state_ = predicted(before, voltage_v, speed_out_);
         error_ = current_a - current();
         const double flux_error_q = p_.saliency * error_.y();
-        turned_ = {error_.x() + rho_ * flux_error_q, flux_error_q - rho_ * error_.x()};
-        train(turned_.y() * before.x() - turned_.x() * before.y());
+        rotated_error_ = {error_.x() + rho_ * flux_error_q, flux_error_q - rho_ * error_.x()};
+        train(rotated_error_.y() * before.x() - rotated_error_.x() * before.y());
     }
 
-    // (19)–(22) along a descent b, A²: what step() does last.
-    void train(double descent)
+    // (19)–(22) along a gradient b, A²: what step() does last.
+    void train(double gradient)
     {
-        weight_change_ = p_.eta * descent + p_.alpha * weight_change_; // (19)–(21)
-        speed_ -= weight_change_ / p_.period_s;                        // (22)
+        weight_change_ = p_.eta * gradient + p_.alpha * weight_change_; // (19)–(21)
+        speed_ -= weight_change_ / p_.period_s;                         // (22)
         speed_out_ =
-            speed_ - p_.kappa_p / p_.period_s * descent / (flux_current() * flux_current());
+            speed_ - p_.kappa_p / p_.period_s * gradient / (flux_current() * flux_current());
     }
 
     // ρ = R/(ω·L_d), limited; nothing at low speed.
@@ -137,9 +137,9 @@ public:
     }
 
     // e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q)
-    const Vector &turned() const
+    const Vector &rotated_error() const
     {
-        return turned_;
+        return rotated_error_;
     }
 
     // x̂ = i_d + φ/L_d, ŷ = (L_q/L_d)·i_q.
@@ -174,7 +174,7 @@ private:
     Params p_;
     Vector state_;
     Vector error_ = Vector::Zero();
-    Vector turned_ = Vector::Zero();
+    Vector rotated_error_ = Vector::Zero();
     double rho_ = 0;
     double weight_change_ = 0;
     double speed_ = 0;

@@ -88,9 +88,9 @@ inline NnObserver::Params observer_params(const PerUnit &s)
     const double base_x = s.state_base();
     const double ld = period / (c.volt_gain * weight) * s.bases.voltage_v / base_x;
     const double flux_current = c.flux_q27 / Q27 * base_x;
-    // From b in A² to steps: b/(I_b·I_x)·2^30/2^descent_shift·mantissa/2^shift; steps to radians a sample.
-    const double descent = std::ldexp(1.0, 30 - static_cast<int>(c.descent_shift)) /
-                           (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
+    // From b in A² to steps: b/(I_b·I_x)·2^30/2^gradient_shift·mantissa/2^shift; steps to radians a sample.
+    const double gradient = std::ldexp(1.0, 30 - static_cast<int>(c.gradient_shift)) /
+                            (s.bases.current_a * base_x) * TWO_PI / STEPS_PER_TURN;
 
     NnObserver::Params p{};
     p.period_s = period;
@@ -98,13 +98,13 @@ inline NnObserver::Params observer_params(const PerUnit &s)
     p.inductance_q_h = ld * Q14 / c.iq_gain_q14;
     p.resistance_ohm = c.decay * weight * base_x / s.bases.current_a / period * ld;
     p.flux_wb = flux_current * ld;
-    p.eta = std::ldexp(c.rate, -static_cast<int>(c.rate_shift)) * descent;
+    p.eta = std::ldexp(c.eta, -static_cast<int>(c.eta_shift)) * gradient;
     p.saliency = c.saliency_q13 / Q13;
     p.corner_rad_s = s.speed_of_step(c.corner);
     p.rho_max = c.rho_max_q13 / Q13;
     p.rho_speed_min = s.speed_of_step(c.rho_speed_min);
     p.alpha = c.momentum_q15 / Q15;
-    p.kappa_p = std::ldexp(c.proportional, -static_cast<int>(c.proportional_shift)) * descent *
+    p.kappa_p = std::ldexp(c.kappa_p, -static_cast<int>(c.kappa_p_shift)) * gradient *
                 flux_current * flux_current;
     return p;
 }

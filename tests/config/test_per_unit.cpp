@@ -231,9 +231,9 @@ void observer_gains()
 {
     const nn_observer_cfg_t c = motor_b().observer;
     const double one = 40.0 * 80 / (27.7777778 * 27.7777778) * 4 / 6.283185307 * 4096;
-    expect(12, c.descent_shift);
-    expect_mantissa(0.025 * one, c.rate, c.rate_shift);
-    expect_mantissa(0.45 * one, c.proportional, c.proportional_shift);
+    expect(12, c.gradient_shift);
+    expect_mantissa(0.025 * one, c.eta, c.eta_shift);
+    expect_mantissa(0.45 * one, c.kappa_p, c.kappa_p_shift);
 }
 
 // Ω_b = 2^15·2^10 steps, the first above 2250 rpm: 2^25/2^32·2π·10 kHz = 490.874 rad/s.
@@ -325,8 +325,8 @@ void momentum()
     const nn_observer_cfg_t none = motor_b().observer;
     const nn_observer_cfg_t c = motor_b({"observer.momentum=0.5"}).observer;
     TEST_ASSERT_EQUAL_INT32(16384, c.momentum_q15);
-    const double rate = std::ldexp(none.rate, -static_cast<int>(none.rate_shift));
-    expect_mantissa(rate / 2, c.rate, c.rate_shift);
+    const double eta = std::ldexp(none.eta, -static_cast<int>(none.eta_shift));
+    expect_mantissa(eta / 2, c.eta, c.eta_shift);
 }
 
 void the_angle_of_a_sensor_is_counted_in_pole_pairs()

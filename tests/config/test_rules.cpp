@@ -254,8 +254,8 @@ void the_weights_have_room_for_the_largest_correction()
             .observer;
     const int32_t largest_weight = std::max(c.decay, c.volt_gain);
     TEST_ASSERT_TRUE(largest_weight * (1.6 / 0.6) <= 32767);
-    TEST_ASSERT_TRUE(c.rate * 1.4 * 1.4 <= 32767);
-    TEST_ASSERT_TRUE(c.proportional * 1.4 * 1.4 <= 32767);
+    TEST_ASSERT_TRUE(c.eta * 1.4 * 1.4 <= 32767);
+    TEST_ASSERT_TRUE(c.kappa_p * 1.4 * 1.4 <= 32767);
     TEST_ASSERT_TRUE(c.flux_q27 * (1.25 / 0.6) <= 134217727);
 }
 

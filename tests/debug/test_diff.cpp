@@ -245,7 +245,7 @@ static void test_a_wrong_word_is_named()
     expect_first(running(), "drive.signals.current_ab.beta = 5", "state");
     expect_first(running(), "drive.signals.voltage_applied.alpha = 100", "state");
     expect_first(running(), "drive.observer.alpha_q27 = 1", "state");
-    expect_first(running(), "drive.observer.turned.q = 1", "state");
+    expect_first(running(), "drive.observer.rotated_error.q = 1", "state");
     expect_first(running(), "drive.signals.voltage.q = 10", "state");
     expect_first(running(), "drive.signals.ratio_ab.alpha = 0.3", "state");
     expect_first(running(), "drive.position.turns_q32 = 0.25", "state");

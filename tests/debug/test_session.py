@@ -151,7 +151,7 @@ class Prints(SessionTest):
         answer = self.session(["goto 0.5s", "stages"])[1]
         order = ["in.adc_ia", "signals.phase_a", "current_ab.alpha", "signals.current.d",
                  "voltage_applied.alpha", "observer.state.d", "observer.error.d",
-                 "observer.descent", "weight_change_rpm", "observer.speed_out", "current_ref.q",
+                 "observer.gradient", "weight_change_rpm", "observer.speed_out", "current_ref.q",
                  "signals.voltage.q", "compare.phase[2]"]
         places = [answer.index(name) for name in order]
         self.assertEqual(places, sorted(places))

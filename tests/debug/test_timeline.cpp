@@ -264,7 +264,7 @@ static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
          {"drive.guard.at.raw = 100000000", "drive.guard.at.raw = 1",
           "drive.voltage_drive.active.raw = 2", "drive.align.phase.raw = 77",
           "drive.flying_start.phase.raw = 99", "drive.slow_count.raw = 0",
-          "drive.model.observer.rate_shift.raw = 40", "load_torque_nm = 1/0",
+          "drive.model.observer.eta_shift.raw = 40", "load_torque_nm = 1/0",
           "speed_command_rpm = 0/0"}) {
         bool refused = false;
         try {

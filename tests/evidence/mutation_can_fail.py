@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """evidence.mutation_can_fail: mutants survive weaker tests, and the register cannot hide or keep one.
 
-With it, two faults that have to be killed: the sign of the descent in (21) of paper A, a dropped saturation.
+With it, two faults that have to be killed: the sign of the gradient in (21) of paper A, a dropped saturation.
 """
 
 import argparse
@@ -22,7 +22,7 @@ OBSERVER = "firmware/control/nn_observer.c"
 PORT = "firmware/math/port/generic/fx_port.h"
 GROUP = "limit"  # what the names of the tests that are left out have in common
 KILLED = {
-    "the sign of the descent in (21)": (OBSERVER, "nn_observer_predict", "(obs->turned.q * before.d) +"),
+    "the sign of the gradient in (21)": (OBSERVER, "nn_observer_predict", "(obs->rotated_error.q * before.d) +"),
     "the sign of the weight's change in (22)": (OBSERVER, "nn_observer_train", "fx_clamp(obs->speed + weight_step"),
     "a shift by too many bits, of which the PC takes those modulo 32": (
         PORT, "fx_leading_zeros", "(rest >> (-(width)))"),

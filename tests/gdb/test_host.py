@@ -43,7 +43,7 @@ class OnTheHost(support.GdbTest):
         self.assert_same_stages(shown, TICK)
 
     def test_words_of_each_format_are_shown_in_their_units(self):
-        names = ("signals.phase_a", "signals.bus", "observer.alpha_q27", "observer.descent",
+        names = ("signals.phase_a", "signals.bus", "observer.alpha_q27", "observer.gradient",
                  "observer.rho_q13", "position.turns_q32", "modulator.inverse_bus_q12",
                  "current_loop.pi_q.integral_q26", "speed_loop.pi.integral_q26", "model.flux_q30",
                  "model.resistance_q14", "ratio_acting.alpha")

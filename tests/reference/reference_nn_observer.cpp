@@ -23,7 +23,7 @@ using nf::reference::Setup;
 using nf::reference::SINE_LSB;
 using nf::reference::STEPS_PER_TURN;
 using nf::reference::TWO_PI;
-using nf::twin::effect_on_descent;
+using nf::twin::effect_on_gradient;
 using nf::twin::half_turn_error;
 using nf::twin::network_roundings;
 using nf::twin::NnObserver;
@@ -127,8 +127,8 @@ static void start_both(const Setup &s, const Vector &state, double speed, Observ
 static double compare_network(const Setup &base, double speed, double *bound)
 {
     Setup s = base;
-    s.cfg.observer.rate = 0;
-    s.cfg.observer.proportional = 0;
+    s.cfg.observer.eta = 0;
+    s.cfg.observer.kappa_p = 0;
     NnObserver twin(nf::reference::observer_params(s));
     Observer own;
     Seeded seeded(1);
@@ -242,7 +242,7 @@ static Difference difference_system(const NnObserver &twin, const NnObserver::Pa
 {
     const Vector gain(1.0, p.inductance_d_h / p.inductance_q_h);
     const double flux2 = twin.flux_current() * twin.flux_current();
-    const Eigen::RowVector2d descent = effect_on_descent(p, rho, state);
+    const Eigen::RowVector2d gradient = effect_on_gradient(p, rho, state);
     Difference d;
     d.f.setZero();
     d.g.setZero();
@@ -251,10 +251,10 @@ static Difference difference_system(const NnObserver &twin, const NnObserver::Pa
     d.g(0, 0) = 1;
     d.g(1, 1) = 1;
     // δe = −(δx, δy·L_d/L_q) with the new states; the roundings of the currents and of b.
-    const Eigen::RowVector2d of_state = -descent * gain.asDiagonal();
+    const Eigen::RowVector2d of_state = -gradient * gain.asDiagonal();
     const auto f_b = (of_state * d.f.topRows<2>()).eval();
     auto g_b = (of_state * d.g.topRows<2>()).eval();
-    g_b.segment<2>(2) += descent;
+    g_b.segment<2>(2) += gradient;
     g_b(4) += 1;
     d.f.row(4) = p.eta * f_b;
     d.f(4, 4) += p.alpha;
@@ -323,7 +323,7 @@ static Comparison compare_running(const Setup &s, double speed, double current_q
             std::max(worst_speed, std::abs(s.speed_of_step(own.obs.speed) - twin.speed()));
         worst_out =
             std::max(worst_out, std::abs(s.speed_of_step(own.obs.speed_out) - twin.speed_out()));
-        largest_error = std::max(largest_error, twin.turned().cwiseAbs().maxCoeff());
+        largest_error = std::max(largest_error, twin.rotated_error().cwiseAbs().maxCoeff());
     }
     const double rho = own.obs.rho_q13 / Q13;
     Eigen::Matrix<double, 7, 1> r;
@@ -459,7 +459,7 @@ static ClosedLoop closed_loop(const NnObserver &twin, const NnObserver::Params &
         gain * twin.rotation(speed, 0.5) * Vector(voltage.y(), -voltage.x());
     const Vector current_turned(current.y(), -current.x());
     const Vector scale(1.0, p.inductance_d_h / p.inductance_q_h);
-    const Eigen::RowVector2d descent = effect_on_descent(p, 0.0, state);
+    const Eigen::RowVector2d gradient = effect_on_gradient(p, 0.0, state);
     ClosedLoop c;
     c.f.setZero();
     c.g.setZero();
@@ -473,8 +473,8 @@ static ClosedLoop closed_loop(const NnObserver &twin, const NnObserver::Params &
     Eigen::Matrix<double, 2, 7> g_e = -(scale.asDiagonal() * c.g.topRows<2>());
     f_e += current_turned * c.f.row(4);
     g_e.middleCols<2>(2) += Eigen::Matrix2d::Identity();
-    const auto f_b = (descent * f_e).eval();
-    auto g_b = (descent * g_e).eval();
+    const auto f_b = (gradient * f_e).eval();
+    auto g_b = (gradient * g_e).eval();
     g_b(4) += 1;
     c.f.row(2) = -p.eta / p.period_s * f_b;
     c.f(2, 2) += 1;
@@ -544,8 +544,8 @@ static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverge
         if (k >= 3000) {
             const Vector true_state = motor.current + Vector(twin.flux_current(), 0);
             worst = std::max(worst, (own.state(s) - true_state).cwiseAbs().maxCoeff());
-            largest_error = std::max({largest_error, s.current(std::abs(own.obs.turned.d)),
-                                      s.current(std::abs(own.obs.turned.q))});
+            largest_error = std::max({largest_error, s.current(std::abs(own.obs.rotated_error.d)),
+                                      s.current(std::abs(own.obs.rotated_error.q))});
         }
     }
     const Vector voltage = motor.steady_voltage(current_q);

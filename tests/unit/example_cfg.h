@@ -45,11 +45,11 @@ static inline nn_observer_cfg_t example_observer_cfg(void)
         .saliency_q13 = 8192, /* L_q/L_d = 1 */
         .current_shift = 1U,
         /* κ·I_b·I_x/(φ/L)²·4/2π = 0.00915154 steps per unit of b, times 2^12 */
-        .descent_shift = 12U,
-        .rate = 19192,
-        .rate_shift = 9U,
-        .proportional = 23990, /* 0.183031, times 2^12, times 2^5 */
-        .proportional_shift = 5U,
+        .gradient_shift = 12U,
+        .eta = 19192,
+        .eta_shift = 9U,
+        .kappa_p = 23990, /* 0.183031, times 2^12, times 2^5 */
+        .kappa_p_shift = 5U,
         .momentum_q15 = 0,
         .speed_limit = 35791394,  /* 2500 rpm */
         .corner = 12522209,       /* R/L = 183.19 rad/s */

@@ -222,8 +222,8 @@ static drive_cfg_t with_sensor(void)
     drive_cfg_t cfg = example_drive_cfg();
 
     cfg.sampling.sensor_pole_pairs = 2U;
-    cfg.observer.rate = 0;
-    cfg.observer.proportional = 0;
+    cfg.observer.eta = 0;
+    cfg.observer.kappa_p = 0;
     return cfg;
 }
 
@@ -233,11 +233,11 @@ static void test_with_a_sensor_a_trained_observer_is_named(void)
     drive_cfg_t cfg = with_sensor();
 
     TEST_ASSERT_NULL(config_check(&cfg));
-    cfg.observer.rate = 1;
-    TEST_ASSERT_EQUAL_STRING("observer.rate", config_check(&cfg));
+    cfg.observer.eta = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.eta", config_check(&cfg));
     cfg = with_sensor();
-    cfg.observer.proportional = 1;
-    TEST_ASSERT_EQUAL_STRING("observer.proportional", config_check(&cfg));
+    cfg.observer.kappa_p = 1;
+    TEST_ASSERT_EQUAL_STRING("observer.kappa_p", config_check(&cfg));
     cfg = with_sensor();
     cfg.observer.momentum_q15 = 1;
     TEST_ASSERT_EQUAL_STRING("observer.momentum_q15", config_check(&cfg));
@@ -438,8 +438,8 @@ static void test_the_first_of_several_bad_fields_is_named(void)
     TEST_ASSERT_EQUAL_STRING("modulator.timer_counts", config_check(&cfg));
     cfg.speed_loop.pi.ki_shift = 31U;
     TEST_ASSERT_EQUAL_STRING("speed_loop.pi.ki_shift", config_check(&cfg));
-    cfg.observer.rate = -1;
-    TEST_ASSERT_EQUAL_STRING("observer.rate", config_check(&cfg));
+    cfg.observer.eta = -1;
+    TEST_ASSERT_EQUAL_STRING("observer.eta", config_check(&cfg));
     cfg.sampling.bus_shift = 8U;
     TEST_ASSERT_EQUAL_STRING("sampling.bus_shift", config_check(&cfg));
 }

@@ -108,8 +108,8 @@ static void test_init_starts_in_init_whatever_was_there_before(void)
 
 static void test_init_names_a_refused_field(void)
 {
-    cfg.observer.rate = -1;
-    TEST_ASSERT_EQUAL_STRING("observer.rate", drive_init(&drive, &cfg));
+    cfg.observer.eta = -1;
+    TEST_ASSERT_EQUAL_STRING("observer.eta", drive_init(&drive, &cfg));
 }
 
 static void test_first_tick_begins_the_calibration_with_open_gates(void)
@@ -1013,7 +1013,7 @@ static void run_beside(int32_t sign, void (*check)(void))
     seeded_t seed = {0xB5B5U};
 
     setUp();
-    TEST_ASSERT_TRUE(cfg.observer.proportional != 0); /* else speed_out is speed */
+    TEST_ASSERT_TRUE(cfg.observer.kappa_p != 0); /* else speed_out is speed */
     go_to(DRIVE_STATE_READY);
     in.command.request = DRIVE_REQUEST_RUN;
     tick();

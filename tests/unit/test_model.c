@@ -33,8 +33,8 @@ void setUp(void)
     cfg = example_model_cfg_with_corrections();
     observer = example_observer_cfg();
     /* Half of the mantissas, so that they can grow. */
-    observer.rate /= 2;
-    observer.proportional /= 2;
+    observer.eta /= 2;
+    observer.kappa_p /= 2;
     observer.volt_gain /= 2;
     observer.decay /= 2;
     run_loop = example_current_loop_cfg();
@@ -78,8 +78,8 @@ static void assert_model(double r, double l, double flux)
 
     assert_scaled("1 - W1", observer.decay, r / l, o->decay);
     assert_scaled("W3", observer.volt_gain, 1.0 / l, o->volt_gain);
-    assert_scaled("eta", observer.rate, l * l, o->rate);
-    assert_scaled("kappa_p", observer.proportional, l * l, o->proportional);
+    assert_scaled("eta", observer.eta, l * l, o->eta);
+    assert_scaled("kappa_p", observer.kappa_p, l * l, o->kappa_p);
     assert_scaled("corner", observer.corner, r / l, o->corner);
     assert_scaled("flux", observer.flux_q27, flux / l, o->flux_q27);
     assert_scaled("R in run", run_loop.resistance_q13, r, model.run_loop.resistance_q13);
@@ -97,8 +97,8 @@ static void assert_rest_untouched(void)
 
     o.decay = observer.decay;
     o.volt_gain = observer.volt_gain;
-    o.rate = observer.rate;
-    o.proportional = observer.proportional;
+    o.eta = observer.eta;
+    o.kappa_p = observer.kappa_p;
     o.corner = observer.corner;
     o.flux_q27 = observer.flux_q27;
     run.resistance_q13 = run_loop.resistance_q13;
@@ -275,8 +275,8 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
 {
     observer.decay = 32767;
     observer.volt_gain = 32767;
-    observer.rate = 32767;
-    observer.proportional = 32767;
+    observer.eta = 32767;
+    observer.kappa_p = 32767;
     observer.flux_q27 = 0x7FFFFFF;
     run_loop.emf_q13 = 32767;
     run_loop.resistance_q13 = 20000;
@@ -295,8 +295,8 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
     TEST_ASSERT_EQUAL_INT32(32767, model.run_loop.emf_q13);
     TEST_ASSERT_EQUAL_INT32(32767, model.hold_loop.emf_q13);
     model_set(&model, &cfg, &NOMINAL, 32767, 32767);
-    TEST_ASSERT_EQUAL_INT32(32767, model.observer.rate);
-    TEST_ASSERT_EQUAL_INT32(32767, model.observer.proportional);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.eta);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.kappa_p);
 }
 
 static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)

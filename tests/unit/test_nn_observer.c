@@ -30,7 +30,7 @@
 #define WEIGHT_STEP_LIMIT (0x1FFFFFFF)
 #define LARGEST_SPEED_LIMIT (0x20000000)
 #define LARGEST_CORNER (0x8000000)
-#define LARGEST_DESCENT (32768) /* (8192·32768 + 8192·32768) >> 12, saturated */
+#define LARGEST_GRADIENT (32768) /* (8192·32768 + 8192·32768) >> 12, saturated */
 
 /*
  * Ripple of ω̂ beside a motor of constant speed, rad/s electrical. Locked, the mean of ω̂ is the true speed,
@@ -262,9 +262,9 @@ static void test_published_law_follows_a_motor_with_exact_parameters(void)
     const double bound = 2.0 * 2.45 * SPEED_BOUND_RAD_S;
     run_t run = {0.0, 0.0, 0.0};
 
-    cfg.rate = 28788;
-    cfg.rate_shift = 7U;
-    cfg.proportional = 0;
+    cfg.eta = 28788;
+    cfg.eta_shift = 7U;
+    cfg.kappa_p = 0;
     begin();
     obs.speed =
         25783200; /* 377.2 rad/s: the law has no damping to start from rest beside this motor */
@@ -402,35 +402,35 @@ static void test_training_goes_down_along_both_errors(void)
     /* b = e_q·x̂ − e_d·ŷ with x̂ = 8192, ŷ = 4096 in Q15 of I_x, held: b >> 12 = 2·e_q − e_d. */
     static const dq_t errors[] = {{400, 0},  {0, 400},    {-400, 0},
                                   {0, -400}, {400, -200}, {400, 200}};
-    static const int32_t descents[] = {-400, 800, 400, -800, -800, 0};
+    static const int32_t gradients[] = {-400, 800, 400, -800, -800, 0};
 
     cfg.flux_q27 = 8192 * 4096;
     for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
         begin();
         set_state(8192 * 4096, 4096 * 4096);
         step_with_error(errors[i]);
-        TEST_ASSERT_EQUAL_INT32(descents[i], obs.descent);
-        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 19192 / 512.0)), obs.speed);
-        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 23990 / 32.0)),
+        TEST_ASSERT_EQUAL_INT32(gradients[i], obs.gradient);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(gradients[i] * 19192 / 512.0)), obs.speed);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(gradients[i] * 23990 / 32.0)),
                                 obs.speed_out - obs.speed);
     }
 }
 
 /* As above with b >> 4: 2^8 times as much, where small states leave room. */
-static void test_the_descent_keeps_more_bits_where_it_is_told_to(void)
+static void test_the_gradient_keeps_more_bits_where_it_is_told_to(void)
 {
     cfg.flux_q27 = 32 * 4096;
-    cfg.descent_shift = 4U;
+    cfg.gradient_shift = 4U;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
         set_state(32 * 4096, 16 * 4096);
         step_with_error((dq_t){sign * 400, sign * 200});
         /* 200·32 − 400·16 = 0; along q alone 400·32/16. */
-        TEST_ASSERT_EQUAL_INT32(0, obs.descent);
+        TEST_ASSERT_EQUAL_INT32(0, obs.gradient);
         begin();
         set_state(32 * 4096, 16 * 4096);
         step_with_error((dq_t){0, sign * 400});
-        TEST_ASSERT_EQUAL_INT32(sign * 800, obs.descent);
+        TEST_ASSERT_EQUAL_INT32(sign * 800, obs.gradient);
     }
 }
 
@@ -440,7 +440,7 @@ static void test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up(v
 
     for (uint32_t i = 0U; i < 3U; i++) {
         cfg.momentum_q15 = (int32_t)lround(alphas[i] * ONE);
-        cfg.rate = (int32_t)lround(19192.0 * (1.0 - alphas[i]));
+        cfg.eta = (int32_t)lround(19192.0 * (1.0 - alphas[i]));
         begin();
         /* α^n: after 400 ticks 3·10^-6 of the build-up is left at the largest α. */
         for (int32_t k = 0; k < 400; k++) {
@@ -462,7 +462,7 @@ static void test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_a
     train_once(-2733);
     whole = obs.speed;
     cfg.momentum_q15 = 16384;
-    cfg.rate /= 2;
+    cfg.eta /= 2;
     begin();
     train_once(-2733);
     TEST_ASSERT_INT32_WITHIN(1, whole / 2, obs.speed);
@@ -488,9 +488,9 @@ static void test_without_the_proportional_path_the_inner_speed_is_the_integral_b
     nn_observer_t other = obs;
     nn_observer_cfg_t other_cfg;
 
-    cfg.proportional = 0;
+    cfg.kappa_p = 0;
     other_cfg = cfg;
-    other_cfg.proportional_shift = 1U;
+    other_cfg.kappa_p_shift = 1U;
     for (int32_t i = 0; i < 50000; i++) {
         const dq_t measured = {seeded_in(&seed, -9000, 9000), seeded_in(&seed, -9000, 9000)};
         const ab_t voltage = {seeded_in(&seed, -20000, 20000), seeded_in(&seed, -20000, 20000)};
@@ -511,18 +511,17 @@ static void assert_within(int32_t limit, int32_t value)
 static void assert_ranges(void)
 {
     /* Rounded down, towards −∞: one more on that side. */
-    const int64_t share =
-        (((int64_t)LARGEST_DESCENT * cfg.proportional) >> cfg.proportional_shift) + 1;
+    const int64_t share = (((int64_t)LARGEST_GRADIENT * cfg.kappa_p) >> cfg.kappa_p_shift) + 1;
 
     assert_within(STATE_LIMIT, obs.alpha_q27);
     assert_within(STATE_LIMIT, obs.beta_q27);
     assert_within(CURRENT_LIMIT, obs.current.d);
     assert_within(CURRENT_LIMIT, obs.current.q);
-    assert_within(FX_Q15_MAX, obs.descent);
+    assert_within(FX_Q15_MAX, obs.gradient);
     assert_within(ERROR_LIMIT, obs.error.d);
     assert_within(ERROR_LIMIT, obs.error.q);
-    assert_within(ERROR_LIMIT, obs.turned.d);
-    assert_within(ERROR_LIMIT, obs.turned.q);
+    assert_within(ERROR_LIMIT, obs.rotated_error.d);
+    assert_within(ERROR_LIMIT, obs.rotated_error.q);
     TEST_ASSERT_TRUE(abs(obs.rho_q13) <= cfg.rho_max_q13);
     assert_within(WEIGHT_STEP_LIMIT, obs.weight_step);
     TEST_ASSERT_TRUE(abs(obs.speed) <= cfg.speed_limit);
@@ -534,14 +533,14 @@ static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goe
     const int32_t x = cfg.flux_q27 / 4096;
 
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        const double descent = floor(-sign * 8000.0 * x / 4096.0);
+        const double gradient = floor(-sign * 8000.0 * x / 4096.0);
 
         begin();
         for (int32_t k = 0; k < 2000; k++) {
             train_once(-sign * 8000);
         }
         TEST_ASSERT_EQUAL_INT32(sign * cfg.speed_limit, obs.speed);
-        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descent * cfg.proportional / 32.0)),
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(gradient * cfg.kappa_p / 32.0)),
                                 obs.speed_out - obs.speed);
         TEST_ASSERT_TRUE(abs(obs.speed_out) > cfg.speed_limit);
     }
@@ -551,25 +550,25 @@ static void test_integral_speed_stops_at_its_limit_and_the_proportional_path_goe
 static void test_without_momentum_the_weight_step_is_not_cut(void)
 {
     cfg.momentum_q15 = 0;
-    cfg.rate = 32767;
-    cfg.rate_shift = 0U;
-    cfg.proportional = 0;
+    cfg.eta = 32767;
+    cfg.eta_shift = 0U;
+    cfg.kappa_p = 0;
     cfg.speed_limit = LARGEST_SPEED_LIMIT;
     obs.speed = -LARGEST_SPEED_LIMIT;
-    obs.descent = -LARGEST_DESCENT;
+    obs.gradient = -LARGEST_GRADIENT;
     nn_observer_train(&obs, &cfg);
-    TEST_ASSERT_EQUAL_INT32(-LARGEST_SPEED_LIMIT + (LARGEST_DESCENT * 32767), obs.speed);
+    TEST_ASSERT_EQUAL_INT32(-LARGEST_SPEED_LIMIT + (LARGEST_GRADIENT * 32767), obs.speed);
 }
 
 static void test_inner_speed_saturates_to_30_bits_on_both_sides(void)
 {
-    cfg.rate = 0;
-    cfg.proportional = 32767;
-    cfg.proportional_shift = 0U;
-    obs.descent = -LARGEST_DESCENT;
+    cfg.eta = 0;
+    cfg.kappa_p = 32767;
+    cfg.kappa_p_shift = 0U;
+    obs.gradient = -LARGEST_GRADIENT;
     nn_observer_train(&obs, &cfg);
     TEST_ASSERT_EQUAL_INT32(WEIGHT_STEP_LIMIT, obs.speed_out);
-    obs.descent = LARGEST_DESCENT - 1;
+    obs.gradient = LARGEST_GRADIENT - 1;
     nn_observer_train(&obs, &cfg);
     TEST_ASSERT_EQUAL_INT32(-WEIGHT_STEP_LIMIT - 1, obs.speed_out);
 }
@@ -579,8 +578,8 @@ static void test_errors_saturate_to_14_bits_on_both_sides(void)
     static const int32_t currents[] = {8190, 8191, 8192, 65535, -8190, -8191, -8192, -8193, -65535};
     static const int32_t errors[] = {8190, 8191, 8191, 8191, -8190, -8191, -8192, -8192, -8192};
 
-    cfg.rate = 0;
-    cfg.proportional = 0;
+    cfg.eta = 0;
+    cfg.kappa_p = 0;
     for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
         step_with_error((dq_t){currents[i], 0});
         TEST_ASSERT_EQUAL_INT32(errors[i], obs.error.d);
@@ -594,8 +593,8 @@ static void test_errors_saturate_to_14_bits_on_both_sides(void)
 static void test_states_saturate_to_28_bits_on_both_sides(void)
 {
     cfg.decay = 0;
-    cfg.rate = 0;
-    cfg.proportional = 0;
+    cfg.eta = 0;
+    cfg.kappa_p = 0;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const int32_t upper = STATE_LIMIT;
         const int32_t lower = -STATE_LIMIT - 1;
@@ -612,8 +611,8 @@ static void test_states_saturate_to_28_bits_on_both_sides(void)
 static void test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides(void)
 {
     /* 6829·32767 a tick, of which the momentum keeps nearly all: beyond 2^29 in the third. */
-    cfg.rate = 32767;
-    cfg.rate_shift = 0U;
+    cfg.eta = 32767;
+    cfg.eta_shift = 0U;
     cfg.momentum_q15 = 32767;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         begin();
@@ -628,18 +627,18 @@ static void test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides(vo
 }
 
 /* Twice 13665 in Q15 of I_x, times e_q, >> 12: 4910 give ±32761.6 and 4911 ±32768.3, rounded down. */
-static void test_descent_saturates_to_16_bits_on_both_sides(void)
+static void test_gradient_saturates_to_16_bits_on_both_sides(void)
 {
     static const int32_t errors[] = {4910, 4911, 8191, -4910, -4911, -8191};
-    static const int32_t descents[] = {32761, 32767, 32767, -32762, -32768, -32768};
+    static const int32_t gradients[] = {32761, 32767, 32767, -32762, -32768, -32768};
 
     cfg.flux_q27 = 2 * 13665 * 4096;
     cfg.speed_limit = LARGEST_SPEED_LIMIT;
     for (uint32_t i = 0U; i < (sizeof errors / sizeof errors[0]); i++) {
         begin();
         train_once(errors[i]);
-        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 19192 / 512.0)), obs.speed);
-        TEST_ASSERT_EQUAL_INT32(-lrint(floor(descents[i] * 23990 / 32.0)),
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(gradients[i] * 19192 / 512.0)), obs.speed);
+        TEST_ASSERT_EQUAL_INT32(-lrint(floor(gradients[i] * 23990 / 32.0)),
                                 obs.speed_out - obs.speed);
     }
 }
@@ -658,11 +657,11 @@ static nn_observer_cfg_t largest_cfg(seeded_t *seed)
         .rho_max_q13 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 0,
         .rho_speed_min = 1,
         .current_shift = (uint32_t)seeded_in(seed, 0, 9),
-        .descent_shift = (uint32_t)seeded_in(seed, 4, 12),
-        .rate = 32767,
-        .rate_shift = (uint32_t)seeded_in(seed, 0, 30),
-        .proportional = 32767,
-        .proportional_shift = (uint32_t)seeded_in(seed, 0, 30),
+        .gradient_shift = (uint32_t)seeded_in(seed, 4, 12),
+        .eta = 32767,
+        .eta_shift = (uint32_t)seeded_in(seed, 0, 30),
+        .kappa_p = 32767,
+        .kappa_p_shift = (uint32_t)seeded_in(seed, 0, 30),
         .momentum_q15 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 0,
         .speed_limit = ((seeded_u32(seed) & 1U) != 0U) ? LARGEST_SPEED_LIMIT : 1,
     };
@@ -713,8 +712,8 @@ static void test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_w
 static void use_rotation_alone(void)
 {
     cfg.decay = 0;
-    cfg.rate = 0;
-    cfg.proportional = 0;
+    cfg.eta = 0;
+    cfg.kappa_p = 0;
 }
 
 static step_t step_of(double radians)
@@ -770,8 +769,8 @@ static void test_resistance_makes_the_network_forget_at_the_largest_speed(void)
 {
     double complex settled[2] = {0.0, 0.0};
 
-    cfg.rate = 0;
-    cfg.proportional = 0;
+    cfg.eta = 0;
+    cfg.kappa_p = 0;
     for (int32_t run = 0; run < 2; run++) {
         begin();
         set_state(cfg.flux_q27, (run == 0) ? 0 : 50000000);
@@ -995,8 +994,8 @@ static void test_error_is_turned_by_rho_and_stretched_by_the_saliency(void)
         begin();
         obs.rho_q13 = rho;
         show_error(e);
-        TEST_ASSERT_DOUBLE_WITHIN(3.0, creal(turned), obs.turned.d);
-        TEST_ASSERT_DOUBLE_WITHIN(2.0, cimag(turned), obs.turned.q);
+        TEST_ASSERT_DOUBLE_WITHIN(3.0, creal(turned), obs.rotated_error.d);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, cimag(turned), obs.rotated_error.q);
     }
 }
 
@@ -1007,8 +1006,8 @@ static void test_without_rho_and_saliency_the_turned_error_is_the_error_itself(v
     for (int32_t k = 0; k < 1000; k++) {
         begin();
         show_error((dq_t){seeded_in(&seed, -9000, 9000), seeded_in(&seed, -9000, 9000)});
-        TEST_ASSERT_EQUAL_INT32(obs.error.d, obs.turned.d);
-        TEST_ASSERT_EQUAL_INT32(obs.error.q, obs.turned.q);
+        TEST_ASSERT_EQUAL_INT32(obs.error.d, obs.rotated_error.d);
+        TEST_ASSERT_EQUAL_INT32(obs.error.q, obs.rotated_error.q);
     }
 }
 
@@ -1031,13 +1030,13 @@ static void test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any
         begin();
         (void)rho_at(step_of(speed * PERIOD_S));
         show_error((dq_t){(int32_t)lround(creal(along_q)), (int32_t)lround(cimag(along_q))});
-        TEST_ASSERT_DOUBLE_WITHIN(STATIC_LSB, 0.0, obs.turned.q);
-        TEST_ASSERT_TRUE(obs.turned.d > 1000);
+        TEST_ASSERT_DOUBLE_WITHIN(STATIC_LSB, 0.0, obs.rotated_error.q);
+        TEST_ASSERT_TRUE(obs.rotated_error.d > 1000);
         begin();
         (void)rho_at(step_of(speed * PERIOD_S));
         show_error((dq_t){(int32_t)lround(creal(along_d)), (int32_t)lround(cimag(along_d))});
-        TEST_ASSERT_DOUBLE_WITHIN(STATIC_LSB, 0.0, obs.turned.d);
-        TEST_ASSERT_TRUE(obs.turned.q < -1000);
+        TEST_ASSERT_DOUBLE_WITHIN(STATIC_LSB, 0.0, obs.rotated_error.d);
+        TEST_ASSERT_TRUE(obs.rotated_error.q < -1000);
     }
 }
 
@@ -1074,9 +1073,9 @@ static double growth_of_speed_error(bool printed, double kappa, double off)
     double largest[WINDOWS] = {0.0};
     step_t advance = 0;
 
-    cfg.rate = (int32_t)lround(19192.0 / 8.0 * kappa / 0.005); /* the example's κ is 0.005 */
-    cfg.rate_shift = example_observer_cfg().rate_shift - 3U;
-    cfg.proportional = 0;
+    cfg.eta = (int32_t)lround(19192.0 / 8.0 * kappa / 0.005); /* the example's κ is 0.005 */
+    cfg.eta_shift = example_observer_cfg().eta_shift - 3U;
+    cfg.kappa_p = 0;
     frame = 0U;
     nn_observer_start(&obs, &cfg, (step_t)lround((speed + off) * PERIOD_S / TWO_PI * TURN),
                       (dq_t){0, 0}, trig_sincos(frame));
@@ -1129,7 +1128,7 @@ int main(void)
     RUN_TEST(test_current_output_saturates_to_15_bits_on_both_sides);
     RUN_TEST(test_kappa_is_the_share_of_the_speed_error_removed_in_a_sample);
     RUN_TEST(test_training_goes_down_along_both_errors);
-    RUN_TEST(test_the_descent_keeps_more_bits_where_it_is_told_to);
+    RUN_TEST(test_the_gradient_keeps_more_bits_where_it_is_told_to);
     RUN_TEST(test_kappa_with_momentum_is_reached_once_the_momentum_has_built_up);
     RUN_TEST(test_momentum_hands_out_one_error_over_many_samples_but_no_more_in_all);
     RUN_TEST(test_proportional_path_adds_its_share_to_the_inner_speed_only);
@@ -1140,7 +1139,7 @@ int main(void)
     RUN_TEST(test_errors_saturate_to_14_bits_on_both_sides);
     RUN_TEST(test_states_saturate_to_28_bits_on_both_sides);
     RUN_TEST(test_weight_step_with_momentum_saturates_to_30_bits_on_both_sides);
-    RUN_TEST(test_descent_saturates_to_16_bits_on_both_sides);
+    RUN_TEST(test_gradient_saturates_to_16_bits_on_both_sides);
     RUN_TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights);
     RUN_TEST(test_without_weights_the_state_stays_bit_by_bit_at_any_speed);
     RUN_TEST(test_resistance_makes_the_network_forget_at_the_largest_speed);

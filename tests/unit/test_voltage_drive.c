@@ -71,8 +71,8 @@ static void begin_with_sensor(double angle, double rpm)
 {
     cfg = example_drive_cfg();
     cfg.sampling.sensor_pole_pairs = 2U;
-    cfg.observer.rate = 0;
-    cfg.observer.proportional = 0;
+    cfg.observer.eta = 0;
+    cfg.observer.kappa_p = 0;
     cfg.speed_loop.ramp = 14317; /* 1000 rpm/s: nothing limits the current */
     begin(angle, rpm);
 }
