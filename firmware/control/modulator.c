@@ -63,9 +63,9 @@ static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
     return cfg->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
 }
 
-/* The duty that compensates a leg. span: largest less smallest ratio. */
-static int32_t give_back(const modulator_cfg_t *cfg, int32_t loss, int32_t span, int32_t ratio,
-                         int32_t current)
+/* The duty that compensates the loss of a leg. span: largest less smallest ratio. */
+static int32_t leg_compensation(const modulator_cfg_t *cfg, int32_t loss, int32_t span,
+                                int32_t ratio, int32_t current)
 {
     const int32_t u = fx_sat16(ratio);
     const int32_t crossing = fx_usat15(span - (9 * fx_asr(u * u, 15U)));
@@ -90,9 +90,9 @@ void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t 
         const abc_t i = phases(*current);
         const int32_t span = highest - lowest;
 
-        duty.a += give_back(cfg, loss, span, u.a, i.a);
-        duty.b += give_back(cfg, loss, span, u.b, i.b);
-        duty.c += give_back(cfg, loss, span, u.c, i.c);
+        duty.a += leg_compensation(cfg, loss, span, u.a, i.a);
+        duty.b += leg_compensation(cfg, loss, span, u.b, i.b);
+        duty.c += leg_compensation(cfg, loss, span, u.c, i.c);
     }
     out->phase[0] = counts(duty.a, timer);
     out->phase[1] = counts(duty.b, timer);

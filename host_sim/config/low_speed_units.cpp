@@ -52,7 +52,7 @@ constexpr uint32_t ATTEMPTS = 5;
 // What supervision allows an imposed current, in units of 1/ω_n of its swing: the turning point can hold a phase at zero
 // for 1.4, and the leg's dead time keeps it there, for 3 as measured; what lasts twice as long is no swing.
 // The current control adds at most this much to R·i and the EMF: for the winding's R at 100 K more than cold, and for a
-// dead time of 2 % of the period that nobody gives back. A rotor that is pulled in can take more for half a swing.
+// dead time of 2 % of the period that nobody compensates. A rotor that is pulled in can take more for half a swing.
 constexpr double UNLIKE_SWING = 6;
 constexpr double VOLTAGE_RESISTANCE_SHARE = 0.4;
 constexpr double VOLTAGE_BUS_SHARE = 0.03;

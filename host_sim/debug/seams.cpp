@@ -219,8 +219,8 @@ Vector integrals(const current_loop_t &loop)
     return Vector(loop.pi_d.integral_q26, loop.pi_q.integral_q26) * (si.bases.voltage_v / Q26);
 }
 
-// Of what is given back, in LSB; drop and product rounded down. Never more than the whole of it, in either direction.
-double give_back_roundings(const modulator_cfg_t &cfg, const Vector &ratio, double loss)
+// Of the dead-time compensation, LSB; drop and product rounded down. Never more than the whole of it, in either direction.
+double compensation_roundings(const modulator_cfg_t &cfg, const Vector &ratio, double loss)
 {
     const double crossing = 2 * PHASE_LSB + 9 * (2 * ratio.norm() * PHASE_LSB + 1);
     const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
@@ -421,8 +421,8 @@ decltype(modulator_compare) *seam_modulator_compare = [](auto mod, auto cfg, aut
         const twin::Modulator::Losses losses = {cfg->dead_time_q15 / Q15, si.voltage(cfg->drop_q15),
                                                 si.current(cfg->ripple_q15),
                                                 cfg->edge_slope / si.bases.current_a};
-        exact += twin::Modulator::give_back(losses, share * bus_v, bus_v, current(*i));
-        lsb += give_back_roundings(*cfg, share, losses.dead_time_share + losses.drop_v / bus_v);
+        exact += twin::Modulator::compensation(losses, share * bus_v, bus_v, current(*i));
+        lsb += compensation_roundings(*cfg, share, losses.dead_time_share + losses.drop_v / bus_v);
     }
     CALL(modulator_compare)(mod, cfg, ratio, i, out);
     const auto duty = [&](int leg, const char *name) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-// Space-vector modulator: phase duties for a voltage on a bus, both in V, and what dead time and drop take from
-// them given back by the current, in A.
+// Space-vector modulator: phase duties for a voltage on a bus, both in V, and the compensation of dead time and drop by
+// the current, in A.
 #pragma once
 
 #include "twin_transforms.h"
@@ -19,7 +19,7 @@ public:
         double dead_time_share; // of the period
         double drop_v;
         double ripple_a;     // u_bus·T/(12·L), the size of a leg's current ripple
-        double edge_per_amp; // 1 / the current between nothing and all given back
+        double edge_per_amp; // 1 / the current over which the compensation rises to all
     };
 
     // Phase voltages of a vector against the star point.
@@ -38,9 +38,9 @@ public:
         return (share.array() - common + 0.5).cwiseMax(0.0).cwiseMin(1.0);
     }
 
-    // What each leg is given back, not cut: nothing below its ripple r = ripple·(s − 9·u²), all of it a little above.
-    static Eigen::Vector3d give_back(const Losses &losses, const Vector &voltage_v, double bus_v,
-                                     const Vector &current_a)
+    // What each leg is compensated by, not cut: nothing below its ripple r = ripple·(s − 9·u²), all of it a little above.
+    static Eigen::Vector3d compensation(const Losses &losses, const Vector &voltage_v, double bus_v,
+                                        const Vector &current_a)
     {
         const Eigen::Array3d u = phases(voltage_v).array() / bus_v;
         const Eigen::Array3d i = phases(current_a);

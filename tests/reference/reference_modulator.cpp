@@ -118,7 +118,7 @@ static void test_too_long_vectors_are_cut_like_the_twin()
     figure_check("cut duties beside their twin, LSB of Q15", worst, bound, LEAST_SHARE);
 }
 
-// Give-back beside its twin, in LSB of Q15 of the duty. The phases of ratio and current are rounded down, PHASE_LSB.
+// Dead-time compensation beside its twin, LSB of Q15 of the duty. Phases of ratio and current are rounded down, PHASE_LSB.
 //   crossing  s twice the phase, and 9·u²: 2·u, rounded down                    2·1.6 + 9·(2·u·1.6 + 1)
 //   ripple    its own share of that, rounded down                               ripple·crossing + 1
 //   share     the edge's slope times the errors of ripple and of the current
@@ -170,14 +170,14 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
         const Vector volt = Vector(ratio.alpha, ratio.beta) / Q15 * bus_v;
         const Vector ampere(s.current(current.alpha), s.current(current.beta));
         const Eigen::Vector3d exact = nf::twin::Modulator::duties(volt, bus_v) +
-                                      nf::twin::Modulator::give_back(twin, volt, bus_v, ampere);
+                                      nf::twin::Modulator::compensation(twin, volt, bus_v, ampere);
         const Eigen::Vector3d duty =
             Eigen::Vector3d(c.phase[0], c.phase[1], c.phase[2]) / cfg.timer_counts;
 
         TEST_ASSERT_TRUE(exact.maxCoeff() < 1 && exact.minCoeff() > 0);
         worst = std::max(worst, (duty - exact).cwiseAbs().maxCoeff() * Q15);
     }
-    figure_check("duties with the dead time given back beside their twin, LSB of Q15", worst, bound,
+    figure_check("duties with dead-time compensation beside their twin, LSB of Q15", worst, bound,
                  LEAST_SHARE);
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What giving the dead time back does to the drive on the switched plant.
+"""What dead-time compensation does to the drive on the switched plant.
 
 The figures are bounded on both sides: a change that moves one by more than a fifth, for better or worse, has to
 be understood and the table changed with it.
@@ -24,14 +24,14 @@ BUS_V, PERIOD_S, DEAD_TIME_S, DROP_V = 310.0, 1e-4, 2e-6, 1.2
 RESISTANCE_OHM, INDUCTANCE_H, POLE_PAIRS = 2.125, 0.0116, 2
 LOST_V = BUS_V * DEAD_TIME_S / PERIOD_S + DROP_V    # of a leg, against its current
 
-# The share of the lost voltage, rms, that may be left. All is given back but where a leg's current is within its
+# The share of the lost voltage, rms, that may be left. All is compensated but where a leg's current is within its
 # ripple and five counts of the converter: at the least current, of equal parts in d and q, for a fifth of a turn.
 CROSSING_A = BUS_V * PERIOD_S / (12 * INDUCTANCE_H) + 5 * 2 * 20.0 / 4096
 LEAST_A = 0.18 * 7.8 / (1.5 * POLE_PAIRS * 0.387) / math.sqrt(2)
 LEFT = math.sqrt(2 / math.pi * math.asin(CROSSING_A / LEAST_A))     # 0.45
 
 MARGIN = 0.2
-EXPECTED = {    # rpm, N·m, given back: THD in %, ripple of i_q in A rms, largest angle error in °
+EXPECTED = {    # rpm, N·m, compensated: THD in %, ripple of i_q in A rms, largest angle error in °
     (200, 0, True): (3.77, 0.0641, 0.237),
     (200, 1, True): (15.1, 0.248, 1.25),
     (200, 3, True): (2.65, 0.0883, 0.286),

@@ -504,7 +504,7 @@ static void test_nothing_is_given_back_within_the_ripple_and_everything_a_few_co
 }
 
 /*
- * r = ripple·(s − 9·u²) of the leg in the middle, found as the current from which on something is given back.
+ * r = ripple·(s − 9·u²) of the leg in the middle, found as the current from which on something is compensated.
  * s holds three roundings down and 9·u² nine, 12·16384/2^15 = 6; the first LSB of duty that shows takes
  * 2·2^15/(819·781) < 1 of current more, and r is rounded down.
  */

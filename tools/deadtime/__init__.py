@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""What giving the dead time back does to a drive on the switched plant, measured with and without."""
+"""What dead-time compensation does to a drive on the switched plant, measured with and without."""
