@@ -32,11 +32,11 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
 }
 
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int32_t speed, int32_t limit)
+                       dq_t measured, int32_t speed_q15, int32_t limit)
 {
-    const int32_t cross_d = current_loop_cross(speed, cfg->reactance_q_q13, measured.q);
-    const int32_t cross_q = current_loop_cross(speed, cfg->reactance_d_q13, measured.d);
-    const int32_t emf = fx_asr(speed * cfg->emf_q13, CURRENT_LOOP_GAIN_BITS);
+    const int32_t cross_d = current_loop_cross(speed_q15, cfg->reactance_q_q13, measured.q);
+    const int32_t cross_q = current_loop_cross(speed_q15, cfg->reactance_d_q13, measured.d);
+    const int32_t emf = fx_asr(speed_q15 * cfg->emf_q13, CURRENT_LOOP_GAIN_BITS);
     const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
     const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
     const dq_t wanted = {

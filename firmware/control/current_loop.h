@@ -7,7 +7,7 @@
  *     √(v_d² + v_q²) ≤ v_limit
  * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle.
  *
- * Currents Q15 of I_b, voltages Q15 of U_b, speed Q15 of the speed base Ω_b. Pure, total within the
+ * Currents Q15 of I_b, voltages Q15 of U_b, speed_q15: Q15 of the speed base Ω_b. Pure, total within the
  * ranges. Call once a control tick.
  */
 #ifndef CURRENT_LOOP_H
@@ -40,13 +40,13 @@ typedef struct {
 
 /*
  * The voltage that the current of one axis induces in the other axis, Q15 of U_b: speed × reactance × current.
- * |speed| ≤ 32767, reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX; with a
+ * |speed_q15| ≤ 32767, reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX; with a
  * configuration that config_check accepts it does not get there. The current saturates at ±1. Each product is rounded
  * down. Pure, any context.
  */
-static inline int32_t current_loop_cross(int32_t speed, int32_t reactance_q13, int32_t current)
+static inline int32_t current_loop_cross(int32_t speed_q15, int32_t reactance_q13, int32_t current)
 {
-    const int32_t reach = fx_clamp(fx_asr(speed * reactance_q13, CURRENT_LOOP_GAIN_BITS),
+    const int32_t reach = fx_clamp(fx_asr(speed_q15 * reactance_q13, CURRENT_LOOP_GAIN_BITS),
                                    -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX);
 
     return fx_asr(reach * fx_sat16(current), 15U);
@@ -62,11 +62,11 @@ void current_loop_reset(current_loop_t *loop);
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed| ≤ 32767,
+ * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed_q15| ≤ 32767,
  * limit 0…32767. The square root is computed only when the demand is outside of the circle. The q integral is then
  * reduced by what was cut off v_q.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int32_t speed, int32_t limit);
+                       dq_t measured, int32_t speed_q15, int32_t limit);
 
 #endif

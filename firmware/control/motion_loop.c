@@ -52,11 +52,12 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
      */
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t reach = range.upper - middle;
-    const int32_t error = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
+    /* Q15 of 2·Ω_b */
+    const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
 
-    return fx_max(
-        fx_sat15(middle + pi_step(&loop->pi, &cfg->pi, error, feed_forward - middle, reach)),
-        range.lower);
+    return fx_max(fx_sat15(middle + pi_step(&loop->pi, &cfg->pi, half_error_q15,
+                                            feed_forward - middle, reach)),
+                  range.lower);
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

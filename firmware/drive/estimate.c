@@ -67,7 +67,7 @@ void estimate_step(drive_t *drive, bool trained)
     } else {
         nn_observer_follow(&drive->observer, drive->vector.step);
     }
-    s->speed = drive_speed_q15(drive, drive->observer.speed);
+    s->speed_q15 = drive_speed_q15(drive, drive->observer.speed);
 }
 
 static step_t closing_step(const drive_t *drive)

@@ -30,7 +30,7 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
 
     s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
     s->voltage = current_loop_step(&drive->current_loop, frame->loop, s->current_ref,
-                                   frame->current, frame->speed, s->voltage_limit);
+                                   frame->current, frame->speed_q15, s->voltage_limit);
 }
 
 /*

@@ -13,7 +13,7 @@
 typedef struct {
     angle_t angle;                  /* at this instant */
     step_t step;                    /* by which it turns in a tick */
-    int32_t speed;                  /* ω of the decoupling, Q15 of Ω_b */
+    int32_t speed_q15;              /* ω of the decoupling, Q15 of Ω_b */
     dq_t current;                   /* measured, in this frame */
     const current_loop_cfg_t *loop; /* gains and decoupling */
 } frame_t;
@@ -24,7 +24,7 @@ static inline frame_t frame_of_rotor(const drive_t *drive)
     return (frame_t){
         .angle = rotor_position_angle(&drive->position),
         .step = drive->observer.speed_out,
-        .speed = drive->signals.speed,
+        .speed_q15 = drive->signals.speed_q15,
         .current = drive->signals.current,
         .loop = &drive->model.run_loop,
     };
@@ -36,7 +36,7 @@ static inline frame_t frame_of_vector(const drive_t *drive)
     return (frame_t){
         .angle = rotor_position_angle(&drive->vector.position),
         .step = drive->vector.step,
-        .speed = drive_speed_q15(drive, drive->vector.step),
+        .speed_q15 = drive_speed_q15(drive, drive->vector.step),
         .current = drive->signals.current_frame,
         .loop = &drive->model.hold_loop,
     };

@@ -27,14 +27,14 @@ static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 {
     const drive_signals_t *const s = &drive->signals;
     const sincos_t angle = trig_sincos(rotor_position_angle(&drive->vector.position));
-    const int32_t speed = drive_speed_q15(drive, fx_abs(drive->vector.step));
+    const int32_t speed_q15 = drive_speed_q15(drive, fx_abs(drive->vector.step));
     const supervision_imposed_t measured = {
         .a = s->phase_a,
         .b = s->phase_b,
         .expected = transforms_park_inverse(s->current_ref, angle),
         .voltage = {.d = pi_output(&drive->current_loop.pi_d),
                     .q = pi_output(&drive->current_loop.pi_q)},
-        .emf = fx_asr(speed * drive->model.hold_loop.emf_q13, 13U),
+        .emf = fx_asr(speed_q15 * drive->model.hold_loop.emf_q13, 13U),
     };
 
     return supervision_check_imposed(&drive->supervision, &drive->cfg->supervision, &measured,

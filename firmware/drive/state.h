@@ -63,7 +63,7 @@ typedef struct {
     dq_t current;          /* turned with θ̂ */
     dq_t current_frame;    /* turned with the vector's angle, while a current is imposed */
     ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
-    int32_t speed;         /* ω̂, Q15 of Ω_b */
+    int32_t speed_q15;     /* ω̂, Q15 of Ω_b */
     dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
     int32_t voltage_limit; /* radius of the voltage circle, Q15 of U_b */
     dq_t voltage;          /* demand */

@@ -56,13 +56,13 @@ static dq_t modelled_voltage(const drive_t *drive)
 {
     const current_loop_cfg_t *const loop = &drive->model.run_loop;
     const dq_t i = drive->voltage_drive.current_mean;
-    const int32_t speed = drive->signals.speed;
+    const int32_t speed_q15 = drive->signals.speed_q15;
     const dq_t drop = {fx_asr(i.d * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS),
                        fx_asr(i.q * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS)};
 
     return (dq_t){
-        .d = drop.d - current_loop_cross(speed, loop->reactance_q_q13, i.q),
-        .q = drop.q + current_loop_cross(speed, loop->reactance_d_q13, i.d) +
+        .d = drop.d - current_loop_cross(speed_q15, loop->reactance_q_q13, i.q),
+        .q = drop.q + current_loop_cross(speed_q15, loop->reactance_d_q13, i.d) +
              emf(drive, drive->observer.speed),
     };
 }
@@ -89,12 +89,14 @@ static void set_magnitude(drive_t *drive)
     const drive_cfg_t *const cfg = drive->cfg;
     const step_t speed_max = cfg->speed_loop.speed_max;
     const step_t reference = fx_clamp(drive->speed_reference, -speed_max, speed_max);
-    const step_t error = reference - drive->observer.speed;
+    /* Q15 of 2·Ω_b */
+    const int32_t half_error_q15 =
+        fx_sat16(fx_asr(reference - drive->observer.speed, cfg->speed_loop.error_shift));
 
     drive->speed_loop.reference = reference;
-    drive->voltage_drive.magnitude = pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi,
-                                             fx_sat16(fx_asr(error, cfg->speed_loop.error_shift)),
-                                             emf(drive, reference), drive->signals.voltage_limit);
+    drive->voltage_drive.magnitude =
+        pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error_q15,
+                emf(drive, reference), drive->signals.voltage_limit);
 }
 
 /* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ± a quarter. */

@@ -819,7 +819,7 @@ static void assert_everything_in_range(void)
     if (drive.state == DRIVE_STATE_RUN) {
         TEST_ASSERT_TRUE(((s->voltage.d * s->voltage.d) + (s->voltage.q * s->voltage.q)) <=
                          (s->voltage_limit * s->voltage_limit));
-        TEST_ASSERT_TRUE(abs(s->speed) <= 32767);
+        TEST_ASSERT_TRUE(abs(s->speed_q15) <= 32767);
     }
 }
 
@@ -1114,7 +1114,7 @@ static void check_speed_and_demand(void)
         other = speed_loop_step(&unlike, &cfg.speed_loop, before.speed_reference,
                                 drive.observer.speed_out, drive.torque_range);
     }
-    TEST_ASSERT_EQUAL_INT32(speed >> cfg.speed_shift, drive.signals.speed);
+    TEST_ASSERT_EQUAL_INT32(speed >> cfg.speed_shift, drive.signals.speed_q15);
     TEST_ASSERT_EQUAL_INT32(demand, drive.signals.current_ref.q);
     TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.speed_loop.pi.integral_q26);
     telling += (other != demand) ? 1U : 0U;
