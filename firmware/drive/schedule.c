@@ -6,10 +6,10 @@
 #include "open_loop.h"
 #include "run.h"
 
-/* HOLD to RUN: the motion loops run. */
-static bool has_motion_loops(drive_state_t state)
+/* HOLD to HANDOVER: the motion loops move the vector. */
+static bool moves_vector(drive_state_t state)
 {
-    return (state > DRIVE_STATE_ALIGN) && (state < DRIVE_STATE_FAULT);
+    return (state > DRIVE_STATE_ALIGN) && (state < DRIVE_STATE_RUN);
 }
 
 static drive_event_t event_of(fault_id_t id)
@@ -17,22 +17,21 @@ static drive_event_t event_of(fault_id_t id)
     return (id == FAULT_NONE) ? DRIVE_EVENT_NONE : DRIVE_EVENT_FAULT;
 }
 
-static void plan_motion(drive_t *drive, const drive_command_t *command)
+static drive_event_t step_run(drive_t *drive, const drive_command_t *command, slot_t slot)
 {
-    if (drive->state == DRIVE_STATE_RUN) {
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if (slot == SLOT_REFINE) {
+        estimate_refine(drive);
+    } else if (slot == SLOT_PLAN) {
         run_plan(drive, command, &drive->position);
-    } else {
-        open_loop_plan(drive, command);
+    } else { /* SLOT_SPEED */
+        event = run_control_speed(drive, command);
     }
+    return event;
 }
 
-static drive_event_t control_speed(drive_t *drive, const drive_command_t *command, fault_t *fault)
-{
-    return (drive->state == DRIVE_STATE_RUN) ? run_control_speed(drive, command)
-                                             : open_loop_drag(drive, fault);
-}
-
-static drive_event_t step_motion(drive_t *drive, const drive_command_t *command, slot_t slot,
+static drive_event_t step_vector(drive_t *drive, const drive_command_t *command, slot_t slot,
                                  fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
@@ -40,9 +39,24 @@ static drive_event_t step_motion(drive_t *drive, const drive_command_t *command,
     if (slot == SLOT_REFINE) {
         estimate_refine(drive);
     } else if (slot == SLOT_PLAN) {
-        plan_motion(drive, command);
+        open_loop_plan(drive, command);
     } else { /* SLOT_SPEED */
-        event = control_speed(drive, command, fault);
+        event = open_loop_drag(drive, fault);
+    }
+    return event;
+}
+
+static drive_event_t step_motion(drive_t *drive, const drive_command_t *command, slot_t slot,
+                                 fault_t *fault)
+{
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if (drive->state == DRIVE_STATE_RUN) {
+        event = step_run(drive, command, slot);
+    } else if (moves_vector(drive->state)) {
+        event = step_vector(drive, command, slot, fault);
+    } else {
+        /* ALIGN moves the vector by itself */
     }
     return event;
 }
@@ -63,7 +77,7 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, b
         monitor_limits(drive);
         break;
     default: /* REFINE, PLAN, SPEED */
-        if (moving && has_motion_loops(drive->state)) {
+        if (moving) {
             event = step_motion(drive, &in->command, slot, fault);
         }
         break;

@@ -174,6 +174,22 @@ static void test_a_start_moves_nothing_in_its_own_tick(void)
     }
 }
 
+static void test_no_slot_moves_a_drive_without_a_motion_loop(void)
+{
+    static const drive_state_t states[] = {DRIVE_STATE_READY, DRIVE_STATE_ALIGN, DRIVE_STATE_FAULT};
+
+    in.command.target = cfg.speed_loop.speed_max;
+    for (uint32_t k = 0U; k < (sizeof states / sizeof states[0]); k++) {
+        enter(states[k]);
+        slot(SLOT_REFINE);
+        slot(SLOT_PLAN);
+        slot(SLOT_SPEED);
+        TEST_ASSERT_EQUAL(states[k], drive.state);
+        TEST_ASSERT_EQUAL_INT32(0, drive.speed_reference);
+        TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
+    }
+}
+
 /* ---- the imposed current ---- */
 
 static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
@@ -648,6 +664,7 @@ int main(void)
     RUN_TEST(test_a_reset_is_at_rest_at_angle_0);
     RUN_TEST(test_a_run_begins_with_nothing_counted);
     RUN_TEST(test_a_start_moves_nothing_in_its_own_tick);
+    RUN_TEST(test_no_slot_moves_a_drive_without_a_motion_loop);
     RUN_TEST(test_derating_holds_for_an_imposed_current_too);
     RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
     RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
