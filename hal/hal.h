@@ -62,8 +62,8 @@ bool hal_send(hal_t *hal, uint8_t byte);
 
 /* What only the binding knows of its work. It decides nothing: it is shown to a person. */
 typedef struct {
-    uint16_t
-        adc_ic; /* the third phase, as adc_ia. A board that does not measure it: 3 · half scale − adc_ia − adc_ib */
+    /* the third phase, as adc_ia. A board that does not measure it: 3 · half scale − adc_ia − adc_ib */
+    uint16_t adc_ic;
     uint32_t late_ticks; /* that ended too late, since the start */
     uint32_t load_pct;   /* the longest tick that did not, of a PWM period; 0: not measured */
     bool tick_lost;      /* the control interrupt stays away, and will not come again */
