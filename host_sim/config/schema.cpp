@@ -157,6 +157,7 @@ const std::vector<Field> FIELDS = {
     {"plant", "adc_noise_lsb", "LSB", 0, 1000, OPTIONAL, plant<&P::adc_noise_lsb>, "Gaussian noise of the current sensors, rms"},
     {"plant", "adc_offset_lsb", "LSB", -10000, 10000, OPTIONAL, plant<&P::adc_offset_lsb>, "offset of the current sensors a, b before calibration"},
     {"plant", "adc_gain_error_pct", "%", -50, 50, OPTIONAL, plant<&P::adc_gain_error_pct>, "gain error of the current sensors a, b"},
+    {"plant", "sensor_bandwidth_hz", "Hz", 0, 1e6, OPTIONAL, plant<&P::sensor_bandwidth_hz>, "corner of the current sensors' first-order low pass; 0: none"},
     {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
 
     {"scenario", "title", "", 1, NAME_MAX, NEEDED, scenario<&S::title>, "one line for reports"},

@@ -147,6 +147,7 @@ struct PlantSettings {
     double adc_noise_lsb = 0;             // rms
     std::array<double, 2> adc_offset_lsb = {0, 0};
     std::array<double, 2> adc_gain_error_pct = {0, 0};
+    double sensor_bandwidth_hz = 0; // of the low pass before the converter; 0: none
     int angle_counts = 0; // of the angle sensor in a turn of the shaft; 0: as fine as the frame
 };
 

@@ -9,6 +9,10 @@
 /* Halvings of a segment in which the comparators trip. */
 #define TRIP_HALVINGS 20
 
+/* The low pass of the sensors takes the current for a straight line between two instants. With the motor's rate times
+ * the time between them at most this the current leaves the line by less than its square / 8 = 3e-4 of its scale. */
+#define FOLLOWED_STEP 0.05
+
 static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
 {
     const double lowest_v = cfg->voltage_v * (1.0 - cfg->ripple_fraction);
@@ -198,8 +202,8 @@ static void end_run(plant_t *plant, unsigned pending, const plant_interval_t run
 
 /* Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has taken
  * from the capacitor, if there is one, to *charge_c. */
-static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned count,
-                         const plant_segment_t segments[], double *charge_c)
+static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned count,
+                       const plant_segment_t segments[], double *charge_c)
 {
     double *const meter = has_capacitor(plant) ? charge_c : NULL;
     plant_interval_t run[PLANT_SEGMENTS_MAX];
@@ -221,6 +225,55 @@ static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned co
     end_run(plant, pending, run);
 }
 
+/* One segment in parts, so short that the sensors can follow from one end to the other. */
+static void run_followed(plant_t *plant, const plant_rails_t *rails, const plant_segment_t *segment,
+                         double *charge_c)
+{
+    const double effort = segment->duration_s * plant_motor_rate(&plant->motor) / FOLLOWED_STEP;
+    const unsigned parts = (unsigned)fmax(ceil(effort), 1.0);
+    plant_segment_t part = *segment;
+    double from[PLANT_LEGS];
+    double to[PLANT_LEGS];
+    part.duration_s = segment->duration_s / (double)parts;
+    plant_bridge_phases(plant_motor_current(&plant->motor), to);
+    for (unsigned k = 0; k < parts; k++) {
+        memcpy(from, to, sizeof from);
+        run_unseen(plant, rails, 1, &part, charge_c);
+        plant_bridge_phases(plant_motor_current(&plant->motor), to);
+        plant_sensors_follow(&plant->sensors, part.duration_s, from, to);
+    }
+}
+
+static void run_segments(plant_t *plant, const plant_rails_t *rails, unsigned count,
+                         const plant_segment_t segments[], double *charge_c)
+{
+    if (!plant_sensors_lag(&plant->sensors)) {
+        run_unseen(plant, rails, count, segments, charge_c);
+        return;
+    }
+    for (unsigned k = 0; k < count; k++) {
+        run_followed(plant, rails, &segments[k], charge_c);
+    }
+}
+
+/* What a segment changes. */
+typedef struct {
+    plant_motor_state_t motor;
+    double seen_a[2];
+} instant_t;
+
+static instant_t keep(const plant_t *plant)
+{
+    const double *const seen_a = plant->sensors.seen_a;
+    return (instant_t){plant->motor.now, {seen_a[0], seen_a[1]}};
+}
+
+static void go_back(plant_t *plant, const instant_t *to)
+{
+    plant->motor.now = to->motor;
+    memcpy(plant->sensors.seen_a, to->seen_a, sizeof to->seen_a);
+}
+
 static bool is_beyond_trip(const plant_t *plant)
 {
     double current[PLANT_LEGS];
@@ -228,9 +281,9 @@ static bool is_beyond_trip(const plant_t *plant)
     return fmax(fabs(current[0]), fmax(fabs(current[1]), fabs(current[2]))) > plant->trip_a;
 }
 
-/* The comparators trip within a segment that begins with the motor like this: the plant goes to the
- * instant at which they do. Returns the time from the beginning. */
-static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const plant_motor_t *from,
+/* The comparators trip within a segment that begins like this: the plant goes to the instant at which they
+ * do. Returns the time from the beginning. */
+static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const instant_t *from,
                           const plant_segment_t *segment, double *charge_c)
 {
     plant_segment_t part = *segment;
@@ -239,7 +292,7 @@ static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const plan
     for (int k = 0; k < TRIP_HALVINGS; k++) {
         double unused_c = 0.0;
         part.duration_s = 0.5 * (early_s + late_s);
-        plant->motor = *from;
+        go_back(plant, from);
         run_segments(plant, rails, 1, &part, &unused_c);
         if (is_beyond_trip(plant)) {
             late_s = part.duration_s;
@@ -248,7 +301,7 @@ static double run_to_trip(plant_t *plant, const plant_rails_t *rails, const plan
         }
     }
     part.duration_s = late_s;
-    plant->motor = *from;
+    go_back(plant, from);
     run_segments(plant, rails, 1, &part, charge_c);
     return late_s;
 }
@@ -260,7 +313,7 @@ static void run_watched(plant_t *plant, const plant_rails_t *rails, const plant_
     plant_segment_t open = {plant->inverter.period_s, 0, 0};
     for (unsigned k = 0; k < pattern->count && plant->gates_on; k++) {
         const plant_segment_t *segment = &pattern->segment[k];
-        const plant_motor_t before = plant->motor;
+        const instant_t before = keep(plant);
         double segment_c = 0.0;
         run_segments(plant, rails, 1, segment, &segment_c);
         if (is_beyond_trip(plant)) {

@@ -21,7 +21,7 @@
  * Comparators: at the instant at which a phase current exceeds trip_a in either direction all six switches open, as
  * by a timer's break input, and stay so until somebody enables them again; the plant remembers that it tripped until
  * it is asked. The instant is that of the first segment between two switchings at whose end the current is beyond,
- * bisected to 2^-20 of the segment; a peak within one segment goes unseen.
+ * bisected to 2^-20 of the segment; a peak within one segment goes unseen. They have no low pass.
  *
  * A plant is one plain struct without pointers: assigning it is a snapshot, and the copy goes on
  * exactly as the original does. Nothing depends on global state or on the machine's libm (only
@@ -29,7 +29,7 @@
  * bytes. Compile without floating-point contraction for that to hold between machines.
  *
  * Not modelled: thermal drift, saturation of the iron, iron loss, switching transients other than
- * the dead time, bandwidth and delay of the sensors, ripple of the bus within a period.
+ * the dead time, delay of the sensors, ripple of the bus within a period.
  */
 #ifndef PLANT_PLANT_H
 #define PLANT_PLANT_H

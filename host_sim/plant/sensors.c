@@ -2,6 +2,7 @@
 #include "sensors.h"
 
 #include "check.h"
+#include "decay.h"
 #include "rotation.h"
 
 #include <math.h>
@@ -32,6 +33,7 @@ static const char *sensors_bad_field(const plant_sensor_cfg_t *cfg)
         {"sensor.offset_lsb[1]", isfinite(cfg->offset_lsb[1])},
         {"sensor.gain_error[0]", plant_is_positive(1.0 + cfg->gain_error[0])},
         {"sensor.gain_error[1]", plant_is_positive(1.0 + cfg->gain_error[1])},
+        {"sensor.current_bandwidth_hz", plant_is_not_negative(cfg->current_bandwidth_hz)},
         {"sensor.temperature", is_a_line(cfg)},
         {"sensor.angle_counts", cfg->angle_counts <= ANGLE_COUNTS_MAX},
     };
@@ -59,6 +61,9 @@ bool plant_sensors_init(plant_sensors_t *sensors, const plant_sensor_cfg_t *cfg,
     }
     sensors->angle_counts = (double)(cfg->angle_counts > 0U ? cfg->angle_counts : ANGLE_COUNTS_MAX);
     sensors->noise_lsb_rms = cfg->noise_lsb_rms;
+    sensors->lag_rate = PLANT_TWO_PI * cfg->current_bandwidth_hz;
+    sensors->seen_a[0] = 0.0;
+    sensors->seen_a[1] = 0.0;
     plant_random_init(&sensors->random, cfg->seed);
     return true;
 }
@@ -99,11 +104,31 @@ uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_r
     return (uint16_t)((uint32_t)told % ANGLE_COUNTS_MAX);
 }
 
+/* y' = rate (u - y) with u from from_a to to_a along a line: y = e y + (1 - e) from + (1 - m) (to - from), with
+ * e = exp(-rate t) and its mean m over the time. */
+void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const double from_a[2],
+                          const double to_a[2])
+{
+    const double way = sensors->lag_rate * duration_s;
+    if (!(way > 0.0)) {
+        return;
+    }
+    const double kept = plant_decay(way);
+    const double rise = 1.0 - (1.0 - kept) / way;
+    for (int phase = 0; phase < 2; phase++) {
+        sensors->seen_a[phase] = kept * sensors->seen_a[phase] + (1.0 - kept) * from_a[phase] +
+                                 rise * (to_a[phase] - from_a[phase]);
+    }
+}
+
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc)
 {
-    double counts_a = i_a * sensors->current_gain[0] + sensors->current_zero[0];
-    double counts_b = i_b * sensors->current_gain[1] + sensors->current_zero[1];
+    const bool lag = plant_sensors_lag(sensors);
+    const double seen_a = lag ? sensors->seen_a[0] : i_a;
+    const double seen_b = lag ? sensors->seen_a[1] : i_b;
+    double counts_a = seen_a * sensors->current_gain[0] + sensors->current_zero[0];
+    double counts_b = seen_b * sensors->current_gain[1] + sensors->current_zero[1];
     double counts_bus = bus_v * sensors->bus_gain;
     if (sensors->noise_lsb_rms > 0.0) {
         counts_a += sensors->noise_lsb_rms * plant_random_gaussian(&sensors->random);

@@ -8,11 +8,13 @@
  * Bus channel:      lsb = bus_full_scale_v / 2^bits,         zero = 0, no gain error, no offset.
  * Temperature:      linear from each of its points to the next, and on beyond the ends, no noise: it is slow
  *                   and filtered.
+ * Bandwidth:        a first-order low pass in front of each current channel, corner current_bandwidth_hz. Between two
+ *                   instants the current runs straight, for which plant_sensors_follow is exact.
  * Angle:            the shaft's, 2^16 to a turn, in steps of 1 / angle_counts of a turn; no offset.
  * Full scale is the reference of the converter, one LSB above its largest count: what the firmware's
  * bases take it for, which turn counts into per unit by a shift.
  * Rounding is to nearest, halves upwards. Both saturate at the ends of the range.
- * Conversion is instantaneous: both currents, the bus and the angle are taken at the same instant.
+ * The conversion takes no time: both currents, the bus and the angle are taken at the same instant.
  */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H
@@ -41,6 +43,7 @@ typedef struct {
     double noise_lsb_rms;        /* LSB, >= 0, currents and bus; 0 switches the source off */
     double offset_lsb[2];        /* LSB, phases a and b, finite */
     double gain_error[2];        /* fraction, phases a and b, > -1; 0.01 reads 1 % too high */
+    double current_bandwidth_hz; /* Hz, >= 0, of the current sensors; 0: without a low pass */
     plant_sensor_point_t temperature[PLANT_SENSOR_POINTS_MAX];
     unsigned temperature_points; /* of them in use, 2 ... 16; 0: no sensor, reads 0 */
     unsigned
@@ -66,6 +69,8 @@ typedef struct {
     double count_max;
     double angle_counts; /* in a turn */
     double noise_lsb_rms;
+    double lag_rate;  /* 1/s, of the low pass; 0: none */
+    double seen_a[2]; /* behind the low pass, A */
     plant_random_t random;
     uint16_t temperature; /* what its channel converts to */
 } plant_sensors_t;
@@ -80,8 +85,18 @@ void plant_sensors_set_temperature(plant_sensors_t *sensors, double temperature_
 /* What the angle sensor tells of a shaft at an angle, rad, multi-turn. */
 uint16_t plant_sensors_angle(const plant_sensors_t *sensors, double angle_mech_rad);
 
-/* One conversion of both currents [A], the bus [V] and the temperature. With noise it draws three
- * deviates. */
+/* Whether the current sensors have a low pass. Without one nothing has to be followed. */
+static inline bool plant_sensors_lag(const plant_sensors_t *sensors)
+{
+    return sensors->lag_rate > 0.0;
+}
+
+/* Both currents, A, have gone from one pair of values to another in a time: the low passes follow. */
+void plant_sensors_follow(plant_sensors_t *sensors, double duration_s, const double from_a[2],
+                          const double to_a[2]);
+
+/* One conversion of both currents [A], the bus [V] and the temperature. With a low pass the currents are those behind
+ * it, not the arguments. With noise it draws three deviates. */
 void plant_sensors_convert(plant_sensors_t *sensors, double i_a, double i_b, double bus_v,
                            plant_adc_t *adc);
 

@@ -43,6 +43,7 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     cfg.current_full_scale_a = board.current_full_scale_a;
     cfg.bus_full_scale_v = board.bus_full_scale_v;
     cfg.noise_lsb_rms = real.adc_noise_lsb;
+    cfg.current_bandwidth_hz = real.sensor_bandwidth_hz;
     for (std::size_t phase = 0; phase < real.adc_offset_lsb.size(); phase++) {
         cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
         cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;

@@ -62,7 +62,7 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "plant.coulomb_friction_nm, plant.dead_time_s, plant.device_drop_v, "
          "plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "
          "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "
-         "plant.adc_gain_error_pct, plant.angle_counts"},
+         "plant.adc_gain_error_pct, plant.sensor_bandwidth_hz, plant.angle_counts"},
         {"motors/m.toml", "[motor]", "xyz = 1\n[motor]",
          "motors/m.toml:1: xyz = 1: unknown key; allowed: motor"},
     };

@@ -318,6 +318,68 @@ static void test_sample_reads_the_present_currents_and_bus(void)
     TEST_ASSERT_EQUAL_UINT16(floor(BUS_V * 4096.0 / 400.0 + 0.5), adc.bus);
 }
 
+/* A magnet that turns in shorted windings at the corner of the sensors: what they show is behind by 45 degrees and
+ * smaller by 1/sqrt(2). */
+static void test_sensors_lag_behind_the_current_of_the_plant(void)
+{
+    plant_cfg_t cfg = drive_cfg();
+    const double corner_hz = 60.0;
+
+    cfg.motor.coulomb_friction_nm = 0.0;
+    cfg.motor.inertia_kg_m2 = 1.0e9;
+    cfg.motor.initial_speed_mech_rad_s = 2.0 * PLANT_PI * corner_hz / 2.0;
+    cfg.inverter.dead_time_s = 0.0;
+    cfg.supply.device_drop_v = 0.0;
+    cfg.sensor.current_bandwidth_hz = corner_hz;
+    start(&cfg);
+    write_compare(0, 0, 0);
+    for (int k = 0; k < 2000; k++) { /* 75 time constants of the sensors, 36 of the winding */
+        plant_step(&plant);
+    }
+    look();
+    const double beta = (view.i_abc_a[1] - view.i_abc_a[2]) / sqrt(3.0);
+    const double length = hypot(view.i_abc_a[0], beta);
+    const double angle = atan2(beta, view.i_abc_a[0]) - 0.25 * PLANT_PI;
+    const double seen = sqrt(0.5) * length;
+    /* A straight line over a part whose turn is below FOLLOWED_STEP: its square / 12. */
+    const double tolerance = 0.05 * 0.05 / 12.0 * length;
+    TEST_ASSERT_TRUE(length > 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, seen * cos(angle), plant.sensors.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, seen * cos(angle - 2.0 * PLANT_PI / 3.0),
+                              plant.sensors.seen_a[1]);
+}
+
+/* What a low pass of time constant tau shows at the end of a ramp. */
+static double after_ramp(double shown, double from, double slope, double time_s, double tau_s)
+{
+    const double kept = exp(-time_s / tau_s);
+
+    return from + slope * time_s - slope * tau_s + (shown - from + slope * tau_s) * kept;
+}
+
+/* The coil's current rises straight to the level of the comparators and falls as fast through the diodes. */
+static void test_sensors_lag_across_a_trip_of_the_comparators(void)
+{
+    plant_cfg_t cfg = COIL;
+    const double slope = 2.0 / 3.0 * BUS_V / INDUCTANCE_H;
+    const double tau_s = 30.0e-6;
+
+    cfg.trip_a = 1.5;
+    cfg.sensor.current_bandwidth_hz = 1.0 / (2.0 * PLANT_PI * tau_s);
+    start(&cfg);
+    write_compare(COUNTS, 0, 0);
+    plant_step(&plant);
+    plant_step(&plant);
+    TEST_ASSERT_TRUE(plant_take_trip(&plant));
+    const double rise_s = 1.5 / slope;
+    const double at_trip = after_ramp(0.0, 0.0, slope, rise_s, tau_s);
+    const double at_end = after_ramp(at_trip, 1.5, -slope, PERIOD_S - rise_s, tau_s);
+    /* The trip is found within 2^-20 of the period. */
+    const double tolerance = 2.0 * 0x1p-20 * PERIOD_S * slope;
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, at_end, plant.sensors.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, -0.5 * at_end, plant.sensors.seen_a[1]);
+}
+
 static void test_view_is_consistent(void)
 {
     const plant_cfg_t cfg = drive_cfg();
@@ -474,6 +536,8 @@ int main(void)
     RUN_TEST(test_bus_ripples_as_a_sine_of_time);
     RUN_TEST(test_the_bus_in_the_middle_of_a_period_makes_its_voltage);
     RUN_TEST(test_sample_reads_the_present_currents_and_bus);
+    RUN_TEST(test_sensors_lag_behind_the_current_of_the_plant);
+    RUN_TEST(test_sensors_lag_across_a_trip_of_the_comparators);
     RUN_TEST(test_view_is_consistent);
     RUN_TEST(test_two_runs_give_the_same_bytes);
     RUN_TEST(test_another_seed_gives_another_run);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Simulated conversion: rounding, clipping, offset, gain error and noise. */
+#include "decay.h"
 #include "random.h"
+#include "rotation.h"
 #include "sensors.h"
 #include "unity.h"
 
@@ -9,6 +11,9 @@
 #include <string.h>
 
 #define SAMPLES 100000
+
+/* As decay.h states it. */
+#define DECAY_ERROR 2.0e-13
 
 /* 12 bits over +-20 A: 102.4 counts per ampere. */
 static const plant_sensor_cfg_t CLEAN = {
@@ -198,6 +203,82 @@ static void test_same_seed_repeats_and_another_does_not(void)
     TEST_ASSERT_TRUE(memcmp(run[0], run[2], sizeof run[0]) != 0);
 }
 
+static void start_with_bandwidth(double bandwidth_hz)
+{
+    plant_sensor_cfg_t cfg = CLEAN;
+
+    cfg.current_bandwidth_hz = bandwidth_hz;
+    start(&cfg);
+}
+
+static void test_decay_agrees_with_the_library(void)
+{
+    for (int k = 0; k <= 50000; k++) {
+        const double x = 1.0e-3 * k;
+        TEST_ASSERT_DOUBLE_WITHIN(DECAY_ERROR, exp(-x), plant_decay(x));
+    }
+}
+
+/* A ramp of slope s from rest: the low pass is behind by s tau (1 - e^(-t/tau)), in whatever steps it is followed. */
+static void test_low_pass_lags_behind_a_ramp_by_its_time_constant(void)
+{
+    const double tau_s = 1.0 / (PLANT_TWO_PI * 20.0e3);
+    const double slope_a_s[2] = {1.0e5, -3.0e4};
+    const double whole_s = 30.0e-6;
+
+    for (int parts = 1; parts <= 100; parts *= 10) {
+        start_with_bandwidth(20.0e3);
+        for (int k = 0; k < parts; k++) {
+            const double t0 = whole_s * k / parts;
+            const double t1 = whole_s * (k + 1) / parts;
+            const double from[2] = {slope_a_s[0] * t0, slope_a_s[1] * t0};
+            const double to[2] = {slope_a_s[0] * t1, slope_a_s[1] * t1};
+            plant_sensors_follow(&sensors, t1 - t0, from, to);
+        }
+        for (int phase = 0; phase < 2; phase++) {
+            const double lag_a = slope_a_s[phase] * tau_s * -expm1(-whole_s / tau_s);
+            const double end_a = slope_a_s[phase] * whole_s;
+            /* Each part's error of the decay is divided by its length over tau. */
+            const double tolerance = 3.0 * DECAY_ERROR * parts * parts * tau_s / whole_s;
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance * fabs(end_a), end_a - lag_a,
+                                      sensors.seen_a[phase]);
+        }
+    }
+}
+
+/* At the corner the gain is 1/sqrt(2) and the lag 45 degrees. */
+static void test_low_pass_halves_the_power_at_its_corner(void)
+{
+    const double hz = 5.0e3;
+    const double h = 1.0e-7; /* lines instead of arcs: (2 pi hz h)^2 / 12 = 8e-7 */
+
+    start_with_bandwidth(hz);
+    for (int k = 0; k < 10000; k++) { /* 31 time constants */
+        const double before = PLANT_TWO_PI * hz * h * k;
+        const double after = PLANT_TWO_PI * hz * h * (k + 1);
+        const double from[2] = {cos(before), sin(before)};
+        const double to[2] = {cos(after), sin(after)};
+        plant_sensors_follow(&sensors, h, from, to);
+    }
+    const double angle = PLANT_TWO_PI * hz * h * 10000 - 0.25 * PLANT_PI;
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, sqrt(0.5) * cos(angle), sensors.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, sqrt(0.5) * sin(angle), sensors.seen_a[1]);
+}
+
+static void test_conversion_takes_what_the_low_pass_shows(void)
+{
+    const double from[2] = {0.0, 0.0};
+    const double to[2] = {10.0, -10.0};
+    const double never[2] = {5.0, 5.0};
+
+    start_with_bandwidth(1.0e3);
+    plant_sensors_follow(&sensors, 1.0, to, to);
+    plant_sensors_follow(&sensors, 0.0, from, never);
+    convert(0.0, 0.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2048 + 1024, adc.ia);
+    TEST_ASSERT_EQUAL_UINT16(2048 - 1024, adc.ib);
+}
+
 static void check_rejected(const plant_sensor_cfg_t *cfg, const char *field)
 {
     const char *bad = NULL;
@@ -298,6 +379,9 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg.noise_lsb_rms = -1.0;
     check_rejected(&cfg, "sensor.noise_lsb_rms");
     cfg = CLEAN;
+    cfg.current_bandwidth_hz = -1.0;
+    check_rejected(&cfg, "sensor.current_bandwidth_hz");
+    cfg = CLEAN;
     cfg.gain_error[1] = -1.0;
     check_rejected(&cfg, "sensor.gain_error[1]");
     cfg = CLEAN;
@@ -333,6 +417,10 @@ int main(void)
     RUN_TEST(test_without_noise_the_generator_stands_still);
     RUN_TEST(test_deviates_are_bell_shaped);
     RUN_TEST(test_same_seed_repeats_and_another_does_not);
+    RUN_TEST(test_decay_agrees_with_the_library);
+    RUN_TEST(test_low_pass_lags_behind_a_ramp_by_its_time_constant);
+    RUN_TEST(test_low_pass_halves_the_power_at_its_corner);
+    RUN_TEST(test_conversion_takes_what_the_low_pass_shows);
     RUN_TEST(test_temperature_is_linear_between_its_ends_and_clipped_beyond);
     RUN_TEST(test_temperature_may_count_down);
     RUN_TEST(test_a_bent_line_is_linear_from_each_point_to_the_next_and_on_beyond_the_ends);
