@@ -150,6 +150,7 @@ const std::vector<Field> FIELDS = {
     {"plant", "coulomb_friction_nm", "N·m", 0, 1000, OPTIONAL, plant<&P::coulomb_friction_nm>, "constant friction torque"},
     {"plant", "dead_time_s", "s", -1, 1e-5, OPTIONAL, plant<&P::dead_time_s>, "that of the real board; -1: board.dead_time_s"},
     {"plant", "device_drop_v", "V", -1, 10, OPTIONAL, plant<&P::device_drop_v>, "that of the real board; -1: board.device_drop_v"},
+    {"plant", "commutation_knee_a", "A", 0, 100, OPTIONAL, plant<&P::commutation_knee_a>, "current at which a leg loses half of what dead time and drop take, more of it beyond and less below; 0: all or nothing, by the current's sign", WITH_LEG_LOSS},
     {"plant", "bus_ripple_pct", "%", 0, 50, OPTIONAL, plant<&P::bus_ripple_pct>, "peak of the bus ripple, of the nominal voltage"},
     {"plant", "bus_ripple_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::bus_ripple_hz>, "frequency of the bus ripple", WITH_RIPPLE},
     {"plant", "bus_capacitance_f", "F", 0, 1, OPTIONAL, plant<&P::bus_capacitance_f>, "capacitor of the bus behind a rectifier; 0: a stiff bus that takes current back"},

@@ -140,7 +140,8 @@ struct PlantSettings {
     double coulomb_friction_nm = 0;
     double dead_time_s = AS_BOARD;
     double device_drop_v = AS_BOARD;
-    double bus_ripple_pct = 0; // peak, of the nominal bus voltage
+    double commutation_knee_a = 0; // 0: a leg loses all or nothing, as with ideal diodes
+    double bus_ripple_pct = 0;     // peak, of the nominal bus voltage
     double bus_ripple_hz = 300;
     double bus_capacitance_f = 0;         // 0: the bus is the supply, stiff both ways
     double bus_source_resistance_ohm = 0; // between supply and capacitor

@@ -11,7 +11,7 @@
  * third one bisects, for margins that rise first, so the rest is 2^-16 of the step at worst. */
 #define LOCATE_MAX 48
 
-static const plant_vector_t phase_axis[PLANT_LEGS] = {
+const plant_vector_t plant_bridge_axis[PLANT_LEGS] = {
     {1.0, 0.0},
     {-0.5, 0.5 * PLANT_SQRT3},
     {-0.5, -0.5 * PLANT_SQRT3},
@@ -76,7 +76,7 @@ static void resolve_single(const plant_motor_t *motor, const limits_t *limits, i
                            state_t *state)
 {
     const double potential =
-        plant_motor_floating_potential(motor, voltage_without(state, leg), phase_axis[leg]);
+        plant_motor_floating_potential(motor, voltage_without(state, leg), plant_bridge_axis[leg]);
     state->kind = ALL_DRIVEN;
     if (potential > limits->upper[leg]) {
         conduct(state, limits, leg, -1);
@@ -154,7 +154,7 @@ static void step(plant_motor_t *motor, const state_t *state, double step_s)
         plant_motor_step_driven(motor, step_s, voltage_without(state, -1));
     } else if (state->kind == ONE_FLOATS) {
         plant_motor_step_tied(motor, step_s, voltage_without(state, state->floating),
-                              phase_axis[state->floating]);
+                              plant_bridge_axis[state->floating]);
     } else {
         plant_motor_step_open(motor, step_s);
     }
@@ -175,7 +175,7 @@ static double margin(const plant_motor_t *motor, const limits_t *limits, const s
     if (state->kind == ONE_FLOATS) {
         const int floating = state->floating;
         const double potential = plant_motor_floating_potential(
-            motor, voltage_without(state, floating), phase_axis[floating]);
+            motor, voltage_without(state, floating), plant_bridge_axis[floating]);
         least = fmin(potential - limits->lower[floating], limits->upper[floating] - potential);
     }
     double current[PLANT_LEGS];
@@ -246,7 +246,7 @@ static double step_to_event(plant_motor_t *motor, const limits_t *limits, const 
     }
     const double gone_s = locate(motor, &from, limits, state, high, &leg);
     if (leg >= 0) {
-        plant_motor_clear_phase(motor, phase_axis[leg]);
+        plant_motor_clear_phase(motor, plant_bridge_axis[leg]);
     }
     return gone_s;
 }
@@ -298,7 +298,7 @@ void plant_bridge_break(plant_motor_t *motor, uint32_t broken)
     const bool one = (broken & (broken - 1U)) == 0U;
     for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
         if (one && is_in(broken, leg)) {
-            plant_motor_clear_phase(motor, phase_axis[leg]);
+            plant_motor_clear_phase(motor, plant_bridge_axis[leg]);
         }
     }
     if (!one) {

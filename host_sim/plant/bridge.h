@@ -52,9 +52,13 @@ static inline void plant_bridge_phases(plant_vector_t v, double phase[PLANT_LEGS
 typedef struct {
     double bus_v;  /* V, > 0 */
     double drop_v; /* V, >= 0 */
+    double knee_a; /* A, >= 0, for knee.h; 0: ideal diodes, as above */
     uint32_t
         broken; /* mask of the phases whose wire is open; their current must be 0 at the start */
 } plant_rails_t;
+
+/* Unit vectors of the phases. */
+extern const plant_vector_t plant_bridge_axis[PLANT_LEGS];
 
 /*
  * Runs the motor on the bridge for one segment. Adds the charge that flows out of the positive rail to

@@ -39,6 +39,10 @@ extern "C" {
 /* Bound on rate * step, dimensionless. */
 #define PLANT_MOTOR_STEP 0.025
 
+/* Bound on the rate of a source that follows the current. The classical Runge-Kutta method errs by x^5/120 = 2.6e-4 of
+ * what the current is from where the source drives it. */
+#define PLANT_MOTOR_FED_STEP 0.5
+
 typedef struct {
     unsigned pole_pairs;             /* 1 ... 100 */
     double resistance_ohm;           /* Ohm, phase, >= 0 */
@@ -105,6 +109,13 @@ typedef struct {
     plant_vector_t v;
 } plant_interval_t;
 
+/* A terminal voltage of which a part follows the phase currents: constant + follow(what, current). */
+typedef struct {
+    plant_vector_t constant;
+    plant_vector_t (*follow)(const void *what, plant_vector_t current); /* NULL: no such part */
+    const void *what;
+} plant_source_t;
+
 /* Returns false and names the offending field in *bad_field when a value is out of range.
  * Starts without current and without load. */
 bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field);
@@ -148,17 +159,21 @@ void plant_motor_turn(plant_motor_t *motor, double angle_el_rad);
 void plant_motor_wrap(plant_motor_t *motor);
 
 /*
- * The three ways to take one step of step_s seconds, 0 <= step_s * plant_motor_rate(motor) <=
+ * The ways to take one step of step_s seconds, 0 <= step_s * plant_motor_rate(motor) <=
  * about PLANT_MOTOR_STEP:
  * _driven:  terminal voltage v (stationary, V) on all phases.
  * _tied:    the phase along the unit vector axis carries no current and floats; v is the voltage
  *           vector with that terminal's potential taken as zero.
  * _open:    no current at all.
+ * _fed:     as _driven, or with an axis as _tied, with a source; its rate of change, largest |dv/di| over the smallest
+ *           inductance, times step_s at most PLANT_MOTOR_FED_STEP. Fourth order.
  */
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v);
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,
                            plant_vector_t axis);
 void plant_motor_step_open(plant_motor_t *motor, double step_s);
+void plant_motor_step_fed(plant_motor_t *motor, double step_s, const plant_source_t *source,
+                          const plant_vector_t *tied_axis);
 
 /* Potential of the floating terminal of _tied, V, at present. */
 double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t v,

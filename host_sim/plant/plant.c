@@ -3,6 +3,7 @@
 
 #include "bridge.h"
 #include "check.h"
+#include "knee.h"
 
 #include <string.h>
 
@@ -22,6 +23,7 @@ static const char *supply_bad_field(const plant_supply_cfg_t *cfg)
         {"supply.ripple_hz", plant_is_not_negative(cfg->ripple_hz)},
         {"supply.device_drop_v",
          plant_is_not_negative(cfg->device_drop_v) && 2.0 * cfg->device_drop_v < lowest_v},
+        {"supply.commutation_knee_a", plant_is_not_negative(cfg->commutation_knee_a)},
         {"supply.capacitance_f", plant_is_not_negative(cfg->capacitance_f)},
         {"supply.resistance_ohm", plant_is_not_negative(cfg->resistance_ohm)},
     };
@@ -73,6 +75,24 @@ static double fed_bus_v(const plant_t *plant, double duration_s)
     return (plant->bus_v + part * supply_v) / (1.0 + part);
 }
 
+/* Dead times of a period: two of each leg. */
+#define DEAD_TIMES (2.0 * PLANT_LEGS)
+
+/* A knee so much smaller than what a dead time changes the current by is an ideal diode's, and takes so many steps. */
+#define KNEE_STEPS_MAX 1000.0
+
+double plant_least_knee(const plant_cfg_t *cfg)
+{
+    const double period_s = 1.0 / cfg->inverter.pwm_frequency_hz;
+    const double bus_v = cfg->supply.voltage_v * (1.0 + cfg->supply.ripple_fraction);
+    const double drop_v = cfg->supply.device_drop_v;
+    const double open_vs = (0.5 * bus_v + drop_v) * DEAD_TIMES * cfg->inverter.dead_time_s;
+    const double inductance_h = fmin(cfg->motor.inductance_d_h, cfg->motor.inductance_q_h);
+    /* Steps of the slope half / (2 knee): see plant_knee_run. */
+    return 0.5 * (open_vs + drop_v * period_s) / inductance_h /
+           (KNEE_STEPS_MAX * PLANT_MOTOR_FED_STEP);
+}
+
 static void choose_legs(plant_t *plant)
 {
     plant->ideal_legs =
@@ -89,6 +109,11 @@ bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field)
     }
     *bad_field = supply_bad_field(&cfg->supply);
     if (*bad_field != NULL) {
+        return false;
+    }
+    if (cfg->supply.commutation_knee_a > 0.0 &&
+        cfg->supply.commutation_knee_a < plant_least_knee(cfg)) {
+        *bad_field = "supply.commutation_knee_a";
         return false;
     }
     if (!plant_is_not_negative(cfg->trip_a)) {
@@ -200,6 +225,22 @@ static void end_run(plant_t *plant, unsigned pending, const plant_interval_t run
     }
 }
 
+/* With two wires open no current is left to commutate. */
+static bool is_soft(const plant_rails_t *rails)
+{
+    return rails->knee_a > 0.0 && (rails->broken & (rails->broken - 1U)) == 0U;
+}
+
+static void run_bridge(plant_t *plant, const plant_rails_t *rails, const plant_segment_t *segment,
+                       double *meter)
+{
+    if (is_soft(rails)) {
+        plant_knee_run(&plant->motor, segment, rails, meter);
+    } else {
+        plant_bridge_run(&plant->motor, segment, rails, meter);
+    }
+}
+
 /* Ideal segments go to the motor in runs as long as possible. Adds the charge that the bridge has taken
  * from the capacitor, if there is one, to *charge_c. */
 static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned count,
@@ -219,7 +260,7 @@ static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned coun
         } else {
             end_run(plant, pending, run);
             pending = 0;
-            plant_bridge_run(&plant->motor, segment, rails, meter);
+            run_bridge(plant, rails, segment, meter);
         }
     }
     end_run(plant, pending, run);
@@ -327,15 +368,19 @@ static void run_watched(plant_t *plant, const plant_rails_t *rails, const plant_
         *charge_c += segment_c;
     }
     if (!plant->gates_on && open.duration_s > 0.0) {
+        plant_rails_t diodes = *rails;
+        diodes.knee_a = 0.0;
         plant_inverter_forget(&plant->inverter);
-        run_segments(plant, rails, 1, &open, charge_c);
+        run_segments(plant, &diodes, 1, &open, charge_c);
     }
 }
 
 /* One period. Returns the charge that the bridge has taken from the capacitor, if there is one. */
 static double run_pattern(plant_t *plant, const plant_pattern_t *pattern)
 {
-    const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v, plant->broken};
+    const plant_rails_t rails = {acting_bus_v(plant), plant->supply.device_drop_v,
+                                 plant->gates_on ? plant->supply.commutation_knee_a : 0.0,
+                                 plant->broken};
     double charge_c = 0.0;
     if (plant->gates_on && plant->trip_a > 0.0) {
         run_watched(plant, &rails, pattern, &charge_c);

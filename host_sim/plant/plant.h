@@ -51,7 +51,9 @@ typedef struct {
     double ripple_hz;       /* Hz, >= 0 */
     double device_drop_v;   /* V, >= 0, of each conducting switch or diode, independent of current;
                                below half the lowest supply voltage */
-    double capacitance_f;   /* F, >= 0, of the bus; 0: stiff */
+    double
+        commutation_knee_a; /* A, >= 0, of legs that commutate softly while they switch, knee.h; 0: ideal diodes */
+    double capacitance_f;  /* F, >= 0, of the bus; 0: stiff */
     double resistance_ohm; /* Ohm, >= 0, between supply and capacitor; without one it is not used */
 } plant_supply_cfg_t;
 
@@ -100,6 +102,10 @@ typedef struct {
  * false and names the first field out of range in *bad_field ("motor.inertia_kg_m2"), else sets it
  * to NULL. On failure the plant must not be used. */
 bool plant_init(plant_t *plant, const plant_cfg_t *cfg, const char **bad_field);
+
+/* Smallest supply.commutation_knee_a other than 0 of a plant whose other fields are in range, A. It takes a dead time,
+ * or a drop, to be of any use. */
+double plant_least_knee(const plant_cfg_t *cfg);
 
 /* Preloads the compare values, 0 ... timer_counts (duty 0 ... 1), larger ones count as
  * timer_counts. In force after the next plant_step. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "bench.h"
 
+#include "machine.h"
 #include "profile.h"
 #include "scenario.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "sim.h"
 
+#include "machine.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,51 +13,7 @@ namespace nf
 namespace
 {
 
-constexpr double PI = 3.14159265358979323846;
-constexpr double RAD_S_PER_RPM = PI / 30.0;
-constexpr double RAD_PER_DEG = PI / 180.0;
 constexpr double Q16 = 65536.0;
-
-plant_motor_cfg_t make_plant_motor(const Config &config)
-{
-    const MotorSettings &motor = config.motor;
-    const PlantSettings &real = config.plant;
-    plant_motor_cfg_t cfg{};
-    cfg.pole_pairs = static_cast<unsigned>(motor.pole_pairs);
-    cfg.resistance_ohm = motor.resistance_ohm * real.resistance_scale;
-    cfg.inductance_d_h = motor.inductance_d_h * real.inductance_scale;
-    cfg.inductance_q_h = motor.inductance_q_h * real.inductance_scale;
-    cfg.flux_linkage_wb = motor.flux_linkage_wb * real.flux_scale;
-    cfg.inertia_kg_m2 = motor.inertia_kg_m2 * real.inertia_scale;
-    cfg.viscous_friction_nm_s = motor.viscous_friction_nm_s;
-    cfg.coulomb_friction_nm = real.coulomb_friction_nm;
-    cfg.initial_angle_el_rad = config.scenario.initial_angle_el_deg * RAD_PER_DEG;
-    cfg.initial_speed_mech_rad_s = config.scenario.initial_speed_rpm * RAD_S_PER_RPM;
-    return cfg;
-}
-
-plant_sensor_cfg_t make_plant_sensor(const Config &config)
-{
-    const BoardSettings &board = config.board;
-    const PlantSettings &real = config.plant;
-    plant_sensor_cfg_t cfg{};
-    cfg.adc_bits = static_cast<unsigned>(board.adc_bits);
-    cfg.current_full_scale_a = board.current_full_scale_a;
-    cfg.bus_full_scale_v = board.bus_full_scale_v;
-    cfg.noise_lsb_rms = real.adc_noise_lsb;
-    cfg.current_bandwidth_hz = real.sensor_bandwidth_hz;
-    for (std::size_t phase = 0; phase < real.adc_offset_lsb.size(); phase++) {
-        cfg.offset_lsb[phase] = real.adc_offset_lsb[phase];
-        cfg.gain_error[phase] = real.adc_gain_error_pct[phase] / 100.0;
-    }
-    cfg.temperature_points = static_cast<unsigned>(board.temperature_points_c.size());
-    for (std::size_t k = 0; k < board.temperature_points_c.size(); k++) {
-        cfg.temperature[k] = {board.temperature_points_c[k], board.temperature_points_pct[k] / 100};
-    }
-    cfg.angle_counts = static_cast<unsigned>(real.angle_counts);
-    cfg.seed = config.scenario.seed;
-    return cfg;
-}
 
 // A command of the user as the drive's integer; what it cannot hold is as far as it goes.
 int32_t to_target(double value)
@@ -64,24 +22,6 @@ int32_t to_target(double value)
 }
 
 } // namespace
-
-plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
-{
-    plant_cfg_t cfg{};
-    cfg.motor = make_plant_motor(config);
-    cfg.inverter.pwm_frequency_hz = config.board.pwm_frequency_hz;
-    cfg.inverter.timer_counts = static_cast<uint32_t>(drive.modulator.timer_counts);
-    cfg.inverter.dead_time_s = config.plant.dead_time_s;
-    cfg.supply.voltage_v = config.board.bus_nominal_v;
-    cfg.supply.ripple_fraction = config.plant.bus_ripple_pct / 100.0;
-    cfg.supply.ripple_hz = config.plant.bus_ripple_hz;
-    cfg.supply.device_drop_v = config.plant.device_drop_v;
-    cfg.supply.capacitance_f = config.plant.bus_capacitance_f;
-    cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
-    cfg.sensor = make_plant_sensor(config);
-    cfg.trip_a = config.board.trip_a;
-    return cfg;
-}
 
 Simulation::Simulation(const Config &config)
     : cfg_(build(config)), bases_(make_bases(config.motor, config.board))

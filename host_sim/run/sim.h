@@ -17,10 +17,6 @@ extern "C" {
 namespace nf
 {
 
-// The plant of a configuration: the motor file times the scales of [plant], and the board. The timer
-// is the one that the drive's compare values are meant for.
-plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive);
-
 // Where faults get at a simulation.
 struct Seam {
     plant_t &plant;

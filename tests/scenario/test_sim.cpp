@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The coupling of plant, hardware binding and drive, and what a run does with its profiles.
 #include "fault_line.h"
+#include "machine.h"
 #include "profile.h"
 #include "report.h"
 #include "scenario.h"
@@ -73,6 +74,21 @@ void test_plant_scales_apply_to_the_plant_alone()
     TEST_ASSERT_EQUAL_DOUBLE(0.9 * config.motor.flux_linkage_wb, plant.motor.flux_linkage_wb);
     TEST_ASSERT_EQUAL_INT32(unscaled.observer.decay, drive.observer.decay);
     TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
+}
+
+// Half of 155 V for six times 2 µs on 11.6 mH, 1000 steps of 0.5: 1.6·10⁻⁴ A, of which the next 5 % are not offered.
+void test_a_knee_that_cannot_be_followed_is_refused_with_what_can()
+{
+    std::string refusal;
+    try {
+        const nf::Simulation sim(load({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=1e-5"}));
+    } catch (const nf::ConfigError &error) {
+        refusal = error.what();
+    }
+    const std::string expected =
+        "--set: plant.commutation_knee_a = 1e-05: is too small to be followed with this dead time, "
+        "drop and inductance; allowed: 0, or at least 0.00017 A";
+    TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal.c_str());
 }
 
 void test_profile_acts_at_the_nearest_tick()
@@ -203,6 +219,7 @@ int main()
     RUN_TEST(test_compare_values_are_preloaded_and_gates_are_not);
     RUN_TEST(test_drive_reaches_run_on_request_only);
     RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
+    RUN_TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can);
     RUN_TEST(test_profile_acts_at_the_nearest_tick);
     RUN_TEST(test_angle_error_wraps);
     RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT */
+#include "knee.h"
+
+#include <stddef.h>
+
+/* Potential of each leg: middle - half f(i/knee). */
+typedef struct {
+    double middle_v[PLANT_LEGS];
+    double half_v[PLANT_LEGS];
+    double knee_a;
+} legs_t;
+
+static double share_lost(double current_a, double knee_a)
+{
+    const double z = current_a / knee_a;
+    return (fabs(z) <= 1.0) ? 0.5 * z : copysign(1.0 - 0.5 / fabs(z), z);
+}
+
+static bool is_in(uint32_t mask, unsigned leg)
+{
+    return ((mask >> leg) & 1U) != 0U;
+}
+
+static bool is_open(const plant_segment_t *segment, unsigned leg)
+{
+    return !is_in((uint32_t)segment->high | segment->low, leg);
+}
+
+/* Of a leg whose wire is open: nothing. */
+static legs_t legs_of(const plant_segment_t *segment, const plant_rails_t *rails)
+{
+    legs_t legs = {.knee_a = rails->knee_a};
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        if (is_in(rails->broken, leg)) {
+            continue;
+        }
+        const bool open = is_open(segment, leg);
+        const double half_v = 0.5 * rails->bus_v;
+        legs.middle_v[leg] = open ? half_v : (is_in(segment->high, leg) ? rails->bus_v : 0.0);
+        legs.half_v[leg] = open ? half_v + rails->drop_v : rails->drop_v;
+    }
+    return legs;
+}
+
+static plant_vector_t lost(const void *what, plant_vector_t current)
+{
+    const legs_t *legs = what;
+    double v[PLANT_LEGS];
+    plant_bridge_phases(current, v);
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        v[leg] =
+            (legs->half_v[leg] > 0.0) ? -legs->half_v[leg] * share_lost(v[leg], legs->knee_a) : 0.0;
+    }
+    return plant_bridge_clarke(v[0], v[1], v[2]);
+}
+
+/* Current out of the positive rail. */
+static double rail_current(const plant_motor_t *motor, const plant_segment_t *segment,
+                           const plant_rails_t *rails)
+{
+    double current[PLANT_LEGS];
+    plant_bridge_phases(plant_motor_current(motor), current);
+    double sum = 0.0;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        if (is_in(segment->high, leg)) {
+            sum += current[leg];
+        } else if (is_open(segment, leg)) {
+            sum += 0.5 * (1.0 - share_lost(current[leg], rails->knee_a)) * current[leg];
+        }
+    }
+    return sum;
+}
+
+/* Steps in which the motor follows the legs. Their slope is largest at zero current, half / (2 knee), and falls with
+ * the square of the current beyond the knee: what counts is the least that a current can come to by the end. */
+static unsigned steps_for(const plant_motor_t *motor, const legs_t *legs, double bus_v,
+                          double duration_s)
+{
+    const double inverse = fmax(motor->inverse_d, motor->inverse_q);
+    const double emf_v = fabs(motor->now.omega_el_rad_s) * motor->flux_linkage_wb;
+    const double swing_a = (bus_v + emf_v) * inverse * duration_s;
+    double current[PLANT_LEGS];
+    double slope = 0.0;
+    plant_bridge_phases(plant_motor_current(motor), current);
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        const double least = fmax(fabs(current[leg]) - swing_a, legs->knee_a);
+        slope = fmax(slope, 0.5 * legs->half_v[leg] * legs->knee_a / (least * least));
+    }
+    const double by_motor = duration_s * plant_motor_rate(motor) / PLANT_MOTOR_STEP;
+    const double by_legs = duration_s * slope * inverse / PLANT_MOTOR_FED_STEP;
+    return (unsigned)fmax(ceil(fmax(by_motor, by_legs)), 1.0);
+}
+
+/* The axis of the one phase that is broken, NULL if none is. */
+static const plant_vector_t *floating_axis(uint32_t broken)
+{
+    const plant_vector_t *axis = NULL;
+    for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
+        axis = is_in(broken, leg) ? &plant_bridge_axis[leg] : axis;
+    }
+    return axis;
+}
+
+void plant_knee_run(plant_motor_t *motor, const plant_segment_t *segment,
+                    const plant_rails_t *rails, double *charge_c)
+{
+    const legs_t legs = legs_of(segment, rails);
+    const double *const middle = legs.middle_v;
+    const plant_source_t source = {plant_bridge_clarke(middle[0], middle[1], middle[2]), lost,
+                                   &legs};
+    const plant_vector_t *const axis = floating_axis(rails->broken);
+    const unsigned steps = steps_for(motor, &legs, rails->bus_v, segment->duration_s);
+    const double step_s = segment->duration_s / (double)steps;
+    double before_a = (charge_c != NULL) ? rail_current(motor, segment, rails) : 0.0;
+    for (unsigned k = 0; k < steps; k++) {
+        plant_motor_step_fed(motor, step_s, &source, axis);
+        if (charge_c != NULL) {
+            const double after_a = rail_current(motor, segment, rails);
+            *charge_c += 0.5 * step_s * (before_a + after_a);
+            before_a = after_a;
+        }
+    }
+}
