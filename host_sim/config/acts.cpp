@@ -59,6 +59,11 @@ bool has_ripple(const Config &config)
     return config.plant.bus_ripple_pct > 0;
 }
 
+bool has_cogging(const Config &config)
+{
+    return config.plant.cogging_pct > 0;
+}
+
 bool has_leg_loss(const Config &config)
 {
     return config.plant.dead_time_s > 0 || config.plant.device_drop_v > 0;

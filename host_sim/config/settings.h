@@ -138,6 +138,10 @@ struct PlantSettings {
     double flux_scale = 1;
     double inertia_scale = 1;
     double coulomb_friction_nm = 0;
+    double emf_5th_pct = 0; // of the fundamental
+    double emf_7th_pct = 0;
+    double cogging_pct = 0; // peak, of rated torque
+    int cogging_order = 0;  // periods in a turn of the shaft; 0: six in an electrical one
     double dead_time_s = AS_BOARD;
     double device_drop_v = AS_BOARD;
     double commutation_knee_a = 0; // 0: a leg loses all or nothing, as with ideal diodes

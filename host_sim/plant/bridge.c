@@ -275,7 +275,7 @@ void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment,
     double left_s = segment->duration_s;
     for (int event = 0; left_s > 0.0; event++) {
         const double effort = left_s * plant_motor_rate(motor);
-        const double steps = (effort > PLANT_MOTOR_STEP) ? ceil(effort / PLANT_MOTOR_STEP) : 1.0;
+        const double steps = (effort > motor->step_bound) ? ceil(effort / motor->step_bound) : 1.0;
         double step_s = (steps > 1.0) ? left_s / steps : left_s;
         state_t state = {0};
         resolve(motor, &limits, &state);

@@ -71,10 +71,10 @@ static double rail_current(const plant_motor_t *motor, const plant_segment_t *se
     return sum;
 }
 
-/* Steps in which the motor follows the legs. Their slope is largest at zero current, half / (2 knee), and falls with
- * the square of the current beyond the knee: what counts is the least that a current can come to by the end. */
-static unsigned steps_for(const plant_motor_t *motor, const legs_t *legs, double bus_v,
-                          double duration_s)
+/* At most so fast does the motor follow the legs, 1/s. Their slope is largest at zero current, half / (2 knee), and falls
+ * with the square of the current beyond the knee: what counts is the least that a current can come to by the end. */
+static double rate_of(const plant_motor_t *motor, const legs_t *legs, double bus_v,
+                      double duration_s)
 {
     const double inverse = fmax(motor->inverse_d, motor->inverse_q);
     const double emf_v = fabs(motor->now.omega_el_rad_s) * motor->flux_linkage_wb;
@@ -86,8 +86,13 @@ static unsigned steps_for(const plant_motor_t *motor, const legs_t *legs, double
         const double least = fmax(fabs(current[leg]) - swing_a, legs->knee_a);
         slope = fmax(slope, 0.5 * legs->half_v[leg] * legs->knee_a / (least * least));
     }
-    const double by_motor = duration_s * plant_motor_rate(motor) / PLANT_MOTOR_STEP;
-    const double by_legs = duration_s * slope * inverse / PLANT_MOTOR_FED_STEP;
+    return slope * inverse;
+}
+
+static unsigned steps_for(const plant_motor_t *motor, double rate, double duration_s)
+{
+    const double by_motor = duration_s * plant_motor_rate(motor) / motor->step_bound;
+    const double by_legs = duration_s * rate / PLANT_MOTOR_FED_STEP;
     return (unsigned)fmax(ceil(fmax(by_motor, by_legs)), 1.0);
 }
 
@@ -106,10 +111,14 @@ void plant_knee_run(plant_motor_t *motor, const plant_segment_t *segment,
 {
     const legs_t legs = legs_of(segment, rails);
     const double *const middle = legs.middle_v;
-    const plant_source_t source = {plant_bridge_clarke(middle[0], middle[1], middle[2]), lost,
-                                   &legs};
+    const plant_source_t source = {
+        .constant = plant_bridge_clarke(middle[0], middle[1], middle[2]),
+        .rate = rate_of(motor, &legs, rails->bus_v, segment->duration_s),
+        .follow = lost,
+        .what = &legs,
+    };
     const plant_vector_t *const axis = floating_axis(rails->broken);
-    const unsigned steps = steps_for(motor, &legs, rails->bus_v, segment->duration_s);
+    const unsigned steps = steps_for(motor, source.rate, segment->duration_s);
     const double step_s = segment->duration_s / (double)steps;
     double before_a = (charge_c != NULL) ? rail_current(motor, segment, rails) : 0.0;
     for (unsigned k = 0; k < steps; k++) {

@@ -4,8 +4,17 @@
 #include "check.h"
 #include "motor_inside.h"
 
+#include <stddef.h>
+
 #define POLE_PAIRS_MAX 100U
 #define ANGLE_MAX_RAD 1.0e6
+#define HARMONIC_MAX 0.5
+#define COGGING_ORDER_MAX 1000U
+
+/* rate * step of a real motor. The method is of the fourth order: x^5/120 = 8e-8 of what changes at the rate in a step.
+ * Twice as much for sines of the angle, which are an effect of some percent: 3e-6 of it. */
+#define REAL_STEP 0.1
+#define SINE_RATE 0.5
 
 /* ---- configuration -------------------------------------------------------------------------- */
 
@@ -20,6 +29,12 @@ static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
         {"motor.inertia_kg_m2", plant_is_positive(cfg->inertia_kg_m2)},
         {"motor.viscous_friction_nm_s", plant_is_not_negative(cfg->viscous_friction_nm_s)},
         {"motor.coulomb_friction_nm", plant_is_not_negative(cfg->coulomb_friction_nm)},
+        {"motor.emf_5th", fabs(cfg->emf_5th) <= HARMONIC_MAX},
+        {"motor.emf_7th", fabs(cfg->emf_7th) <= HARMONIC_MAX},
+        {"motor.cogging_nm", plant_is_not_negative(cfg->cogging_nm)},
+        {"motor.cogging_order",
+         !(cfg->cogging_nm > 0.0) ||
+             (cfg->cogging_order >= 1U && cfg->cogging_order <= COGGING_ORDER_MAX)},
         {"motor.initial_angle_el_rad", fabs(cfg->initial_angle_el_rad) < ANGLE_MAX_RAD},
         {"motor.initial_speed_mech_rad_s", isfinite(cfg->initial_speed_mech_rad_s)},
     };
@@ -57,6 +72,40 @@ static void derive_constants(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     motor->rate_constant = cfg->resistance_ohm / l_min + motor->decay_shaft +
                            sqrt(motor->torque_magnet * motor->acceleration * motor->emf_q);
     motor->rate_speed = fmax(motor->cross_d, motor->cross_q);
+    motor->step_bound = PLANT_MOTOR_STEP;
+}
+
+/* What an ideal motor has not, and the steps for it. */
+static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
+{
+    const double fifth_wb = cfg->emf_5th * cfg->flux_linkage_wb / 5.0;
+    const double seventh_wb = cfg->emf_7th * cfg->flux_linkage_wb / 7.0;
+    const double order = (double)cfg->cogging_order;
+    const bool has_harmonics = fabs(fifth_wb) + fabs(seventh_wb) > 0.0;
+    const bool has_cogging = cfg->cogging_nm > 0.0;
+    motor->harmonic_d_wb = seventh_wb + fifth_wb;
+    motor->harmonic_q_wb = seventh_wb - fifth_wb;
+    motor->cogging_nm = cfg->cogging_nm;
+    motor->cogging_ratio = has_cogging ? order / motor->pole_pairs : 0.0;
+    motor->is_real = has_harmonics || has_cogging;
+    if (motor->is_real) {
+        const double swing = sqrt(order * cfg->cogging_nm / cfg->inertia_kg_m2);
+        const double sines = fmax(has_harmonics ? 6.0 : 0.0, motor->cogging_ratio);
+        motor->step_bound = REAL_STEP;
+        motor->rate_constant += swing;
+        motor->rate_speed = fmax(motor->rate_speed, SINE_RATE * sines);
+    }
+}
+
+/* What follows from angle and current of a rotor that has been put somewhere. */
+static void place_parts(plant_motor_t *motor, pair_t current)
+{
+    if (motor->is_real) {
+        plant_real_place_cogging(motor);
+        const pair_t flux = plant_real_flux(motor, current);
+        motor->now.flux_d_wb = flux[0];
+        motor->now.flux_q_wb = flux[1];
+    }
 }
 
 bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field)
@@ -66,9 +115,9 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
         return false;
     }
     derive_constants(motor, cfg);
+    derive_real(motor, cfg);
     const plant_rotation_t r = plant_rotation_from_angle(cfg->initial_angle_el_rad);
-    motor->now.flux_d_wb = cfg->flux_linkage_wb;
-    motor->now.flux_q_wb = 0.0;
+    motor->now = (plant_motor_state_t){.flux_d_wb = cfg->flux_linkage_wb};
     motor->now.cosine = r.cosine;
     motor->now.sine = r.sine;
     motor->now.omega_el_rad_s = motor->pole_pairs * cfg->initial_speed_mech_rad_s;
@@ -76,25 +125,47 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
     motor->turns_el = 0;
     motor->load_torque_nm = 0.0;
     plant_motor_wrap(motor);
+    place_parts(motor, (pair_t){0.0, 0.0});
     return true;
 }
 
 /* ---- read-outs ------------------------------------------------------------------------------ */
 
+/* Rotor frame. */
+static pair_t current_in(const plant_motor_t *motor)
+{
+    return motor->is_real ? plant_real_current(motor) : current_of(motor, load(motor).flux);
+}
+
+double plant_motor_i_d(const plant_motor_t *motor)
+{
+    return current_in(motor)[0];
+}
+
+double plant_motor_i_q(const plant_motor_t *motor)
+{
+    return current_in(motor)[1];
+}
+
 double plant_motor_torque(const plant_motor_t *motor)
 {
-    return torque_of(motor, load(motor).flux);
+    return motor->is_real ? plant_real_torque(motor) : torque_of(motor, load(motor).flux);
 }
 
 plant_vector_t plant_motor_current(const plant_motor_t *motor)
 {
     const core_t core = load(motor);
-    const pair_t current = turned(core.axis, current_of(motor, core.flux));
-    return (plant_vector_t){current[0], current[1]};
+    const pair_t current =
+        motor->is_real ? plant_real_current(motor) : current_of(motor, core.flux);
+    const pair_t phases = turned(core.axis, current);
+    return (plant_vector_t){phases[0], phases[1]};
 }
 
 plant_vector_t plant_motor_emf(const plant_motor_t *motor)
 {
+    if (motor->is_real) {
+        return plant_real_emf(motor);
+    }
     const double peak = motor->now.omega_el_rad_s * motor->flux_linkage_wb;
     return (plant_vector_t){-peak * motor->now.sine, peak * motor->now.cosine};
 }
@@ -117,11 +188,13 @@ void plant_motor_turn(plant_motor_t *motor, double angle_el_rad)
     core_t core = load(motor);
     const plant_rotation_t r = plant_rotation_from_angle(angle_el_rad);
     const pair_t by = {r.cosine, r.sine};
-    core.flux = flux_of(motor, turned_back(by, current_of(motor, core.flux)));
+    const pair_t current = turned_back(by, current_in(motor));
+    core.flux = flux_of(motor, current);
     core.axis = turned(by, core.axis);
     core.theta += angle_el_rad;
     store(motor, &core);
     plant_motor_wrap(motor);
+    place_parts(motor, current);
 }
 
 void plant_motor_wrap(plant_motor_t *motor)
@@ -137,30 +210,65 @@ void plant_motor_wrap(plant_motor_t *motor)
     r = plant_rotation_unit(r);
     now->cosine = r.cosine;
     now->sine = r.sine;
+    if (motor->cogging_nm > 0.0) {
+        plant_real_place_cogging(motor);
+    }
 }
 
 /* ---- steps ---------------------------------------------------------------------------------- */
 
+static void real_run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[],
+                            double rate)
+{
+    for (unsigned k = 0; k < count; k++) {
+        const plant_source_t source = {.constant = interval[k].v};
+        const double effort = interval[k].duration_s * rate / motor->step_bound;
+        const double steps = (effort > 1.0) ? ceil(effort) : 1.0;
+        for (int64_t left = (int64_t)steps; left > 0; left--) {
+            plant_real_step_fed(motor, interval[k].duration_s / steps, &source, NULL);
+        }
+    }
+}
+
+static void run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[],
+                       double rate)
+{
+    if (motor->is_real) {
+        real_run_driven(motor, count, interval, rate);
+    } else {
+        plant_ideal_run_driven(motor, count, interval, rate);
+    }
+}
+
 void plant_motor_run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[])
 {
-    plant_ideal_run_driven(motor, count, interval, plant_motor_rate(motor));
+    run_driven(motor, count, interval, plant_motor_rate(motor));
 }
 
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v)
 {
     const plant_interval_t interval = {step_s, v};
-    plant_ideal_run_driven(motor, 1, &interval, 0.0);
+    run_driven(motor, 1, &interval, 0.0);
 }
 
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,
                            plant_vector_t axis)
 {
-    plant_ideal_step_tied(motor, step_s, v, axis);
+    if (motor->is_real) {
+        const plant_source_t source = {.constant = v};
+        plant_real_step_fed(motor, step_s, &source, &axis);
+    } else {
+        plant_ideal_step_tied(motor, step_s, v, axis);
+    }
 }
 
 void plant_motor_step_open(plant_motor_t *motor, double step_s)
 {
-    plant_ideal_step_open(motor, step_s);
+    if (motor->is_real) {
+        plant_real_step_open(motor, step_s);
+    } else {
+        plant_ideal_step_open(motor, step_s);
+    }
 }
 
 void plant_motor_step_fed(plant_motor_t *motor, double step_s, const plant_source_t *source,
@@ -172,10 +280,15 @@ void plant_motor_step_fed(plant_motor_t *motor, double step_s, const plant_sourc
 double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t v,
                                       plant_vector_t axis)
 {
-    return plant_ideal_floating_potential(motor, v, axis);
+    return motor->is_real ? plant_real_floating_potential(motor, v, axis)
+                          : plant_ideal_floating_potential(motor, v, axis);
 }
 
 void plant_motor_clear_phase(plant_motor_t *motor, plant_vector_t axis)
 {
-    plant_ideal_clear_phase(motor, axis);
+    if (motor->is_real) {
+        plant_real_clear_phase(motor, axis);
+    } else {
+        plant_ideal_clear_phase(motor, axis);
+    }
 }

@@ -11,7 +11,14 @@
  * paper B (8), the shaft paper B (9) with a motor's signs and with dry friction.
  *
  * Amplitude-invariant Clarke, d axis on the magnet flux, currents positive into the motor. No
- * saturation, no iron loss, sinusoidal flux, star point floating (no zero-sequence current).
+ * saturation, no iron loss, star point floating (no zero-sequence current).
+ *
+ * EMF harmonics: the EMF of phase a without current is -w phi (sin theta + h_5 sin 5 theta + h_7 sin 7 theta), so the
+ * magnet's flux linkage in the rotor frame is phi [1 + a cos 6 theta, b sin 6 theta], a = h_5/5 + h_7/7,
+ * b = h_7/7 - h_5/5. Their torque is that of the power, EMF times current over speed:
+ * 1.5 P (psi_d i_q - psi_q i_d + i dpsi_magnet/dtheta).
+ *
+ * Cogging: -T_cog sin(N theta_m), of the energy T_cog/N (1 - cos(N theta_m)): nothing in the mean of a turn.
  *
  * Stiction: a shaft at rest stays exactly at rest while |T_e - T_L| <= T_C. A shaft that passes
  * through zero speed stops there if that holds, else goes on against the reversed friction.
@@ -23,6 +30,10 @@
  * electromechanical natural frequency + B/J. rate * h is held at or below PLANT_MOTOR_STEP: at most
  * 1.6e-8 in a step. Measured against 16 times finer steps the currents of a transient differ by less
  * than 1e-6 of phi/L_d for motors of some kW at 10 kHz, 1e-5 for a drone motor at 40 kHz.
+ *
+ * A motor with harmonics or cogging is real, without them ideal. A real one is integrated by classical Runge-Kutta of the
+ * fourth order in the same frame, in longer steps: rate * h <= 0.1, where the rates of harmonics and cogging count by
+ * half. Steps below 0.0078 are those of the midpoint method. The accuracy of a transient is the same.
  */
 #ifndef PLANT_MOTOR_H
 #define PLANT_MOTOR_H
@@ -36,7 +47,7 @@
 extern "C" {
 #endif
 
-/* Bound on rate * step, dimensionless. */
+/* Bound on rate * step of an ideal motor, dimensionless. */
 #define PLANT_MOTOR_STEP 0.025
 
 /* Bound on the rate of a source that follows the current. The classical Runge-Kutta method errs by x^5/120 = 2.6e-4 of
@@ -44,14 +55,18 @@ extern "C" {
 #define PLANT_MOTOR_FED_STEP 0.5
 
 typedef struct {
-    unsigned pole_pairs;             /* 1 ... 100 */
-    double resistance_ohm;           /* Ohm, phase, >= 0 */
-    double inductance_d_h;           /* H, > 0 */
-    double inductance_q_h;           /* H, > 0; may be smaller or larger than inductance_d_h */
-    double flux_linkage_wb;          /* Wb, peak, >= 0; 0: pure reluctance motor */
-    double inertia_kg_m2;            /* kg m2, with the load, > 0 */
-    double viscous_friction_nm_s;    /* N m s/rad, mechanical, >= 0 */
-    double coulomb_friction_nm;      /* N m, >= 0; 0: no stiction either */
+    unsigned pole_pairs;          /* 1 ... 100 */
+    double resistance_ohm;        /* Ohm, phase, >= 0 */
+    double inductance_d_h;        /* H, > 0 */
+    double inductance_q_h;        /* H, > 0; may be smaller or larger than inductance_d_h */
+    double flux_linkage_wb;       /* Wb, peak, >= 0; 0: pure reluctance motor */
+    double inertia_kg_m2;         /* kg m2, with the load, > 0 */
+    double viscous_friction_nm_s; /* N m s/rad, mechanical, >= 0 */
+    double coulomb_friction_nm;   /* N m, >= 0; 0: no stiction either */
+    double emf_5th;               /* h_5, of the fundamental, |x| <= 0.5; 0: none */
+    double emf_7th;               /* h_7, likewise */
+    double cogging_nm;            /* N m, >= 0, peak; 0: none */
+    unsigned cogging_order; /* N, periods in a turn of the shaft, 1 ... 1000; with cogging only */
     double initial_angle_el_rad;     /* rad, electrical, |x| < 1e6 */
     double initial_speed_mech_rad_s; /* rad/s, mechanical */
 } plant_motor_cfg_t;
@@ -62,7 +77,9 @@ typedef struct {
     double cosine; /* of theta_el_rad */
     double sine;
     double omega_el_rad_s;
-    double theta_el_rad; /* -pi ... pi after plant_motor_wrap, until then it runs on */
+    double theta_el_rad;   /* -pi ... pi after plant_motor_wrap, until then it runs on */
+    double cogging_cosine; /* of N theta_m, with cogging only */
+    double cogging_sine;
 } plant_motor_state_t;
 
 typedef struct {
@@ -91,6 +108,12 @@ typedef struct {
     double free_decay_shaft;
     double rate_constant; /* part of the step bound that does not depend on speed, 1/s */
     double rate_speed;    /* and the factor of |w| */
+    double step_bound;    /* of rate * step */
+    bool is_real;         /* has anything of this: */
+    double harmonic_d_wb; /* phi a */
+    double harmonic_q_wb; /* phi b */
+    double cogging_nm;
+    double cogging_ratio; /* N/P: its periods in an electrical turn */
     /* State and input. */
     plant_motor_state_t now;
     int64_t turns_el; /* whole electrical turns to add to now.theta_el_rad */
@@ -112,6 +135,7 @@ typedef struct {
 /* A terminal voltage of which a part follows the phase currents: constant + follow(what, current). */
 typedef struct {
     plant_vector_t constant;
+    double rate; /* 1/s, of what follows: its largest |dv/di| over the smallest inductance */
     plant_vector_t (*follow)(const void *what, plant_vector_t current); /* NULL: no such part */
     const void *what;
 } plant_source_t;
@@ -121,17 +145,10 @@ typedef struct {
 bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field);
 
 /* Currents in the rotor frame, A. */
-static inline double plant_motor_i_d(const plant_motor_t *motor)
-{
-    return (motor->now.flux_d_wb - motor->flux_linkage_wb) * motor->inverse_d;
-}
+double plant_motor_i_d(const plant_motor_t *motor);
+double plant_motor_i_q(const plant_motor_t *motor);
 
-static inline double plant_motor_i_q(const plant_motor_t *motor)
-{
-    return motor->now.flux_q_wb * motor->inverse_q;
-}
-
-/* Air-gap torque, N m: T_e = 1.5 P (psi_d i_q - psi_q i_d). */
+/* Air-gap torque, N m, that of harmonics and cogging included. */
 double plant_motor_torque(const plant_motor_t *motor);
 
 /* Upper bound of the rates of change, 1/s: see the integration paragraph above. */
@@ -160,13 +177,13 @@ void plant_motor_wrap(plant_motor_t *motor);
 
 /*
  * The ways to take one step of step_s seconds, 0 <= step_s * plant_motor_rate(motor) <=
- * about PLANT_MOTOR_STEP:
+ * about motor->step_bound:
  * _driven:  terminal voltage v (stationary, V) on all phases.
  * _tied:    the phase along the unit vector axis carries no current and floats; v is the voltage
  *           vector with that terminal's potential taken as zero.
  * _open:    no current at all.
- * _fed:     as _driven, or with an axis as _tied, with a source; its rate of change, largest |dv/di| over the smallest
- *           inductance, times step_s at most PLANT_MOTOR_FED_STEP. Fourth order.
+ * _fed:     as _driven, or with an axis as _tied, with a source; its rate times step_s is at most
+ *           PLANT_MOTOR_FED_STEP. Fourth order.
  */
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v);
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,

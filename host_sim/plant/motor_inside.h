@@ -3,7 +3,7 @@
  * What the files of the motor share: its state while it is worked on, the ideal motor's currents, dry friction, and the
  * steps of the two kinds of motor.
  *
- * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF. Real (real_motor.c): all else that motor.h says, and any
+ * Ideal (ideal_motor.c): sinusoidal EMF, no cogging. Real (real_motor.c): all else that motor.h says, and any
  * motor at a voltage that follows its current. The steps are those of motor.h, by their names there.
  */
 #ifndef PLANT_MOTOR_INSIDE_H
@@ -115,7 +115,22 @@ double plant_ideal_floating_potential(const plant_motor_t *motor, plant_vector_t
                                       plant_vector_t axis);
 void plant_ideal_clear_phase(plant_motor_t *motor, plant_vector_t axis);
 
+/* Of any motor, also of an ideal one. */
 void plant_real_step_fed(plant_motor_t *motor, double step_s, const plant_source_t *source,
                          const plant_vector_t *tied);
+/* Of a real motor only. */
+void plant_real_step_open(plant_motor_t *motor, double step_s);
+double plant_real_floating_potential(const plant_motor_t *motor, plant_vector_t v,
+                                     plant_vector_t axis);
+void plant_real_clear_phase(plant_motor_t *motor, plant_vector_t axis);
+pair_t plant_real_current(const plant_motor_t *motor); /* rotor frame */
+double plant_real_torque(const plant_motor_t *motor);
+plant_vector_t plant_real_emf(const plant_motor_t *motor);
+
+/* Flux linkage of a real motor at its present angle with a current, both in the rotor frame. */
+pair_t plant_real_flux(const plant_motor_t *motor, pair_t current);
+
+/* Puts the angle of the cogging where now and turns_el say. */
+void plant_real_place_cogging(plant_motor_t *motor);
 
 #endif

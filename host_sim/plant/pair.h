@@ -31,10 +31,8 @@ static inline pair_t turned_back(pair_t r, pair_t a)
     return r[0] * a + sine * swapped(a);
 }
 
-/* Cosine and sine of a small angle given as the sum of three: |turn| <= about PLANT_MOTOR_STEP, by
- * power series up to 3e-17 (turn^10 / 10!); second, much smaller, to second order; third, smaller
- * still, to first order. The later an angle is known, the fewer operations wait for it. */
-static inline pair_t small_turn(double turn, double second, double third)
+/* Cosine and sine of a small angle, |turn| <= about 0.2, by power series up to 3e-14 (turn^10 / 10!). */
+static inline pair_t turn_of(double turn)
 {
     const double y = turn * turn;
     const pair_t k1 = {1.0 / 2.0, 1.0 / 6.0};
@@ -42,8 +40,15 @@ static inline pair_t small_turn(double turn, double second, double third)
     const pair_t k3 = {1.0 / 720.0, 1.0 / 5040.0};
     const pair_t k4 = {1.0 / 40320.0, 1.0 / 362880.0};
     const pair_t first = {1.0, turn};
+    return first * (1.0 - y * (k1 - y * (k2 - y * (k3 - y * k4))));
+}
+
+/* Likewise of an angle given as the sum of three: second, much smaller, to second order; third, smaller
+ * still, to first order. The later an angle is known, the fewer operations wait for it. */
+static inline pair_t small_turn(double turn, double second, double third)
+{
     const pair_t late = {1.0 - 0.5 * second * second, second};
-    const pair_t by = turned(late, first * (1.0 - y * (k1 - y * (k2 - y * (k3 - y * k4)))));
+    const pair_t by = turned(late, turn_of(turn));
     const pair_t across = {-by[1], by[0]};
     return by + third * across;
 }

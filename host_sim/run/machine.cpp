@@ -11,6 +11,7 @@ namespace
 constexpr double PI = 3.14159265358979323846;
 constexpr double RAD_S_PER_RPM = PI / 30.0;
 constexpr double RAD_PER_DEG = PI / 180.0;
+constexpr int COGGING_IN_TURN_EL = 6; // of a slot for each pole and phase
 
 plant_motor_cfg_t make_plant_motor(const Config &config)
 {
@@ -25,6 +26,11 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.inertia_kg_m2 = motor.inertia_kg_m2 * real.inertia_scale;
     cfg.viscous_friction_nm_s = motor.viscous_friction_nm_s;
     cfg.coulomb_friction_nm = real.coulomb_friction_nm;
+    cfg.emf_5th = real.emf_5th_pct / 100.0;
+    cfg.emf_7th = real.emf_7th_pct / 100.0;
+    cfg.cogging_nm = real.cogging_pct / 100.0 * motor.rated_torque_nm;
+    cfg.cogging_order = static_cast<unsigned>(
+        real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * motor.pole_pairs);
     cfg.initial_angle_el_rad = config.scenario.initial_angle_el_deg * RAD_PER_DEG;
     cfg.initial_speed_mech_rad_s = config.scenario.initial_speed_rpm * RAD_S_PER_RPM;
     return cfg;

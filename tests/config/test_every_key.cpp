@@ -52,8 +52,11 @@ locked = true
 )";
 
 // What the keys of [plant] act on, where it is not ideal.
-const Lines ROUGH = {"plant.adc_noise_lsb=1", "plant.bus_ripple_pct=1",
-                     "plant.bus_capacitance_f=0.001", "plant.bus_source_resistance_ohm=1",
+const Lines ROUGH = {"plant.cogging_pct=1",
+                     "plant.adc_noise_lsb=1",
+                     "plant.bus_ripple_pct=1",
+                     "plant.bus_capacitance_f=0.001",
+                     "plant.bus_source_resistance_ohm=1",
                      "plant.angle_counts=4096"};
 
 struct Mode {

@@ -28,6 +28,15 @@ static const plant_motor_cfg_t ROUND_ROTOR = {
     .inertia_kg_m2 = INERTIA_OF_A_WALL,
 };
 
+static plant_motor_cfg_t with_harmonics(void)
+{
+    plant_motor_cfg_t cfg = ROUND_ROTOR;
+
+    cfg.emf_5th = 0.05;
+    cfg.emf_7th = -0.03;
+    return cfg;
+}
+
 static plant_motor_t motor;
 static double current[PLANT_LEGS];
 
@@ -183,7 +192,7 @@ static void test_open_bridge_rectifies_when_the_emf_exceeds_the_bus(void)
 
 /* Rectified energy: what the shaft gives = copper loss + what the diodes and the bus take. Small
  * segments, trapezoidal rule. */
-static void test_rectified_energy_is_conserved(void)
+static void check_rectified_energy(plant_motor_cfg_t cfg)
 {
     const double h = 2.0e-6;
     double shaft_j = 0.0;
@@ -191,7 +200,8 @@ static void test_rectified_energy_is_conserved(void)
     double shaft_before = 0.0;
     double sink_before = 0.0;
 
-    start_turning(speed_for_line_emf(1.3 * (BUS_V + 2.0 * DROP_V)));
+    cfg.initial_speed_mech_rad_s = speed_for_line_emf(1.3 * (BUS_V + 2.0 * DROP_V));
+    start(&cfg);
     for (int k = 0; k < 100000; k++) {
         run_with(h, NO_LEG, NO_LEG, DROP_V);
         const double speed = motor.now.omega_el_rad_s / motor.pole_pairs;
@@ -215,6 +225,16 @@ static void test_rectified_energy_is_conserved(void)
      * worst h^2/8 of 10^5 W/s each: 600 * 5e-8 J of 100 J. */
     TEST_ASSERT_TRUE(shaft_j > 1.0);
     TEST_ASSERT_DOUBLE_WITHIN(2.0e-6 * shaft_j, shaft_j, sink_j + magnetic_j);
+}
+
+static void test_rectified_energy_is_conserved(void)
+{
+    check_rectified_energy(ROUND_ROTOR);
+}
+
+static void test_rectified_energy_of_a_real_motor_is_conserved(void)
+{
+    check_rectified_energy(with_harmonics());
 }
 
 static void test_current_that_reaches_zero_in_an_open_leg_stays_zero(void)
@@ -290,10 +310,8 @@ static plant_motor_t switched_run(const plant_motor_cfg_t *cfg, int parts)
     return motor;
 }
 
-static void test_result_does_not_depend_on_how_segments_are_cut(void)
+static void check_independence_of_cuts(plant_motor_cfg_t cfg)
 {
-    plant_motor_cfg_t cfg = ROUND_ROTOR;
-
     cfg.inertia_kg_m2 = 0.003;
     cfg.inductance_q_h = 0.02;
     cfg.initial_speed_mech_rad_s = 120.0;
@@ -304,6 +322,36 @@ static void test_result_does_not_depend_on_how_segments_are_cut(void)
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, plant_motor_i_d(&cut), plant_motor_i_d(&whole));
     TEST_ASSERT_DOUBLE_WITHIN(tolerance_a, plant_motor_i_q(&cut), plant_motor_i_q(&whole));
     TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * 300.0, cut.now.omega_el_rad_s, whole.now.omega_el_rad_s);
+}
+
+static void test_result_does_not_depend_on_how_segments_are_cut(void)
+{
+    check_independence_of_cuts(ROUND_ROTOR);
+}
+
+static void test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut(void)
+{
+    check_independence_of_cuts(with_harmonics());
+}
+
+/* Beside a floating leg the star point follows the EMF: what a magnet of order 5 and 7 adds to the terminal. */
+static void test_floating_terminal_shows_the_emf_of_its_phase(void)
+{
+    plant_motor_cfg_t cfg = with_harmonics();
+
+    cfg.initial_speed_mech_rad_s = 50.0;
+    for (int k = 0; k < 30; k++) {
+        cfg.initial_angle_el_rad = 0.2 * k;
+        start(&cfg);
+        const plant_vector_t none = {0.0, 0.0};
+        const double x = cfg.initial_angle_el_rad;
+        const double emf_v =
+            -100.0 * cfg.flux_linkage_wb * (sin(x) + 0.05 * sin(5.0 * x) - 0.03 * sin(7.0 * x));
+        /* b and c at zero volts without current: the star point is at minus the mean of their EMF, e_a / 2. */
+        TEST_ASSERT_DOUBLE_WITHIN(
+            1.0e-10, 1.5 * emf_v,
+            plant_motor_floating_potential(&motor, none, plant_bridge_axis[0]));
+    }
 }
 
 int main(void)
@@ -317,10 +365,13 @@ int main(void)
     RUN_TEST(test_open_bridge_stays_without_current_while_the_emf_is_below_the_bus);
     RUN_TEST(test_open_bridge_rectifies_when_the_emf_exceeds_the_bus);
     RUN_TEST(test_rectified_energy_is_conserved);
+    RUN_TEST(test_rectified_energy_of_a_real_motor_is_conserved);
     RUN_TEST(test_current_that_reaches_zero_in_an_open_leg_stays_zero);
     RUN_TEST(test_floating_leg_leaves_the_other_two_as_a_single_loop);
     RUN_TEST(test_closed_switches_with_drop_pass_no_current_for_an_emf_below_the_drops);
     RUN_TEST(test_without_drop_closed_switches_short_the_motor);
     RUN_TEST(test_result_does_not_depend_on_how_segments_are_cut);
+    RUN_TEST(test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut);
+    RUN_TEST(test_floating_terminal_shows_the_emf_of_its_phase);
     return UNITY_END();
 }
