@@ -89,7 +89,7 @@ struct RequestEntry {
 // One [accept.SELECTION] table.
 struct AcceptLimits {
     std::map<std::string, double> upper; // metric name to its largest accepted value
-    bool must_lock = false;              // the metric `locked` has to be true
+    std::map<std::string, bool> flags;   // of a metric that is true or false: what it has to be
 };
 
 // [scenario] What happens in a run. Times count from the end of the prelude.

@@ -169,9 +169,14 @@ TuningSettings for_sensor(const TuningSettings &tuning)
     return t;
 }
 
+double rated_current(const MotorSettings &motor)
+{
+    return motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
+}
+
 double continuous_current(const MotorSettings &motor)
 {
-    const double rated = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
+    const double rated = rated_current(motor);
     const double current = motor.continuous_current_a > 0 ? motor.continuous_current_a : rated;
     return std::min(current, motor.max_current_a);
 }

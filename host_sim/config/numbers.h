@@ -102,6 +102,9 @@ constexpr double ABOVE_HANDOVER = 1.5;
 // With an angle sensor nothing is to be found at the start, and the observer's speed is not trained.
 TuningSettings for_sensor(const TuningSettings &tuning);
 
+// Peak phase current of rated torque, i_d = 0.
+double rated_current(const MotorSettings &motor);
+
 // Peak phase current for ever: the motor file's, else that of rated torque; and the key that says so.
 double continuous_current(const MotorSettings &motor);
 Source continuous_source(const MotorSettings &motor);

@@ -42,7 +42,7 @@ void note_rated_point(Config &config)
 {
     const MotorSettings &m = config.motor;
     const double omega = rad_s_from_rpm(m.rated_speed_rpm) * m.pole_pairs;
-    const double current = m.rated_torque_nm / (1.5 * m.pole_pairs * m.flux_linkage_wb);
+    const double current = rated_current(m);
     const double along_q = m.resistance_ohm * current + omega * m.flux_linkage_wb;
     const double along_d = omega * m.inductance_q_h * current;
     const double needed = std::hypot(along_q, along_d);

@@ -10,13 +10,14 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nf
 {
 namespace
 {
 
-// Metrics that a scenario may limit, besides `locked`.
+// Metrics that a scenario may limit: numbers, and those that are good when they are true, or false.
 const std::vector<std::string> METRICS = {"speed_error_max_rpm",
                                           "speed_error_rms_rpm",
                                           "speed_error_max_pct",
@@ -29,8 +30,11 @@ const std::vector<std::string> METRICS = {"speed_error_max_rpm",
                                           "recovery_time_s",
                                           "position_error_final_rad",
                                           "id_settled_a",
+                                          "angle_error_rms_deg",
+                                          "speed_error_command_pct",
+                                          "speed_error_load_pct",
                                           "saturation_internal_count"};
-const std::string LOCKED = "locked";
+const std::map<std::string, bool> FLAGS = {{"locked", true}, {"limit_cycle", false}};
 const std::string ANY = "any";
 const std::string IDEAL = "ideal";
 const std::string INHERIT_LIMITS = "scenario.inherit_limits";
@@ -68,15 +72,26 @@ void check_selection(const std::string &selection, const Origin &origin)
     }
 }
 
+std::vector<std::string> names_of(const std::map<std::string, bool> &flags)
+{
+    std::vector<std::string> names;
+    names.reserve(flags.size());
+    for (const auto &[name, good] : flags) {
+        names.push_back(name);
+    }
+    return names;
+}
+
 void read_limit(const std::string &table, const std::string &metric, const Node &value,
                 AcceptLimits &limits)
 {
     const std::string name = fmt::format("{}.{}", table, metric);
-    if (metric == LOCKED) {
-        if (value.kind != Node::Kind::boolean || !value.boolean) {
-            fail(value.origin, name, shown(value), "is no limit", "true");
+    const auto flag = FLAGS.find(metric);
+    if (flag != FLAGS.end()) {
+        if (value.kind != Node::Kind::boolean || value.boolean != flag->second) {
+            fail(value.origin, name, shown(value), "is no limit", flag->second ? "true" : "false");
         }
-        limits.must_lock = true;
+        limits.flags.insert(*flag);
         return;
     }
     if (std::count(METRICS.begin(), METRICS.end(), metric) == 0) {
@@ -84,7 +99,9 @@ void read_limit(const std::string &table, const std::string &metric, const Node 
         const bool found = !near.empty();
         fail(value.origin, name, shown(value),
              found ? fmt::format("unknown metric, did you mean {}?", near) : "unknown metric",
-             found ? "" : fmt::format("{}, {}", LOCKED, fmt::join(METRICS, ", ")));
+             found ? ""
+                   : fmt::format("{}, {}", fmt::join(names_of(FLAGS), ", "),
+                                 fmt::join(METRICS, ", ")));
     }
     constexpr double largest = 1e6;
     check_number(name, value, 0, largest, range_text(0, largest, ""));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "report.h"
 
+#include "dimensionless.h"
 #include "fault_line.h"
 #include "names.h"
 
@@ -45,6 +46,16 @@ std::string number_line(const std::string &metric, double value, const AcceptLim
                 limited && value <= limit->second);
 }
 
+std::string flag_line(const FlagField &field, const MetricValues &metrics,
+                      const AcceptLimits &limits)
+{
+    const bool value = metrics.*field.value;
+    const auto wanted = limits.flags.find(field.name);
+    const bool limited = wanted != limits.flags.end();
+    return line(field.name, flag_text(value), limited ? flag_text(wanted->second) : "",
+                limited && value == wanted->second);
+}
+
 std::string saturation_lines(const Saturations &saturations)
 {
     std::string text;
@@ -72,7 +83,9 @@ std::string json_text(const Config &config, const RunResult &result)
         const std::optional<double> &value = result.metrics.*field.value;
         json[field.name] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
     }
-    json["locked"] = result.metrics.locked;
+    for (const FlagField &field : flag_fields()) {
+        json[field.name] = result.metrics.*field.value;
+    }
     json["faults"] = nlohmann::ordered_json::array();
     for (const fault_t &fault : result.faults) {
         json["faults"].push_back(fault_mark(fault, result.time_s(fault)));
@@ -82,6 +95,9 @@ std::string json_text(const Config &config, const RunResult &result)
     for (const Parameter &p : result.parameters) {
         json["parameters"][p.name] = {
             {"configured", p.configured}, {"estimated", p.estimated}, {"actual", p.actual}};
+    }
+    for (const Dimensionless &number : dimensionless(config)) {
+        json["dimensionless"][number.name] = number.value;
     }
     json["saturations"] = nlohmann::ordered_json::object();
     for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
@@ -112,8 +128,9 @@ std::string table_text(const Config &config, const RunResult &result)
     }
     text += config.scenario.notes.empty() ? "" : "\n";
     text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");
-    text += line("locked", result.metrics.locked ? "true" : "false", limits.must_lock ? "true" : "",
-                 result.metrics.locked);
+    for (const FlagField &field : flag_fields()) {
+        text += flag_line(field, result.metrics, limits);
+    }
     for (const MetricField &field : metric_fields()) {
         const std::optional<double> &value = result.metrics.*field.value;
         if (value) {

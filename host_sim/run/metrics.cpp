@@ -22,6 +22,23 @@ const std::vector<MetricField> &metric_fields()
         {"recovery_time_s", &MetricValues::recovery_time_s},
         {"position_error_final_rad", &MetricValues::position_error_final_rad},
         {"id_settled_a", &MetricValues::id_settled_a},
+        {"angle_error_rms_deg", &MetricValues::angle_error_rms_deg},
+        {"speed_error_command_pct", &MetricValues::speed_error_command_pct},
+        {"speed_error_load_pct", &MetricValues::speed_error_load_pct},
+        {"swing_speed_pct", &MetricValues::swing_speed_pct},
+        {"swing_current_pct", &MetricValues::swing_current_pct},
+        {"swing_hz", &MetricValues::swing_hz},
+        {"lost_time_s", &MetricValues::lost_time_s},
+    };
+    return fields;
+}
+
+const std::vector<FlagField> &flag_fields()
+{
+    static const std::vector<FlagField> fields = {
+        {"locked", &MetricValues::locked},
+        {"locked_coarse", &MetricValues::locked_coarse},
+        {"limit_cycle", &MetricValues::limit_cycle},
     };
     return fields;
 }
@@ -37,10 +54,12 @@ std::optional<double> Metrics::Worst::get() const
     return seen && !spoiled ? std::optional<double>(value) : std::nullopt;
 }
 
-Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm)
-    : mode_(mode), period_s_(period_s), rated_rpm_(rated_speed_rpm),
+Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a)
+    : mode_(mode), period_s_(period_s), rated_rpm_(rated_speed_rpm), rated_a_(rated_current_a),
       settled_ticks_(std::llround(SETTLED_AFTER_S / period_s)),
-      speed_filter_gain_(1.0 - std::exp(-period_s / LOST_SPEED_S))
+      mean_gain_(1.0 - std::exp(-period_s / LOST_MEAN_S)),
+      speed_swing_(2 * SWING_SPEED * rated_speed_rpm, period_s),
+      current_swing_(2 * SWING_CURRENT * rated_current_a, period_s)
 {
 }
 
@@ -55,6 +74,7 @@ void Metrics::command_step(double command)
     excess_ = 0;
     settling_ = {true, SETTLING_BAND * step_height_, ticks_, ticks_};
     command_ = command;
+    after_ = After::command;
 }
 
 void Metrics::load_step()
@@ -65,6 +85,7 @@ void Metrics::load_step()
         dip_ = 0;
         recovery_ = {true, RECOVERY_BAND * rated_rpm_, ticks_, ticks_};
     }
+    after_ = with_command ? after_ : After::load;
 }
 
 void Metrics::add(const Instant &now)
@@ -73,11 +94,28 @@ void Metrics::add(const Instant &now)
     speed_error_max_ = std::max(speed_error_max_, std::abs(speed_error));
     speed_error_squares_ += speed_error * speed_error;
     angle_error_max_ = std::max(angle_error_max_, std::abs(now.angle_error_deg));
+    angle_error_squares_ += now.angle_error_deg * now.angle_error_deg;
     iq_error_max_ = std::max(iq_error_max_, std::abs(now.iq_error_a));
-    watch_lock(now);
-
-    const double beyond = now.actual - command_;
+    if (after_ != After::nothing) {
+        (after_ == After::load ? error_load_ : error_command_).add(std::abs(speed_error));
+    }
+    if (now.reference_moving) {
+        close_settled_window();
+    }
+    quiet_ticks_++;
+    average(now);
+    locked_coarse_ = locked_coarse_ && is_held_coarsely(now);
+    if (!lost_time_s_ && !(locked_coarse_ && is_held())) {
+        lost_time_s_ = now.time_s;
+    }
     ticks_++;
+    watch_steps(now.actual - command_);
+    last_actual_ = now.actual;
+    watch_window(now);
+}
+
+void Metrics::watch_steps(double beyond)
+{
     if (settling_.active) {
         excess_ = std::max(excess_, beyond * step_sign_);
         settling_.outside = std::abs(beyond) > settling_.band ? ticks_ : settling_.outside;
@@ -86,23 +124,45 @@ void Metrics::add(const Instant &now)
         dip_ = std::max(dip_, std::abs(beyond));
         recovery_.outside = std::abs(beyond) > recovery_.band ? ticks_ : recovery_.outside;
     }
-    last_actual_ = now.actual;
-    if (now.reference_moving) {
-        close_settled_window();
-    }
-    quiet_ticks_++;
+}
+
+void Metrics::watch_window(const Instant &now)
+{
+    speed_swing_.add(now.speed_rpm);
+    current_swing_.add(now.i_q_a);
     if (quiet_ticks_ > settled_ticks_) {
         add_settled(now);
     }
 }
 
-void Metrics::watch_lock(const Instant &now)
+// What `locked` is judged by.
+void Metrics::average(const Instant &now)
 {
-    const double speed_error = (now.speed_rpm - now.speed_estimated_rpm) / rated_rpm_;
-    speed_error_mean_square_ +=
-        (speed_error * speed_error - speed_error_mean_square_) * speed_filter_gain_;
-    locked_ = locked_ && now.running && std::abs(now.angle_error_deg) < LOST_DEG &&
-              speed_error_mean_square_ < LOST_SPEED * LOST_SPEED;
+    const double speed_error = now.speed_rpm - now.speed_estimated_rpm;
+    speed_mean_.add(speed_error / rated_rpm_, mean_gain_);
+    if (quiet_ticks_ > settled_ticks_) {
+        settled_mean_.add(speed_error, mean_gain_);
+    }
+    if (now.closed_loop) {
+        angle_mean_.add(now.angle_error_deg, mean_gain_);
+    } else {
+        angle_mean_ = {};
+    }
+}
+
+bool Metrics::is_held_coarsely(const Instant &now) const
+{
+    return now.running && std::abs(now.angle_error_deg) < LOST_DEG &&
+           speed_mean_.value < LOST_SPEED * LOST_SPEED;
+}
+
+// What `locked` asks for beyond that. A standstill has no share of the command.
+bool Metrics::is_held() const
+{
+    const bool has_command = mode_ == DriveMode::speed && std::abs(command_) > 0;
+    const double limit = LOST_COMMAND * command_;
+    const bool has_speed = !has_command || settled_mean_.value < limit * limit;
+    return has_speed && angle_mean_.value < LOST_RMS_DEG * LOST_RMS_DEG;
 }
 
 void Metrics::add_settled(const Instant &now)
@@ -137,6 +197,9 @@ void Metrics::close_settled_window()
     window_ticks_ = 0;
     window_id_sum_ = 0;
     quiet_ticks_ = 0;
+    settled_mean_ = {};
+    speed_swing_.restart();
+    current_swing_.restart();
 }
 
 // Steps of command and load in one tick leave a window of no ticks between them; it says nothing.
@@ -153,23 +216,54 @@ void Metrics::close_step_window()
     }
 }
 
+void Metrics::finish_errors(MetricValues &m) const
+{
+    const auto count = static_cast<double>(ticks_);
+    const auto of_rated = [&](const Worst &worst) {
+        const std::optional<double> value = worst.get();
+        return value ? std::optional<double>(*value / rated_rpm_ * 100.0) : std::nullopt;
+    };
+    m.speed_error_max_rpm = speed_error_max_;
+    m.speed_error_rms_rpm = std::sqrt(speed_error_squares_ / count);
+    m.speed_error_max_pct = speed_error_max_ / rated_rpm_ * 100.0;
+    m.speed_error_command_pct = of_rated(error_command_);
+    m.speed_error_load_pct = of_rated(error_load_);
+    m.angle_error_max_deg = angle_error_max_;
+    m.angle_error_rms_deg = std::sqrt(angle_error_squares_ / count);
+    m.iq_error_max_a = iq_error_max_;
+    m.lost_time_s = lost_time_s_;
+}
+
+void Metrics::finish_swings(MetricValues &m) const
+{
+    const std::optional<Swing> &speed = speed_swing_.largest();
+    const std::optional<Swing> &current = current_swing_.largest();
+    m.limit_cycle = speed || current;
+    if (speed) {
+        m.swing_speed_pct = speed->amplitude / rated_rpm_ * 100.0;
+        m.swing_hz = speed->hz;
+    }
+    if (current) {
+        m.swing_current_pct = current->amplitude / rated_a_ * 100.0;
+        m.swing_hz = current->hz;
+    }
+}
+
 MetricValues Metrics::finish()
 {
     close_step_window();
     MetricValues m;
-    m.locked = locked_ && ticks_ > 0;
+    m.locked_coarse = locked_coarse_ && ticks_ > 0;
+    m.locked = !lost_time_s_ && ticks_ > 0;
     if (ticks_ == 0) {
         return m;
     }
     if (mode_ == DriveMode::position) {
         position_error_.add(std::abs(command_ - last_actual_));
     }
-    m.speed_error_max_rpm = speed_error_max_;
-    m.speed_error_rms_rpm = std::sqrt(speed_error_squares_ / static_cast<double>(ticks_));
-    m.speed_error_max_pct = speed_error_max_ / rated_rpm_ * 100.0;
+    finish_errors(m);
+    finish_swings(m);
     m.command_error_settled_pct = command_error_settled_.get();
-    m.angle_error_max_deg = angle_error_max_;
-    m.iq_error_max_a = iq_error_max_;
     m.settling_time_s = settling_time_.get();
     m.overshoot_pct = overshoot_.get();
     m.speed_dip_rpm = dips_.get();

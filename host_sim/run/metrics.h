@@ -13,6 +13,7 @@
 #pragma once
 
 #include "config.h"
+#include "swing.h"
 
 #include <cstdint>
 #include <optional>
@@ -27,7 +28,11 @@ constexpr double SETTLING_BAND = 0.02;  // of the height of a command step
 constexpr double RECOVERY_BAND = 0.005; // of rated speed: above the ripple that sensor noise makes
 constexpr double LOST_DEG = 90.0;       // electrical; beyond it torque has the wrong sign
 constexpr double LOST_SPEED = 0.05;     // of rated speed; the estimate no longer is the speed
-constexpr double LOST_SPEED_S = 0.1;    // what the speed error is averaged over for that
+constexpr double LOST_COMMAND = 0.25;   // of the command, likewise
+constexpr double LOST_RMS_DEG = 30.0;   // half of the torque's current is along the flux
+constexpr double LOST_MEAN_S = 0.1;     // what these three are averaged over
+constexpr double SWING_SPEED = 0.02;    // of rated speed
+constexpr double SWING_CURRENT = 0.3;   // of the current of rated torque
 
 // Empty where a figure does not apply, or where what it waits for never came (a step that does not
 // settle, no settled window): a limit on an empty figure does not hold.
@@ -41,6 +46,8 @@ struct MetricValues {
     std::optional<double> command_error_settled_pct;
     // θ − θ̂, electrical, wrapped to ±180°: largest magnitude.
     std::optional<double> angle_error_max_deg;
+    // Likewise: root mean square.
+    std::optional<double> angle_error_rms_deg;
     // True i_q − î_q of the network: largest magnitude.
     std::optional<double> iq_error_max_a;
     // Command steps: time from the step until the commanded quantity stays within 2 % of the step's
@@ -58,11 +65,27 @@ struct MetricValues {
     std::optional<double> position_error_final_rad;
     // Magnitude of the mean of the true i_d over a settled window. The largest.
     std::optional<double> id_settled_a;
-    // In every tick the drive runs, without a fault, the angle error is below 90° electrical, and the
-    // mean square of the speed error, through a low-pass of 0.1 s, is below the square of 5 % of rated
-    // speed. A transient may be larger for a while (10 % for 29 ms); an estimate that stays off, or that
-    // swings about the speed with the angle just within its bound, is none to build a drive on.
+    // Likewise for the speed error, % of rated speed, in the windows of command steps and of load steps.
+    std::optional<double> speed_error_command_pct;
+    std::optional<double> speed_error_load_pct;
+    // The largest sustained swing (swing.h) of speed, % of rated speed, and of the torque's current, % of that
+    // of rated torque, at a command and a load that do not change. The frequency: the current's, if it swings.
+    std::optional<double> swing_speed_pct;
+    std::optional<double> swing_current_pct;
+    std::optional<double> swing_hz;
+    // When `locked` was lost.
+    std::optional<double> lost_time_s;
+    // Held against rated speed: in every tick the drive runs, without a fault, the angle error is below 90°
+    // electrical, and the mean square of the speed error, through a low-pass of 0.1 s, is below the square
+    // of 5 % of rated speed. A transient may be larger for a while (10 % for 29 ms).
+    bool locked_coarse = false;
+    // That, and what a drive can be built on at any speed. In settled windows with a command the mean
+    // square of the speed error is below the square of a quarter of the command: the estimate is the speed,
+    // not its swing. In closed loop that of the angle error is below the square of 30°: at that angle half
+    // of the current makes no torque. Below, where the current is imposed, the angle is the load's.
     bool locked = false;
+    // One of the swings was found. It may be locked all the same.
+    bool limit_cycle = false;
 };
 
 // The numeric figures by their names in files, in the order of MetricValues.
@@ -72,22 +95,33 @@ struct MetricField {
 };
 const std::vector<MetricField> &metric_fields();
 
+// Those that are true or false, likewise.
+struct FlagField {
+    const char *name;
+    bool MetricValues::*value;
+};
+const std::vector<FlagField> &flag_fields();
+
 // One control tick.
 struct Instant {
+    double time_s; // of the scenario
     double speed_rpm;
     double speed_estimated_rpm;
     double angle_error_deg; // electrical, wrapped
     double iq_error_a;
+    double i_q_a;
     double i_d_a;
     double actual;         // of the commanded quantity
-    bool running;          // in state RUN
+    bool running;          // from FLYING_START to RUN
+    bool closed_loop;      // in RUN: the currents are controlled at the estimated angle
     bool reference_moving; // the drive's own reference is not the one of the tick before
 };
 
 class Metrics
 {
 public:
-    Metrics(DriveMode mode, double period_s, double rated_speed_rpm);
+    // The current is that of rated torque.
+    Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a);
 
     // The command in force when the evaluation begins.
     void start(double command)
@@ -120,27 +154,59 @@ private:
         std::optional<double> get() const;
     };
 
+    // A mean square through a low-pass, from 0 on.
+    struct MeanSquare {
+        double value = 0;
+        void add(double x, double gain)
+        {
+            value += (x * x - value) * gain;
+        }
+    };
+
     void close_step_window();
+    void new_conditions();
     void close_wait(Wait &wait, Worst &into) const;
     void close_settled_window();
-    void watch_lock(const Instant &now);
+    void watch_window(const Instant &now);
+    void watch_steps(double beyond);
+    void average(const Instant &now);
+    bool is_held_coarsely(const Instant &now) const;
+    bool is_held() const;
     void add_settled(const Instant &now);
+    void finish_errors(MetricValues &m) const;
+    void finish_swings(MetricValues &m) const;
 
     DriveMode mode_;
     double period_s_;
     double rated_rpm_;
+    double rated_a_;
     int64_t settled_ticks_;
-    double speed_filter_gain_; // a tick's share in the mean square of the speed error
+    double mean_gain_; // a tick's share in the mean squares
 
     int64_t ticks_ = 0;
     double command_ = 0;
     double last_actual_ = 0;
-    bool locked_ = true;
+    bool locked_coarse_ = true;
+    std::optional<double> lost_time_s_;
     double speed_error_max_ = 0;
     double speed_error_squares_ = 0;
-    double speed_error_mean_square_ = 0;
     double angle_error_max_ = 0;
+    double angle_error_squares_ = 0;
     double iq_error_max_ = 0;
+    MeanSquare speed_mean_;
+    MeanSquare settled_mean_; // of the speed error in this settled window
+    MeanSquare angle_mean_;   // of the angle error in this stretch of closed loop
+
+    enum class After {
+        nothing,
+        command,
+        load
+    };
+    After after_ = After::nothing; // which step the window is of
+    Worst error_command_;
+    Worst error_load_;
+    SwingFinder speed_swing_;
+    SwingFinder current_swing_;
 
     int64_t quiet_ticks_ = 0; // since the last step or movement of the reference
     int64_t window_ticks_ = 0;

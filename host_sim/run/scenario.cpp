@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "scenario.h"
 
+#include "numbers.h"
 #include "scripted_run.h"
 
 #include <cmath>
@@ -63,7 +64,7 @@ Run::Run(const Config &config, const RunOptions &options)
     : config_(config), options_(options), run_(config),
       evaluate_from_(run_.tick_at(config.scenario.evaluate_from_s)),
       metrics_(config.scenario.mode, run_.sim().bases().control_period_s,
-               config.motor.rated_speed_rpm),
+               config.motor.rated_speed_rpm, rated_current(config.motor)),
       rpm_per_step_(run_.sim().bases().rpm_from_step(1)),
       ampere_per_bit_(run_.sim().bases().current_a / Q15)
 {
@@ -100,13 +101,16 @@ void Run::evaluate(const Tick &tick)
     const drive_t &drive = run_.sim().drive();
     const plant_view_t &truth = tick.truth;
     Instant now{};
+    now.time_s = tick.time_s;
     now.speed_rpm = truth.omega_mech_rad_s * RPM_PER_RAD_S;
     now.speed_estimated_rpm = tick.speed_estimate * rpm_per_step_;
     now.angle_error_deg = angle_error_deg(tick);
     now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
+    now.i_q_a = truth.i_q_a;
     now.i_d_a = truth.i_d_a;
     now.actual = tick.mode == DriveMode::position ? truth.theta_mech_rad : now.speed_rpm;
     now.running = drive.state > DRIVE_STATE_READY && drive.state < DRIVE_STATE_FAULT;
+    now.closed_loop = drive.state == DRIVE_STATE_RUN;
     now.reference_moving = reference_moving();
     metrics_.add(now);
     if (now.running) {
@@ -184,6 +188,11 @@ std::optional<double> figure(const RunResult &result, const std::string &metric)
     return std::nullopt;
 }
 
+const char *flag_text(bool value)
+{
+    return value ? "true" : "false";
+}
+
 std::string Violation::text() const
 {
     return fmt::format("{} = {}, limit: {}", metric, value.empty() ? "none" : value, limit);
@@ -201,8 +210,12 @@ std::vector<Violation> violations(const Config &config, const RunResult &result)
     if (limits == nullptr) {
         return found;
     }
-    if (limits->must_lock && !result.metrics.locked) {
-        found.push_back({"locked", "false", "true"});
+    for (const FlagField &field : flag_fields()) {
+        const auto wanted = limits->flags.find(field.name);
+        const bool value = result.metrics.*field.value;
+        if (wanted != limits->flags.end() && value != wanted->second) {
+            found.push_back({field.name, flag_text(value), flag_text(wanted->second)});
+        }
     }
     for (const auto &[metric, limit] : limits->upper) {
         const std::optional<double> value = figure(result, metric);

@@ -59,6 +59,9 @@ constexpr const char *SATURATION_INTERNAL_COUNT = "saturation_internal_count";
 // A figure of the run by its name: those of metric_fields() and the one above.
 std::optional<double> figure(const RunResult &result, const std::string &metric);
 
+// As in a scenario's file.
+const char *flag_text(bool value);
+
 // A limit that does not hold. `value` is empty when the figure is (metrics.h).
 struct Violation {
     std::string metric;

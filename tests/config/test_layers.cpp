@@ -111,10 +111,10 @@ void a_scenario_has_its_command_load_and_limits()
     TEST_ASSERT_EQUAL_DOUBLE(1000.0, s.command[1].value);
     TEST_ASSERT_EQUAL_UINT(2, s.load.size());
     TEST_ASSERT_EQUAL_DOUBLE(3.0, s.load[0].value);
-    TEST_ASSERT_TRUE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_size_t(1, s.limits("ideal")->flags.count("locked"));
     TEST_ASSERT_EQUAL_DOUBLE(5.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
     TEST_ASSERT_EQUAL_DOUBLE(50.0, s.limits("hot")->upper.at("speed_error_max_rpm"));
-    TEST_ASSERT_FALSE(s.limits("hot")->must_lock);
+    TEST_ASSERT_EQUAL_size_t(0, s.limits("hot")->flags.count("locked"));
 }
 
 void a_position_scenario_commands_positions()
@@ -209,7 +209,7 @@ void a_scenario_overrides_its_base_key_by_key()
     TEST_ASSERT_EQUAL_DOUBLE(1.0, s.duration_s);
     TEST_ASSERT_EQUAL_UINT(1, s.command.size());
     TEST_ASSERT_EQUAL_DOUBLE(7.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
-    TEST_ASSERT_TRUE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_size_t(1, s.limits("ideal")->flags.count("locked"));
     TEST_ASSERT_EQUAL_DOUBLE(50.0, s.limits("hot")->upper.at("speed_error_max_rpm"));
     TEST_ASSERT_EQUAL_STRING("derived", nf::list_scenarios()[0].title.c_str());
 }
@@ -222,14 +222,14 @@ void a_scenario_can_do_without_the_limits_of_its_base()
                                               "inherit_limits = false\n"));
     const nf::ScenarioSettings s = nf::load_scenario("d").scenario;
     TEST_ASSERT_EQUAL_DOUBLE(7.0, s.limits("ideal")->upper.at("speed_error_max_rpm"));
-    TEST_ASSERT_FALSE(s.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_size_t(0, s.limits("ideal")->flags.count("locked"));
     TEST_ASSERT_NULL(s.limits("hot"));
     const nf::ScenarioSettings none =
         nf::load_scenario("s", {}, {"scenario.inherit_limits=false"}).scenario;
     TEST_ASSERT_NULL(none.limits("ideal"));
     const nf::ScenarioSettings all =
         nf::load_scenario("s", {}, {"scenario.inherit_limits=true"}).scenario;
-    TEST_ASSERT_TRUE(all.limits("ideal")->must_lock);
+    TEST_ASSERT_EQUAL_size_t(1, all.limits("ideal")->flags.count("locked"));
 }
 
 // 2^8 samples and the tick before them, at 10 kHz.

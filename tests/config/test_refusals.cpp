@@ -693,6 +693,8 @@ void accepted_limits_name_known_metrics_and_sets()
          "speed_error_max_rpm?"},
         {"scenarios/s.toml", "locked = true", "locked = false",
          "scenarios/s.toml:11: accept.ideal.locked = false: is no limit; allowed: true"},
+        {"scenarios/s.toml", "locked = true", "limit_cycle = true",
+         "scenarios/s.toml:11: accept.ideal.limit_cycle = true: is no limit; allowed: false"},
         {"scenarios/s.toml", "[accept.any]", "[accept.warn]",
          "scenarios/s.toml:12: [accept.warn]: no such imperfection set, did you mean warm?; "
          "allowed: any, ideal, hot, warm; several joined with '+'"},

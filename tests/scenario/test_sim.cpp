@@ -195,12 +195,19 @@ void test_limits_name_what_does_not_hold()
 {
     Config config = load();
     config.scenario.accept["ideal"] = {{{"angle_error_max_deg", 0.001}, {"speed_dip_rpm", 10}},
-                                       true};
-    const std::vector<nf::Violation> found = nf::violations(config, nf::run_scenario(config));
+                                       {{"locked", true}, {"limit_cycle", false}}};
+    nf::RunResult result = nf::run_scenario(config);
+    const std::vector<nf::Violation> found = nf::violations(config, result);
     TEST_ASSERT_EQUAL_size_t(2, found.size());
     TEST_ASSERT_EQUAL_STRING("angle_error_max_deg", found[0].metric.c_str());
     TEST_ASSERT_EQUAL_STRING("0.001", found[0].limit.c_str());
     TEST_ASSERT_EQUAL_STRING("speed_dip_rpm = none, limit: 10", found[1].text().c_str());
+    result.metrics.locked = false;
+    result.metrics.limit_cycle = true;
+    const std::vector<nf::Violation> more = nf::violations(config, result);
+    TEST_ASSERT_EQUAL_size_t(4, more.size());
+    TEST_ASSERT_EQUAL_STRING("locked = false, limit: true", more[0].text().c_str());
+    TEST_ASSERT_EQUAL_STRING("limit_cycle = true, limit: false", more[1].text().c_str());
 }
 
 } // namespace

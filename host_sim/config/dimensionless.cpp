@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "dimensionless.h"
+
+#include "numbers.h"
+
+namespace nf
+{
+namespace
+{
+
+// What all of them are made of, in SI units.
+struct Ratings {
+    double period_s;
+    double current_a;
+    double omega;
+    double emf_v;
+    double inductance_h; // the mean of both axes
+    double swing;        // rad/s, of a standing rotor in the field of the rated current
+    double stop_s;       // from rated speed to rest with rated torque
+};
+
+Ratings ratings_of(const Config &config)
+{
+    const MotorSettings &motor = config.motor;
+    Ratings r{};
+    r.period_s = 1 / config.board.pwm_frequency_hz;
+    r.current_a = rated_current(motor);
+    r.omega = rad_s_from_rpm(motor.rated_speed_rpm) * motor.pole_pairs;
+    r.emf_v = r.omega * motor.flux_linkage_wb;
+    r.inductance_h = (motor.inductance_d_h + motor.inductance_q_h) / 2;
+    r.swing = std::sqrt(motor.pole_pairs * motor.rated_torque_nm / motor.inertia_kg_m2);
+    r.stop_s = rad_s_from_rpm(motor.rated_speed_rpm) * motor.inertia_kg_m2 / motor.rated_torque_nm;
+    return r;
+}
+
+// The estimate follows a ramp of speed with this delay, T·κ_p/κ; the published law has none.
+double estimate_lag_s(const TuningSettings &tuning, double period_s)
+{
+    return tuning.observer_kappa > 0 ? tuning.observer_kappa_p / tuning.observer_kappa * period_s
+                                     : 0;
+}
+
+// The vector that dead time and device drop take off the voltage: its first harmonic is 4/3 of what a leg loses.
+double dead_time_v(const Config &config)
+{
+    const double leg_v =
+        config.board.bus_nominal_v * config.plant.dead_time_s * config.board.pwm_frequency_hz;
+    return 4.0 / 3 * (leg_v + config.plant.device_drop_v);
+}
+
+// Of the voltage circle, with half of the rated torque at rated speed.
+double voltage_use(const Config &config, const Ratings &r)
+{
+    const double current = r.current_a / 2;
+    const double along_q = r.emf_v + config.motor.resistance_ohm * current;
+    const double along_d = r.omega * config.motor.inductance_q_h * current;
+    return std::hypot(along_q, along_d) /
+           (largest_ratio(config.board) * config.board.bus_nominal_v);
+}
+
+} // namespace
+
+std::vector<Dimensionless> dimensionless(const Config &config)
+{
+    const MotorSettings &motor = config.motor;
+    const BoardSettings &board = config.board;
+    const TuningSettings tuning = settled_tuning(motor, board, config.tuning, config.model);
+    const Ratings r = ratings_of(config);
+    const double lsb_a = std::ldexp(board.current_full_scale_a, 1 - board.adc_bits);
+    const double handover = tuning.handover_speed_pct / 100 * r.omega;
+    const double drop_v = motor.resistance_ohm * r.current_a;
+    const double ripple_a = board.bus_nominal_v * r.period_s / (12 * r.inductance_h);
+    return {
+        {"speed_lag", "2πf·κ_p/κ·T: the speed loop's bandwidth times the lag of the estimate",
+         TWO_PI * tuning.speed_bandwidth_hz * estimate_lag_s(tuning, r.period_s)},
+        {"ramp_lag", "speed that the ramp gains in the lag of the estimate, of rated speed",
+         tuning.speed_ramp_rpm_s * estimate_lag_s(tuning, r.period_s) / motor.rated_speed_rpm},
+        {"current_loop", "2πf·T of the current loop",
+         TWO_PI * tuning.current_bandwidth_hz * r.period_s},
+        {"dead_time", "voltage of dead time and device drop over R·I",
+         dead_time_v(config) / drop_v},
+        {"dead_time_emf", "likewise over the EMF at the hand-over",
+         dead_time_v(config) / (handover * motor.flux_linkage_wb)},
+        {"copper", "R·I over the EMF at rated speed", drop_v / r.emf_v},
+        {"reactance", "ωLI over the EMF", r.omega * r.inductance_h * r.current_a / r.emf_v},
+        {"decay", "R·T/L", motor.resistance_ohm * r.period_s / r.inductance_h},
+        {"turn", "ω·T at the highest speed",
+         rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs * r.period_s},
+        {"saliency", "L_q/L_d", motor.inductance_q_h / motor.inductance_d_h},
+        {"converter", "LSB of the current over I", lsb_a / r.current_a},
+        {"pwm_ripple", "ripple of a PWM period over I", ripple_a / r.current_a},
+        {"voltage", "voltage at rated speed and half torque, of the largest",
+         voltage_use(config, r)},
+        {"swing", "the rotor's own swing in the imposed field over the hand-over speed",
+         r.swing / handover},
+        {"inertia", "time to stop from rated speed with rated torque, PWM periods",
+         r.stop_s / r.period_s},
+        {"overcurrent", "limit of the over-current protection over the largest current",
+         board.overcurrent_a / motor.max_current_a},
+    };
+}
+
+} // namespace nf
