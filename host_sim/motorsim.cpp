@@ -62,7 +62,23 @@ struct Choice {
     std::string scenario;
     std::vector<std::string> with;
     std::vector<std::string> set;
+    std::string motor;
+    std::string board;
+
+    nf::Config load() const;
 };
+
+// --motor and --board are short for --set.
+nf::Config Choice::load() const
+{
+    std::vector<std::string> all = set;
+    for (const auto &[key, value] : {std::pair("motor", motor), std::pair("board", board)}) {
+        if (!value.empty()) {
+            all.push_back(fmt::format("{}={}", key, value));
+        }
+    }
+    return nf::load_scenario(scenario, with, all);
+}
 
 struct RunArguments : Choice {
     std::string trace;
@@ -245,7 +261,7 @@ void check_window(const RunArguments &arguments)
 
 int run(const RunArguments &arguments)
 {
-    const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
+    const nf::Config config = arguments.load();
     check_outputs(arguments, config);
     check_window(arguments);
     Outputs outputs(arguments, config);
@@ -290,7 +306,7 @@ int converse(nf::debug::Session &session, const std::string &script)
 
 int debug(const DebugArguments &arguments)
 {
-    const nf::Config config = nf::load_scenario(arguments.scenario, arguments.with, arguments.set);
+    const nf::Config config = arguments.load();
     nf::debug::Session session(config);
     return converse(session, arguments.script);
 }
@@ -328,8 +344,7 @@ int replay(const ReplayArguments &arguments)
 
 int signals(const Choice &choice)
 {
-    nf::write_text(
-        "-", nf::debug::table_json(nf::load_scenario(choice.scenario, choice.with, choice.set)));
+    nf::write_text("-", nf::debug::table_json(choice.load()));
     return LIMITS_HOLD;
 }
 
@@ -379,6 +394,9 @@ void describe_choice(CLI::App &command, Choice &arguments)
     command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
         ->allow_extra_args(false)
         ->type_name("IMPERFECTION");
+    command.add_option("--motor", arguments.motor,
+                       "another motor, by name or path; zoo:17 brings its board along");
+    command.add_option("--board", arguments.board, "another board, by name or path");
     command.add_option("--set", arguments.set, "override a setting; may be repeated")
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");

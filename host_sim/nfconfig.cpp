@@ -10,10 +10,12 @@
 #include "program.h"
 #include "schema.h"
 #include "timed_list.h"
+#include "zoo.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 
 namespace
@@ -144,6 +146,32 @@ void print_lists()
     print_names("scenarios", ids);
 }
 
+// What the zoo has under a name, as files that refer to each other.
+void write_zoo(const std::string &name, const std::filesystem::path &folder)
+{
+    const std::optional<nf::zoo::Reference> found = nf::zoo::parse(name);
+    if (!found) {
+        nf::fail({"command line", 0}, "motor", '"' + name + '"', "is not in the zoo",
+                 nf::zoo::allowed());
+    }
+    nf::zoo::Reference exact = *found;
+    exact.user = false;
+    nf::zoo::Reference user = *found;
+    user.user = true;
+    const nf::zoo::Names names = {"./motor.toml", "./board.toml", "./exact.toml"};
+    const std::vector<std::pair<const char *, std::string>> files = {
+        {"motor.toml", nf::zoo::motor_file(exact)},
+        {"board.toml", nf::zoo::board_file(exact)},
+        {"exact.toml", nf::zoo::scenario_file(exact, names)},
+        {"user.toml", nf::zoo::scenario_file(user, names)},
+    };
+    std::error_code ignored; // a folder that is not there is found by the first file
+    std::filesystem::create_directories(folder, ignored);
+    for (const auto &[file, text] : files) {
+        nf::write_text((folder / file).string(), text);
+    }
+}
+
 int run(int argc, char **argv)
 {
     Choice choice;
@@ -171,6 +199,13 @@ int run(int argc, char **argv)
         ->check(CLI::IsMember(tables()));
     keys->callback([&] { print_keys_and_conversions(table_name); });
     app.add_subcommand("list", "The files that can be referred to by name")->callback(print_lists);
+    CLI::App *drawn = app.add_subcommand(
+        "zoo", "Write the files of a motor of the zoo: motor, board, and two scenarios of a run");
+    std::string drawn_name;
+    std::string folder;
+    drawn->add_option("NAME", drawn_name, "For instance zoo:17 or zoo:servo:17@2")->required();
+    drawn->add_option("--out", folder, "Folder to write to")->required();
+    drawn->callback([&] { write_zoo(drawn_name, folder); });
     if (const std::optional<int> status = nf::parse(app, argc, argv)) {
         return *status;
     }

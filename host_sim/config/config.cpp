@@ -10,6 +10,8 @@
 #include "refusal.h"
 #include "scenario_file.h"
 
+#include "zoo.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -35,10 +37,51 @@ struct Reference {
     fs::path base;
 };
 
-Layer read_file(FileKind kind, const fs::path &path)
+// The text that the zoo has for a kind of file.
+std::string drawn_text(FileKind kind, const zoo::Reference &drawn)
 {
+    zoo::Reference exact = drawn;
+    exact.user = false;
+    const std::string name = exact.name();
+    switch (kind) {
+    case FileKind::motor:
+        return zoo::motor_file(drawn);
+    case FileKind::board:
+        return zoo::board_file(drawn);
+    case FileKind::imperfection:
+        return zoo::imperfection_file(drawn);
+    case FileKind::scenario:
+    case FileKind::tuning:
+        break;
+    }
+    return zoo::scenario_file(drawn, {name, name, name});
+}
+
+Layer read_drawn(FileKind kind, const Reference &reference, const std::string &key)
+{
+    const std::optional<zoo::Reference> drawn = zoo::parse(reference.text);
+    const bool is_there =
+        drawn && kind != FileKind::tuning && (kind == FileKind::scenario || !drawn->user);
+    if (!is_there) {
+        fail(reference.origin, key, '"' + reference.text + '"', "is not in the zoo",
+             kind == FileKind::tuning ? allowed_references(kind) : zoo::allowed());
+    }
+    const std::string name = fmt::format("{}/{}.toml", drawn->name(), kind_name(kind));
+    Layer layer = read_layer(kind, name, drawn_text(kind, *drawn));
+    layer.provenance = drawn->name();
+    return layer;
+}
+
+// A file's, or that of a motor of the zoo.
+Layer read_reference(FileKind kind, const Reference &reference, const std::string &key)
+{
+    if (zoo::is_reference(reference.text)) {
+        return read_drawn(kind, reference, key);
+    }
+    const fs::path path = resolve(kind, reference.text, reference.base, key, reference.origin);
     Layer layer = read_layer(kind, display_name(path), read_bytes(path));
     layer.path = path;
+    layer.provenance = provenance_name(path);
     return layer;
 }
 
@@ -55,20 +98,18 @@ constexpr Chain BASES = {FileKind::scenario, "base", "is based on itself"};
 void read_chain(const Chain &chain, const Reference &reference, const std::string &key,
                 std::size_t depth, std::vector<Layer> &layers)
 {
-    const fs::path path =
-        resolve(chain.kind, reference.text, reference.base, key, reference.origin);
     if (depth > INCLUDE_DEPTH) {
         fail(reference.origin, key, '"' + reference.text + '"', chain.loop,
              fmt::format("at most {} levels", INCLUDE_DEPTH));
     }
-    Layer layer = read_file(chain.kind, path);
+    Layer layer = read_reference(chain.kind, reference, key);
     const auto found = layer.top.find(chain.key);
     if (found != layer.top.end()) {
         const Node &named = found->second;
         const bool is_list = named.kind == Node::Kind::list;
         for (const Node &item : is_list ? named.items : std::vector<Node>{named}) {
-            read_chain(chain, {item.text, item.origin, path.parent_path()}, chain.key, depth + 1,
-                       layers);
+            read_chain(chain, {item.text, item.origin, layer.path.parent_path()}, chain.key,
+                       depth + 1, layers);
         }
     }
     layers.push_back(std::move(layer));
@@ -82,17 +123,25 @@ struct Sources {
     std::vector<Layer> overrides;
 };
 
+// A motor of the zoo brings its board along.
 void read_overrides(const std::vector<std::string> &set, Sources &sources)
 {
+    std::map<FileKind, Reference> chosen;
     for (const std::string &text : set) {
         Layer layer = read_override(text);
-        for (auto &[kind, reference] : sources.parts) {
-            const auto chosen = layer.top.find(kind_name(kind));
-            if (chosen != layer.top.end()) {
-                reference = {chosen->second.text, chosen->second.origin, ""};
+        for (const auto &[kind, reference] : sources.parts) {
+            const auto found = layer.top.find(kind_name(kind));
+            if (found != layer.top.end()) {
+                chosen[kind] = {found->second.text, found->second.origin, ""};
             }
         }
         sources.overrides.push_back(std::move(layer));
+    }
+    if (chosen.count(FileKind::motor) != 0 && zoo::is_reference(chosen[FileKind::motor].text)) {
+        chosen.insert({FileKind::board, chosen[FileKind::motor]});
+    }
+    for (const auto &[kind, reference] : chosen) {
+        sources.parts[kind] = reference;
     }
 }
 
@@ -197,9 +246,15 @@ std::string &source_name(SourceFiles &files, FileKind kind)
     return kind == FileKind::board ? files.board : files.tuning;
 }
 
+// Written for one drive: an override, a file outside of the data folder, what is drawn.
+bool is_users(const Layer &layer)
+{
+    return layer.path.empty() || is_own(layer.path);
+}
+
 Author author_of(const Layer &layer)
 {
-    if (layer.path.empty() || is_own(layer.path)) {
+    if (is_users(layer)) {
         return Author::user;
     }
     switch (layer.kind) {
@@ -263,12 +318,12 @@ std::vector<const Layer *> own_layers(const Sources &sources,
 {
     std::vector<const Layer *> own = scenario_layers(sources);
     for (const auto &[kind, home] : homes) {
-        if (kind == FileKind::board || is_own(home.path)) {
+        if (kind == FileKind::board || is_users(home)) {
             own.push_back(&home);
         }
     }
     for (const Layer &layer : sources.imperfections) {
-        if (is_own(layer.path)) {
+        if (is_users(layer)) {
             own.push_back(&layer);
         }
     }
@@ -281,11 +336,9 @@ Config assemble(const Sources &sources)
     Config config;
     std::map<FileKind, Layer> homes;
     for (const auto &[kind, reference] : sources.parts) {
-        const fs::path path =
-            resolve(kind, reference.text, reference.base, kind_name(kind), reference.origin);
-        homes[kind] = read_file(kind, path);
+        homes[kind] = read_reference(kind, reference, kind_name(kind));
         take(homes[kind], config);
-        source_name(config.sources, kind) = provenance_name(path);
+        source_name(config.sources, kind) = homes[kind].provenance;
     }
     for (const auto *layers : {&sources.scenario, &sources.imperfections, &sources.overrides}) {
         for (const Layer &layer : *layers) {
@@ -310,25 +363,18 @@ Config assemble(const Sources &sources)
     return config;
 }
 
-void name_sources(const std::vector<std::string> &with, const std::vector<std::string> &set,
-                  Config &config)
-{
-    for (const std::string &text : with) {
-        const fs::path path = resolve(FileKind::imperfection, text, "", "imperfection", WITH);
-        config.sources.imperfections.push_back(provenance_name(path));
-    }
-    config.sources.overrides = set;
-}
-
 Config finish(Sources &sources, const std::vector<std::string> &with,
               const std::vector<std::string> &set)
 {
+    std::vector<std::string> names;
     for (const std::string &text : with) {
         read_chain(INCLUDES, {text, WITH, ""}, "imperfection", 0, sources.imperfections);
+        names.push_back(sources.imperfections.back().provenance);
     }
     read_overrides(set, sources);
     Config config = assemble(sources);
-    name_sources(with, set, config);
+    config.sources.imperfections = std::move(names);
+    config.sources.overrides = set;
     return config;
 }
 
@@ -353,12 +399,13 @@ Config load_scenario(const std::string &id_or_path, const std::vector<std::strin
     Sources sources;
     read_chain(BASES, {id_or_path, COMMAND_LINE, ""}, "scenario", 0, sources.scenario);
     const fs::path path = sources.scenario.back().path;
+    const std::string provenance = sources.scenario.back().provenance;
     for (const FileKind kind : {FileKind::motor, FileKind::board, FileKind::tuning}) {
         sources.parts[kind] = part_of(sources.scenario, kind);
     }
     Config config = finish(sources, with, set);
-    config.scenario.id = path.stem().string();
-    config.sources.scenario = provenance_name(path);
+    config.scenario.id = path.empty() ? provenance : path.stem().string();
+    config.sources.scenario = provenance;
     return config;
 }
 
@@ -374,10 +421,9 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
 
 Config load_motor(const std::string &motor, const std::vector<std::string> &set)
 {
-    const fs::path path = resolve(FileKind::motor, motor, "", "motor", COMMAND_LINE);
-    const Layer home = read_file(FileKind::motor, path);
+    const Layer home = read_reference(FileKind::motor, {motor, COMMAND_LINE, ""}, "motor");
     Config config;
-    config.sources.motor = provenance_name(path);
+    config.sources.motor = home.provenance;
     config.sources.overrides = set;
     take(home, config);
     for (const std::string &text : set) {

@@ -21,7 +21,8 @@ struct Setting {
 struct Layer {
     FileKind kind = FileKind::scenario; // of a file
     std::string file;                   // as shown to the user
-    std::filesystem::path path;         // empty for an override
+    std::filesystem::path path;         // empty for what is no file
+    std::string provenance;             // what it is called on every machine; empty for an override
     std::vector<Setting> settings;      // checked
     std::map<std::string, Node> top; // of a scenario `base`, `motor`, `board`, `tuning`; `include`
     std::map<std::string, Node> extra;    // of a scenario: its lists, "accept"

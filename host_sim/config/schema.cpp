@@ -145,6 +145,7 @@ const std::vector<Field> FIELDS = {
 
     {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
     {"plant", "inductance_scale", "", 0.1, 10, OPTIONAL, plant<&P::inductance_scale>, "real motor / motor file"},
+    {"plant", "saliency_scale", "", 0.1, 10, OPTIONAL, plant<&P::saliency_scale>, "real L_q/L_d / motor file"},
     {"plant", "flux_scale", "", 0.1, 10, OPTIONAL, plant<&P::flux_scale>, "real motor / motor file"},
     {"plant", "inertia_scale", "", 0.01, 100, OPTIONAL, plant<&P::inertia_scale>, "real motor / motor file"},
     {"plant", "coulomb_friction_nm", "N·m", 0, 1000, OPTIONAL, plant<&P::coulomb_friction_nm>, "constant friction torque"},

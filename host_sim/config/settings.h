@@ -135,6 +135,7 @@ struct ModelScales {
 struct PlantSettings {
     double resistance_scale = 1;
     double inductance_scale = 1;
+    double saliency_scale = 1; // of L_q/L_d
     double flux_scale = 1;
     double inertia_scale = 1;
     double coulomb_friction_nm = 0;

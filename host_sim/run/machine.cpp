@@ -21,7 +21,7 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.pole_pairs = static_cast<unsigned>(motor.pole_pairs);
     cfg.resistance_ohm = motor.resistance_ohm * real.resistance_scale;
     cfg.inductance_d_h = motor.inductance_d_h * real.inductance_scale;
-    cfg.inductance_q_h = motor.inductance_q_h * real.inductance_scale;
+    cfg.inductance_q_h = motor.inductance_q_h * real.inductance_scale * real.saliency_scale;
     cfg.flux_linkage_wb = motor.flux_linkage_wb * real.flux_scale;
     cfg.inertia_kg_m2 = motor.inertia_kg_m2 * real.inertia_scale;
     cfg.viscous_friction_nm_s = motor.viscous_friction_nm_s;

@@ -58,7 +58,7 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "tunings/t.toml:7: speed_loop.kappa = 0.1: unknown key, did you mean observer.kappa?"},
         {"imperfections/hot.toml", "", "xyz = 1\n",
          "imperfections/hot.toml:4: plant.xyz = 1: unknown key; allowed: plant.resistance_scale, "
-         "plant.inductance_scale, plant.flux_scale, plant.inertia_scale, "
+         "plant.inductance_scale, plant.saliency_scale, plant.flux_scale, plant.inertia_scale, "
          "plant.coulomb_friction_nm, plant.emf_5th_pct, plant.emf_7th_pct, plant.cogging_pct, "
          "plant.cogging_order, plant.dead_time_s, plant.device_drop_v, "
          "plant.commutation_knee_a, plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "

@@ -31,7 +31,7 @@ WRITERS = {
     (GAINDESIGN, "design", "--json"): (),
 }
 WRITERS = {writer: settings for writer, settings in WRITERS.items() if writer[0] in PROGRAMS}
-# Each command that prints, but for the replay, which needs a recording.
+# Each command that prints, but for the replay, which needs a recording, and the zoo, which writes files only.
 PRINTERS = (
     (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
     (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
@@ -176,7 +176,13 @@ class FullOutput(unittest.TestCase):
     def test_each_command_is_looked_at_here(self):
         for program in PROGRAMS:
             looked_at = {command for one, command, *_ in PRINTERS if one == program}
-            self.assertEqual(set(commands_of(program)) - {"replay"}, looked_at)
+            self.assertEqual(set(commands_of(program)) - {"replay", "zoo"}, looked_at)
+
+    @unittest.skipUnless(NFCONFIG in PROGRAMS, "the zoo is nfconfig's")
+    def test_a_folder_for_the_zoo_that_is_none_is_named(self):
+        done = run(NFCONFIG, "zoo", "zoo:17", "--out", "/dev/full")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertIn("/dev/full/motor.toml: cannot write", done.stderr)
 
     def test_tables_are_refused(self):
         for command in PRINTERS:

@@ -37,10 +37,11 @@ BELOW = {
     "hal/mps2": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
     "hal/stm32g431": ["firmware/math", "firmware/drive", "firmware/record", "firmware/app", "hal", "hal/cortex_m"],
     "host_sim/plant": [],
+    "host_sim/zoo": ["host_sim/plant"],
 }
 CORE = [folder for folder in BELOW if folder.startswith("firmware/")]
 BELOW |= {
-    "host_sim/config": CORE,
+    "host_sim/config": [*CORE, "host_sim/zoo"],
     "host_sim/file": [],
     "host_sim/program": ["host_sim/file"],
     "host_sim/reference": [*CORE, "host_sim/config"],
