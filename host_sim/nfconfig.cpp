@@ -144,6 +144,7 @@ void print_lists()
         ids.push_back(info.id);
     }
     print_names("scenarios", ids);
+    print_names("zoo", {nf::zoo::allowed()});
 }
 
 // What the zoo has under a name, as files that refer to each other.

@@ -179,6 +179,20 @@ class FullOutput(unittest.TestCase):
             self.assertEqual(set(commands_of(program)) - {"replay", "zoo"}, looked_at)
 
     @unittest.skipUnless(NFCONFIG in PROGRAMS, "the zoo is nfconfig's")
+    def test_the_zoo_writes_files_that_refer_to_each_other(self):
+        with tempfile.TemporaryDirectory() as folder:
+            into = Path(folder) / "new"
+            done = run(NFCONFIG, "zoo", "zoo:17", "--out", into)
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
+            self.assertEqual({path.name for path in into.iterdir()}, {"motor.toml", "board.toml", "exact.toml", "user.toml"})
+            if MOTORSIM in PROGRAMS:
+                short = ("--set", "scenario.duration_s=0.5", "--set", "scenario.evaluate_from_s=0")
+                written, drawn = (run(MOTORSIM, "run", one, *short).stdout.partition("\n  motor")[2]
+                                  for one in (into / "user.toml", "zoo:17:user"))
+                self.assertEqual(written, drawn)
+                self.assertIn("flux_linkage_wb", written)
+
+    @unittest.skipUnless(NFCONFIG in PROGRAMS, "the zoo is nfconfig's")
     def test_a_folder_for_the_zoo_that_is_none_is_named(self):
         done = run(NFCONFIG, "zoo", "zoo:17", "--out", "/dev/full")
         self.assertEqual(done.returncode, BAD_INPUT)

@@ -77,7 +77,7 @@ class Draws(CampaignTest):
 
     def test_a_path_is_relative_to_the_file(self):
         found = self.load(MINE.replace('"campaign"', '"../own.toml"'))
-        self.assertEqual(found.scenario, str(self.folder.resolve().parent / "own.toml"))
+        self.assertEqual(found.drawn.scenario, str(self.folder.resolve().parent / "own.toml"))
 
     def test_trial_runs_reach_all_ends_and_options(self):
         for key, wanted in (("plant.inertia_scale", {"0.5", "2"}),
@@ -98,7 +98,7 @@ class Refusals(CampaignTest):
             self.assertEqual(load(name).name, name)
 
     def test_keys(self):
-        self.refused("runs =", "count =", "count: unknown key; allowed: title, scenario, with")
+        self.refused("runs =", "count =", "count: unknown key; allowed: title, scenario, with, zoo, classes")
         self.refused("runs = 6", "", "runs: is missing; allowed: a whole number, 1 to 10000000")
         self.refused("runs = 6", "runs = 0", "runs: is 0; allowed: a whole number, 1 to")
         self.refused("runs = 6", "runs = true", "runs: is true; allowed: a whole number")
@@ -126,14 +126,14 @@ class Refusals(CampaignTest):
                      r"vary\.plant\.inertia_scale: is also in \[set\]")
 
     def test_acceptance(self):
-        for wrong, says in (("locked = 3", "locked: unknown key; allowed: locked_pct, uncontrolled"),
+        for wrong, says in (("locked = 3", "locked: unknown key; allowed: locked_pct, uncontrolled, unnamed_pct"),
                             ("locked_pct = 101", "locked_pct: is 101; allowed: a number, 0 to 100"),
                             ("uncontrolled = 0.5", "uncontrolled: is 0.5; allowed: a whole numb")):
             self.refused("[vary]", f"[accept]\n{wrong}\n[vary]", rf"accept\.{says}")
 
     def test_files(self):
         self.refused("[vary]", "[vary", r".*line.*; expected TOML")
-        with self.assertRaisesRegex(CampaignError, "no campaign 'rubust'; allowed: everything, robust, smoke"):
+        with self.assertRaisesRegex(CampaignError, "no campaign 'rubust'; allowed: everything, robust, smoke, zoo, zoo_user"):
             load("rubust")
         with self.assertRaisesRegex(CampaignError, r"no\.toml: No such file.*; expected a camp"):
             load(str(self.folder / "no.toml"))

@@ -53,10 +53,11 @@ class Numbers(CampaignTest):
     def test_shares_tell_where_runs_fail(self):
         rows = [row(0, "uncontrolled", "0.9"), row(1, "failed safe", "0.95"),
                 row(2, "locked", "0.96"), row(3, "locked", "1.0"), row(4, "locked", "1.1")]
-        found = summary.shares(self.load(), rows, KEY)
+        axes = self.load().axes(rows)
+        found = summary.shares(axes[KEY], rows)
         self.assertEqual([round(share, 6) for share in found], [66.666667, 0, 0])
-        self.assertEqual(list(summary.ranking(self.load(), rows))[0], KEY)
-        self.assertNotIn("scenario.seed", summary.ranking(self.load(), rows))
+        self.assertEqual(list(summary.ranking(axes, rows))[0], KEY)
+        self.assertNotIn("scenario.seed", summary.ranking(axes, rows))
 
     def test_reasons_count_runs(self):
         rows = [row(0, "failed safe", faults=["OVERCURRENT@1", "OVERCURRENT@9"],

@@ -2,16 +2,19 @@
 """A campaign file: what is run, how often, what varies, and what is accepted."""
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from . import distributions
+from .axes import Axis
 from .distributions import DistributionError, is_number, shown, text_of
+from .zoo import VARIANTS, Zoo
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "host_sim" / "campaigns"
 RUNS_MAX = 10_000_000
 SEED_MAX = 2**63 - 1  # TOML's largest whole number
+ZOO_SEED_MAX = 2**32 - 1
 
 
 class CampaignError(Exception):
@@ -22,8 +25,45 @@ class CampaignError(Exception):
 class Accept:
     """What the campaign as a whole has to reach; None is no demand."""
 
-    locked_pct: float | None = None  # at least
-    uncontrolled: int | None = None  # runs, at most
+    locked_pct: float | None = None     # at least
+    uncontrolled: int | None = None     # runs, at most
+    unnamed_pct: float | None = None    # neither locked nor refused, without a named fault, at most
+    false_faults: int | None = None     # runs with a fault that names a broken part, at most
+    refused_formats: int | None = None  # motors that only a number format refuses, at most
+
+
+@dataclass(frozen=True)
+class Varied:
+    """One scenario, with other values of its keys in each run."""
+
+    scenario: str  # as motorsim takes it
+    sets: tuple    # imperfection sets, likewise
+    vary: dict     # distributions by key
+
+    def values(self, seed, run):
+        return distributions.values(self.vary, seed, run)
+
+    def corners(self):
+        count = max((distribution.corners for distribution in self.vary.values()), default=0)
+        return [{key: distribution.corner(number) for key, distribution in self.vary.items()}
+                for number in range(count)]
+
+    def words(self, values):
+        words = [self.scenario]
+        for name in self.sets:
+            words += ["--with", name]
+        return words, values
+
+    def settings(self):
+        named = {"scenario": self.scenario, "with": ", ".join(self.sets)}
+        return named | {f"vary.{key}": str(found) for key, found in self.vary.items()}
+
+    def axes(self, _):
+        return {key: Axis(found, lambda row, key=key: row["values"][key])
+                for key, found in self.vary.items()}
+
+    def refusal(self, _):
+        return None
 
 
 @dataclass(frozen=True)
@@ -31,38 +71,36 @@ class Campaign:
     name: str
     path: Path
     title: str
-    scenario: str  # as motorsim takes it
-    sets: tuple    # imperfection sets, likewise
+    drawn: Varied | Zoo  # what is run, and what differs from run to run
     runs: int
     seed: int
-    fixed: dict    # texts by key, the same in all runs
-    vary: dict     # distributions by key
+    fixed: dict          # texts by key, the same in all runs
     accept: Accept
 
     def values(self, run):
         """What varies, as texts by key; a function of the seed and the run's number alone."""
-        return distributions.values(self.vary, self.seed, run)
+        return self.drawn.values(self.seed, run)
 
     def corners(self):
         """Values of trial runs that reach both ends of every range, and every choice."""
-        count = max((distribution.corners for distribution in self.vary.values()), default=0)
-        return [{key: distribution.corner(number) for key, distribution in self.vary.items()}
-                for number in range(count)]
+        return self.drawn.corners()
 
     def arguments(self, values):
         """The arguments of motorsim for a run with these values."""
-        words = ["run", self.scenario]
-        for name in self.sets:
-            words += ["--with", name]
-        for key, text in {**self.fixed, **values}.items():
+        words, overrides = self.drawn.words(values)
+        words = ["run", *words]
+        for key, text in {**self.fixed, **overrides}.items():
             words += ["--set", f"{key}={text}"]
         return words
 
     def settings(self):
         """All that decides the result of a run of a given number, as texts by name."""
-        named = {"scenario": self.scenario, "with": ", ".join(self.sets), "seed": str(self.seed)}
-        named |= {f"set.{key}": text for key, text in self.fixed.items()}
-        return named | {f"vary.{key}": str(found) for key, found in self.vary.items()}
+        named = {f"set.{key}": text for key, text in self.fixed.items()}
+        return self.drawn.settings() | {"seed": str(self.seed)} | named
+
+    def axes(self, rows):
+        """What the runs can be sorted by, by name."""
+        return self.drawn.axes(rows)
 
 
 def names():
@@ -92,10 +130,25 @@ def load(reference):
     return Reader(path, document).campaign()
 
 
+def changed(campaign, seed, classes):
+    """With another seed, or other classes of a zoo, it is another campaign and has another name."""
+    if seed is not None:
+        most = ZOO_SEED_MAX if isinstance(campaign.drawn, Zoo) else SEED_MAX
+        if seed > most:
+            raise CampaignError(f"--seed: is {seed}; allowed: a whole number, 0 to {most}")
+        campaign = replace(campaign, seed=seed, name=f"{campaign.name}-seed{seed}")
+    if classes:
+        if not isinstance(campaign.drawn, Zoo):
+            raise CampaignError(f"--classes: {campaign.path} is no zoo; allowed: with one")
+        campaign = replace(campaign, drawn=replace(campaign.drawn, classes=classes),
+                           name=f"{campaign.name}-{'-'.join(classes)}")
+    return campaign
+
+
 class Reader:
     """Checks a file's document key by key."""
 
-    KEYS = ("title", "scenario", "with", "runs", "seed", "set", "vary", "accept")
+    KEYS = ("title", "scenario", "with", "zoo", "classes", "runs", "seed", "set", "vary", "accept")
 
     def __init__(self, path, document):
         self.path, self.document = path, document
@@ -108,15 +161,33 @@ class Reader:
             if key not in self.KEYS:
                 self.fail(key, f"unknown key; allowed: {', '.join(self.KEYS)}")
         fixed = {key: text_of(value) for key, value in self.flat("set", self.table("set"))}
+        is_zoo = "zoo" in self.document
+        return Campaign(
+            name=self.path.stem, path=self.path, title=self.text("title"),
+            drawn=self.zoo() if is_zoo else self.varied(fixed),
+            runs=self.whole("runs", 1, RUNS_MAX),
+            seed=self.whole("seed", 0, ZOO_SEED_MAX if is_zoo else SEED_MAX),
+            fixed=fixed, accept=self.accept())
+
+    def varied(self, fixed):
+        if "classes" in self.document:
+            self.fail("classes", "are those of a zoo; allowed: only with zoo")
         vary = self.vary()
         for key in vary:
             if key in fixed:
                 self.fail(f"vary.{key}", "is also in [set]; allowed: one of both")
-        return Campaign(
-            name=self.path.stem, path=self.path, title=self.text("title"),
-            scenario=self.placed(self.text("scenario")), sets=self.sets(),
-            runs=self.whole("runs", 1, RUNS_MAX), seed=self.whole("seed", 0, SEED_MAX),
-            fixed=fixed, vary=vary, accept=self.accept())
+        return Varied(self.placed(self.text("scenario")), self.sets(), vary)
+
+    def zoo(self):
+        for key in ("scenario", "with", "vary"):
+            if key in self.document:
+                self.fail(key, "stands beside zoo, which draws all of it; allowed: one of both")
+        variant, classes = self.document["zoo"], self.document.get("classes")
+        if variant not in VARIANTS:
+            self.wrong("zoo", variant, " or ".join(f'"{name}"' for name in VARIANTS))
+        if not isinstance(classes, list) or not classes or not all(isinstance(name, str) for name in classes):
+            self.wrong("classes", classes, "a list of classes of the zoo")
+        return Zoo(variant, tuple(classes))
 
     def text(self, key):
         value = self.document.get(key)
@@ -181,10 +252,10 @@ class Reader:
 
     def accept(self):
         table = self.table("accept")
-        checks = {
-            "locked_pct": (lambda x: is_number(x) and 0 <= x <= 100, "a number, 0 to 100 %"),
-            "uncontrolled": (lambda x: type(x) is int and x >= 0, "a whole number, 0 or more"),
-        }
+        share = (lambda x: is_number(x) and 0 <= x <= 100, "a number, 0 to 100 %")
+        count = (lambda x: type(x) is int and x >= 0, "a whole number, 0 or more")
+        checks = {"locked_pct": share, "uncontrolled": count, "unnamed_pct": share,
+                  "false_faults": count, "refused_formats": count}
         for key, value in table.items():
             if key not in checks:
                 self.fail(f"accept.{key}", f"unknown key; allowed: {', '.join(checks)}")

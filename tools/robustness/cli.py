@@ -12,8 +12,9 @@ from pathlib import Path
 from rich.console import Console
 
 from . import campaign as campaigns
-from . import files, progress, results, simulator, summary, tables
+from . import files, progress, results, simulator, summary, tables, zoo_summary
 from .campaign import ROOT, CampaignError
+from .zoo import Zoo
 
 HOLDS, NOT_MET, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 RUNS = ROOT / "build" / "campaigns"
@@ -25,6 +26,9 @@ the motor, another load, another rotor angle, other noise.
   tools/campaign run robust                     all its runs, on all cores; what is there is kept
   tools/campaign run robust --runs 200          the first 200; without --runs, the rest later
   tools/campaign run ./mine.toml --jobs 4       a campaign of your own, four runs at once
+  tools/campaign run zoo --runs 300             another motor on another board in each run
+  tools/campaign run zoo_user --seed 2 --classes servo,hub
+                                                such that differ from their files, of these classes
   tools/campaign run robust --scheduler tcp://node1:8786
                                                 on a Dask cluster (`dask scheduler`, `dask worker`)
   tools/campaign report robust                  tables and map again, from the results
@@ -36,10 +40,13 @@ it ended in a latched fault with the gates open, `held, off limits` when the rot
 end and a limit of accuracy is missed, else `uncontrolled`. The values of run 1234 depend on the
 campaign's seed and on 1234 alone: it is the same on every machine and in any order.
 
+A motor of the zoo may be `refused` too: by physics, or by the firmware's number formats.
+
 In build/campaigns/NAME:  runs.jsonl  results, a line a run, written as they come
                           runs.csv    the same as a table
                           map.png     which runs hold, by pairs of parameters
                           failures.txt  a command for each run that does not hold
+                          summary.json  of a zoo: the tables of its classes and numbers
 """
 EPILOG = """Exit status: 0 the campaign's [accept] holds; 1 it does not; 2 a file, a value or an
 argument is wrong, in one line; 130 after Ctrl-C. The same command goes on where it was stopped."""
@@ -63,6 +70,14 @@ FILE_HELP = """A campaign file:
   [accept]                         # exit status 1 unless
   locked_pct = 99.5                # at least so many are locked
   uncontrolled = 0                 # at most so many are uncontrolled
+  unnamed_pct = 0.1                # at most so many are held off limits or uncontrolled
+  false_faults = 0                 # of a zoo: at most so many faults name a part that is whole
+  refused_formats = 0              # of a zoo: at most so many motors do not fit a number format
+
+One over the zoo has zoo and classes in place of scenario, with and [vary]:
+
+  zoo = "exact"                    # each motor is as its file says; "user": off it as a user's is
+  classes = ["servo", "hub"]       # build/host/nfconfig list names them
 """
 
 
@@ -75,6 +90,15 @@ def whole(low):
     return parse
 
 
+def classes(text):
+    return tuple(text.split(","))
+
+
+def load(args):
+    """The campaign, with what the command line changes of it."""
+    return campaigns.changed(campaigns.load(args.campaign), args.seed, args.classes)
+
+
 def folder_of(args, campaign):
     return args.out or RUNS / campaign.name
 
@@ -84,16 +108,23 @@ def command_of(args):
     words = [str(ROOT / "tools" / "campaign"), "rerun", args.campaign]
     if args.motorsim != simulator.MOTORSIM:
         words += ["--motorsim", str(args.motorsim)]
+    if args.seed is not None:
+        words += ["--seed", str(args.seed)]
+    if args.classes:
+        words += ["--classes", ",".join(args.classes)]
     return lambda run: simulator.as_shell([*words, "--run", str(run)])
 
 
 def finish(args, campaign, rows):
     """Tables, files and map of these rows; the exit status."""
-    from . import fail_map
+    from . import fail_map, slice_map
+    is_zoo = isinstance(campaign.drawn, Zoo)
+    picture = slice_map if is_zoo else fail_map
     console = Console(width=None if sys.stdout.isatty() else 132)
     folder, command = folder_of(args, campaign), command_of(args)
     tables.show(console, campaign, rows, command)
-    paths = (*files.write(folder, campaign, rows, command), fail_map.write(folder, campaign, rows))
+    paths = [*files.write(folder, campaign, rows, command), picture.write(folder, campaign, rows)]
+    paths += [zoo_summary.write(folder, campaign, rows)] if is_zoo else []
     for path in paths:
         if path is not None:
             print(path)
@@ -101,7 +132,7 @@ def finish(args, campaign, rows):
 
 
 def run_command(args):
-    campaign = campaigns.load(args.campaign)
+    campaign = load(args)
     program = simulator.find(args.motorsim)
     simulator.try_out(program, campaign)
     wanted = range(min(args.runs or campaign.runs, campaign.runs))
@@ -128,7 +159,7 @@ def run_missing(args, campaign, program, missing, store):
 
 
 def report_command(args):
-    campaign = campaigns.load(args.campaign)
+    campaign = load(args)
     folder = folder_of(args, campaign)
     head, rows = results.read(folder)
     differs = results.changed_setting(head, campaign.settings())
@@ -141,7 +172,7 @@ def report_command(args):
 
 
 def rerun_command(args):
-    campaign = campaigns.load(args.campaign)
+    campaign = load(args)
     if args.run >= campaign.runs:
         raise CampaignError(f"--run {args.run}: {campaign.path} has fewer; allowed: 0 to "
                             f"{campaign.runs - 1}")
@@ -162,6 +193,8 @@ def list_command(_):
 def add_common(parser, function):
     parser.set_defaults(function=function)
     parser.add_argument("campaign", help="name (see `tools/campaign list`) or path of a .toml")
+    parser.add_argument("--seed", type=whole(0), metavar="N", help="another one than the file's")
+    parser.add_argument("--classes", type=classes, metavar="A,B", help="of a zoo: these alone")
     parser.add_argument("--motorsim", type=Path, default=simulator.MOTORSIM, metavar="FILE",
                         help="the simulator (build/host/motorsim)")
 

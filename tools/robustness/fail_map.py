@@ -20,7 +20,7 @@ from report.style import LIGHT, PRINT, settings
 from . import distributions, summary
 from .campaign import CampaignError
 from .distributions import Choice
-from .simulator import FAILED_SAFE, LOCKED, OFF_LIMITS, OUTCOMES, UNCONTROLLED
+from .simulator import FAILED_SAFE, LOCKED, OFF_LIMITS, OUTCOMES, REFUSED, UNCONTROLLED
 
 FILE = "map.png"
 DPI = 170
@@ -34,10 +34,10 @@ FOOT = ("How the runs of each slice of the range ended.",
         "a cell.  The parameter that matters most comes first.")
 PANEL, GAP, SIDE_MIN, SCALE_WIDTH = 1.3, 0.12, 7.6, 1.7  # inches, as the next line
 LEFT, BOTTOM, RIGHT, TOP = 0.75, 0.78, 0.75, 0.82
-COLOURS = {LOCKED: LIGHT["actual"], OFF_LIMITS: LIGHT["difference"], FAILED_SAFE: LIGHT["third"],
-           UNCONTROLLED: LIGHT["estimated"]}
-MARKERS = {LOCKED: ".", OFF_LIMITS: "^", FAILED_SAFE: "s", UNCONTROLLED: "x"}
-SCALE = {LOCKED: 1.6, OFF_LIMITS: 1.0, FAILED_SAFE: 0.9, UNCONTROLLED: 1.1}  # markers of about the same area
+COLOURS = {LOCKED: LIGHT["actual"], REFUSED: LIGHT["muted"], OFF_LIMITS: LIGHT["difference"],
+           FAILED_SAFE: LIGHT["third"], UNCONTROLLED: LIGHT["estimated"]}
+MARKERS = {LOCKED: ".", REFUSED: "d", OFF_LIMITS: "^", FAILED_SAFE: "s", UNCONTROLLED: "x"}
+SCALE = {LOCKED: 1.6, REFUSED: 0.9, OFF_LIMITS: 1.0, FAILED_SAFE: 0.9, UNCONTROLLED: 1.1}  # of about the same area
 PALE = 0.35             # the locked part of a slice: it is the ground
 POINTS_AREA = 9000      # of all markers of a panel
 CHOICE_LETTERS = 10
@@ -89,10 +89,31 @@ def keep_inside(axis, sides, align):
             getattr(text, align)(side)
 
 
+def draw_slices(ax, places, outcomes, edges):
+    """How the runs of each slice of an axis ended, on top of each other."""
+    total = np.histogram(places, edges)[0]
+    base = np.zeros(len(total))
+    for outcome in reversed(OUTCOMES):
+        found = np.histogram(places[outcomes == outcome], edges)[0]
+        top = base + np.divide(found, total, out=np.zeros(len(total)), where=total > 0)
+        ax.stairs(top, edges, baseline=base, fill=True, color=COLOURS[outcome],
+                  alpha=PALE if outcome == LOCKED else 1.0, linewidth=0)
+        base = top
+    ax.grid(False)
+
+
+def legend_handles(rows):
+    return [Line2D([], [], linestyle="none", marker=MARKERS[count.outcome],
+                   color=COLOURS[count.outcome], markersize=6,
+                   label=f"{count.outcome}: {count.runs} ({count.percent:.1f} %)")
+            for count in summary.counts(rows)]
+
+
 class Map:
     def __init__(self, campaign, rows):
         self.campaign, self.rows = campaign, rows
-        self.keys = list(summary.ranking(campaign, rows))
+        self.axes = campaign.axes(rows)
+        self.keys = list(summary.ranking(self.axes, rows))
         self.panel = max(PANEL, SIDE_MIN / len(self.keys))
         self.outcomes = np.array([row["outcome"] for row in rows])
         self.places = {key: self.places_of(key) for key in self.keys}
@@ -103,8 +124,8 @@ class Map:
 
     def places_of(self, key):
         """Where the runs lie on the axis; those of one choice spread over its slot."""
-        distribution = self.campaign.vary[key]
-        places = np.array([distribution.place(row["values"][key]) for row in self.rows])
+        distribution = self.axes[key].distribution
+        places = np.array([self.axes[key].place(row) for row in self.rows])
         if isinstance(distribution, Choice):
             spread = [distributions.share(self.campaign.seed, row["run"], f"{key} within its slot")
                       for row in self.rows]
@@ -129,7 +150,7 @@ class Map:
         key_x, key_y = self.keys[column], self.keys[row]
         ax.set(xlim=(0, 1), ylim=(0, 1))
         if row == column:
-            self.draw_slices(ax, key_x)
+            draw_slices(ax, self.places[key_x], self.outcomes, self.edges(key_x, self.slices))
         elif row > column:
             self.draw_points(ax, key_x, key_y)
         else:
@@ -139,22 +160,10 @@ class Map:
 
     def edges(self, key, count):
         """Of `count` equal parts of an axis; of a choice, one part for each option."""
-        distribution = self.campaign.vary[key]
+        distribution = self.axes[key].distribution
         if isinstance(distribution, Choice):
             count = len(distribution.options)
         return np.linspace(0, 1, count + 1)
-
-    def draw_slices(self, ax, key):
-        edges = self.edges(key, self.slices)
-        total = np.histogram(self.places[key], edges)[0]
-        base = np.zeros(len(total))
-        for outcome in reversed(OUTCOMES):
-            found = np.histogram(self.places[key][self.outcomes == outcome], edges)[0]
-            top = base + np.divide(found, total, out=np.zeros(len(total)), where=total > 0)
-            ax.stairs(top, edges, baseline=base, fill=True, color=COLOURS[outcome],
-                      alpha=PALE if outcome == LOCKED else 1.0, linewidth=0)
-            base = top
-        ax.grid(False)
 
     def draw_points(self, ax, key_x, key_y):
         """The rarer an outcome, the later it is drawn and the more it shows."""
@@ -178,7 +187,7 @@ class Map:
 
     def name_x(self, ax, row, column):
         key = self.keys[column]
-        ax.set_xticks(*ticks(key, self.campaign.vary[key]))
+        ax.set_xticks(*ticks(key, self.axes[key].distribution))
         last = row == len(self.keys) - 1
         ax.tick_params(labelbottom=last, bottom=last)
         if last:
@@ -194,7 +203,7 @@ class Map:
             if row == 0:
                 ax.set_ylabel("% of runs", labelpad=2)
             return
-        ax.set_yticks(*ticks(key, self.campaign.vary[key]))
+        ax.set_yticks(*ticks(key, self.axes[key].distribution))
         right = row < column
         if right:
             ax.yaxis.tick_right()
@@ -213,11 +222,7 @@ class Map:
                  va="top", fontsize=PRINT.font + 2)
         fig.text(LEFT / width, 0.08 / height, FOOT[len(self.keys) > 1], color=LIGHT["muted"],
                  fontsize=PRINT.font - 1)
-        counts = summary.counts(self.rows)
-        handles = [Line2D([], [], linestyle="none", marker=MARKERS[count.outcome],
-                          color=COLOURS[count.outcome], markersize=6,
-                          label=f"{count.outcome}: {count.runs} ({count.percent:.1f} %)")
-                   for count in counts]
+        handles = legend_handles(self.rows)
         fig.legend(handles=handles, loc="upper left", ncols=len(handles), frameon=False,
                    bbox_to_anchor=(LEFT / width, 1 - 0.32 / height), borderaxespad=0,
                    handletextpad=0.2, columnspacing=1.4, borderpad=0)
@@ -238,13 +243,17 @@ class Map:
 
 def write(folder, campaign, rows):
     """The path of the picture, or None where nothing but the seed varies."""
-    if not summary.ranking(campaign, rows):
+    if not summary.ranking(campaign.axes(rows), rows):
         return None
+    return save(folder, lambda: Map(campaign, rows).figure())
+
+
+def save(folder, draw):
+    """The path of the picture that `draw` makes."""
+    path = folder / FILE
     with matplotlib.rc_context(settings(PRINT)):
-        figure = Map(campaign, rows).figure()
-        path = folder / FILE
         try:
-            figure.savefig(path, dpi=DPI, metadata={"Software": None})
+            draw().savefig(path, dpi=DPI, metadata={"Software": None})
         except OSError as error:
             raise CampaignError(f"{path}: {error.strerror}; "
                                 "expected a place to write to") from error

@@ -24,13 +24,24 @@ def cell(value):
     return "" if value is None else value
 
 
+def flat(metrics):
+    """Those within a metric get its name before theirs."""
+    for name, value in metrics.items():
+        if isinstance(value, dict):
+            yield from ((f"{name}.{inner}", found) for inner, found in flat(value))
+        else:
+            yield name, value
+
+
 def table_of(campaign, rows):
     """Header and cells: the run, how it ended, what was varied, all metrics."""
-    metrics = list({name: None for row in rows for name in row["metrics"]})
-    yield ["run", "outcome", *campaign.vary, *metrics]
-    for row in rows:
-        yield [row["run"], row["outcome"], *(row["values"][key] for key in campaign.vary),
-               *(cell(row["metrics"].get(name)) for name in metrics)]
+    varied = list(campaign.values(0))
+    found = [dict(flat(row["metrics"])) for row in rows]
+    metrics = list({name: None for one in found for name in one})
+    yield ["run", "outcome", *varied, *metrics]
+    for row, one in zip(rows, found, strict=True):
+        yield [row["run"], row["outcome"], *(row["values"][key] for key in varied),
+               *(cell(one.get(name)) for name in metrics)]
 
 
 def write(folder, campaign, rows, command_of):

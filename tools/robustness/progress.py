@@ -10,11 +10,11 @@ from rich.progress import (BarColumn, MofNCompleteColumn, Progress, ProgressColu
 from rich.table import Column
 from rich.text import Text
 
-from .simulator import OUTCOMES
+from .simulator import OUTCOMES, REFUSED
 
 LINES = 10     # of a whole campaign without a terminal
 QUIET_S = 2.0  # between two of them at least; the last always comes
-STYLES = dict(zip(OUTCOMES, ("blue", "magenta", "yellow", "red")))
+STYLES = dict(zip(OUTCOMES, ("blue", "cyan", "magenta", "yellow", "red")))
 
 
 class RateColumn(ProgressColumn):
@@ -22,12 +22,17 @@ class RateColumn(ProgressColumn):
         return Text("" if task.speed is None else f"{task.speed:.1f}/s")
 
 
+def seen(counts):
+    """The outcomes that are shown: only a motor of the zoo is ever refused."""
+    return [outcome for outcome in OUTCOMES if outcome != REFUSED or counts[REFUSED]]
+
+
 def counts_text(counts):
-    return ", ".join(f"{counts[outcome]} {outcome}" for outcome in OUTCOMES)
+    return ", ".join(f"{counts[outcome]} {outcome}" for outcome in seen(counts))
 
 
 def counts_markup(counts):
-    return " ".join(f"[{STYLES[outcome]}]{counts[outcome]} {outcome}[/]" for outcome in OUTCOMES)
+    return " ".join(f"[{STYLES[outcome]}]{counts[outcome]} {outcome}[/]" for outcome in seen(counts))
 
 
 class Lines:

@@ -13,8 +13,8 @@ from .campaign import ROOT, CampaignError
 
 MOTORSIM = ROOT / "build" / "host" / "motorsim"
 BAD_INPUT = 2
-OUTCOMES = LOCKED, OFF_LIMITS, FAILED_SAFE, UNCONTROLLED = (
-    "locked", "held, off limits", "failed safe", "uncontrolled")
+OUTCOMES = LOCKED, REFUSED, OFF_LIMITS, FAILED_SAFE, UNCONTROLLED = (
+    "locked", "refused", "held, off limits", "failed safe", "uncontrolled")
 KINDS = ("motors", "boards", "tunings", "imperfections", "scenarios")
 # Of motorsim's results, those that are kept: all but what a campaign states itself.
 NOT_KEPT = ("scenario", "with", "notes", "seed", "saturations")
@@ -42,7 +42,8 @@ def data_files(campaign):
     """All files that a run may read: those of the data folder, and what the campaign names."""
     folder = Path(os.environ.get("NEUROFOC_DATA") or ROOT / "host_sim").resolve()
     found = {path for kind in KINDS for path in (folder / kind).glob("*.toml")}
-    found |= {path for path in map(Path, (campaign.scenario, *campaign.sets)) if path.is_file()}
+    words, _ = campaign.drawn.words(campaign.values(0))
+    found |= {path for path in map(Path, words) if path.is_file()}
     return sorted(map(str, found))
 
 
@@ -57,6 +58,9 @@ def try_out(simulator, campaign):
 
 def result_of(campaign, status, output, message):
     """The metrics that a run has printed; refuses a run without."""
+    refusal = campaign.drawn.refusal(message) if status == BAD_INPUT else None
+    if refusal:
+        return refusal
     if status == BAD_INPUT:
         reason = message.removeprefix("motorsim: ").removeprefix("--set: ")
         raise CampaignError(f"{campaign.path}: {reason}")
@@ -68,14 +72,18 @@ def result_of(campaign, status, output, message):
         raise CampaignError(f"motorsim: exit status {status}, {message or 'no message'}; "
                             "expected a run's results as JSON") from error
     if "accepted" not in metrics:
-        raise CampaignError(f"{campaign.path}: scenario {campaign.scenario} has no limits for "
-                            "these imperfection sets; expected [accept.any] in it")
+        scenario = campaign.drawn.words(campaign.values(0))[0][0]
+        raise CampaignError(f"{campaign.path}: scenario {scenario} has no limits for these "
+                            "imperfection sets; expected [accept.any] in it")
     return metrics
 
 
 def outcome(metrics):
     """How a run ended: within the scenario's limits, else in a latched fault with open gates, else
-    with the rotor held all the time, only not as well as the limits ask."""
+    with the rotor held all the time, only not as well as the limits ask. A motor of the zoo may be
+    refused."""
+    if "refused" in metrics:
+        return REFUSED
     if metrics.get("accepted"):
         return LOCKED
     if metrics["state_final"] == "FAULT" and not metrics["gates_enabled_final"]:

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .distributions import is_number
-from .simulator import LOCKED, OUTCOMES, UNCONTROLLED
+from . import zoo
+from .simulator import LOCKED, OFF_LIMITS, OUTCOMES, REFUSED, UNCONTROLLED
 
 SURE = 1.96  # standard deviations to either side hold 95 %
 QUANTILES = (50, 95, 99)
@@ -63,9 +64,11 @@ def interval(hits, count):
 
 
 def counts(rows):
+    """Of each outcome; only a motor of the zoo is ever refused."""
     found = Counter(row["outcome"] for row in rows)
     return [Count(outcome, found[outcome], 100 * found[outcome] / len(rows),
-                  *interval(found[outcome], len(rows))) for outcome in OUTCOMES]
+                  *interval(found[outcome], len(rows)))
+            for outcome in OUTCOMES if outcome != REFUSED or found[REFUSED]]
 
 
 def measured(rows, name):
@@ -104,6 +107,8 @@ def reasons(rows):
 def reason(row):
     """Why a run is none that holds, in a few words."""
     metrics = row["metrics"]
+    if row["outcome"] == REFUSED:
+        return metrics["refused"]
     texts = [re.sub(r", limit: .*", "", text) for text in metrics.get("failed_limits", ())]
     return ", ".join([*metrics.get("faults", ()), *texts])
 
@@ -114,18 +119,18 @@ def failures(rows):
                   key=lambda row: (-OUTCOMES.index(row["outcome"]), row["run"]))
 
 
-def part_of(distribution, row, key, parts):
-    return min(int(distribution.place(row["values"][key]) * parts), parts - 1)
+def part_of(axis, row, parts):
+    return min(int(axis.place(row) * parts), parts - 1)
 
 
-def shares(campaign, rows, key):
-    """Percent of the runs that do not hold, in each part of a parameter's range; NaN without runs."""
-    hits, total = np.zeros(PARTS), np.zeros(PARTS)
+def shares(axis, rows, parts=PARTS):
+    """Percent of the runs that do not hold, in each part of an axis; NaN without runs."""
+    hits, total = np.zeros(parts), np.zeros(parts)
     for row in rows:
-        part = part_of(campaign.vary[key], row, key, PARTS)
+        part = part_of(axis, row, parts)
         total[part] += 1
         hits[part] += row["outcome"] != LOCKED
-    return 100 * np.divide(hits, total, out=np.full(PARTS, np.nan), where=total > 0)
+    return 100 * np.divide(hits, total, out=np.full(parts, np.nan), where=total > 0)
 
 
 def spread(found):
@@ -134,22 +139,26 @@ def spread(found):
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def ranking(campaign, rows):
-    """The shares by parameter; what matters most comes first. A seed has no order to speak of."""
-    found = {key: shares(campaign, rows, key) for key in campaign.vary if key != SEED}
+def ranking(axes, rows, parts=PARTS):
+    """The shares by axis; what matters most comes first. A seed has no order to speak of."""
+    found = {key: shares(axis, rows, parts) for key, axis in axes.items() if key != SEED}
     return dict(sorted(found.items(), key=lambda item: -spread(item[1])))
 
 
 def demands(campaign, rows):
     """The campaign's acceptance, each demand with what was found."""
-    found = {count.outcome: count for count in counts(rows)}
+    outcomes = Counter(row["outcome"] for row in rows)
+    unnamed = outcomes[UNCONTROLLED] + outcomes[OFF_LIMITS]
+    found = {
+        "locked_pct": (100 * outcomes[LOCKED] / len(rows), "≥"),
+        "uncontrolled": (outcomes[UNCONTROLLED], "≤"),
+        "unnamed_pct": (100 * unnamed / len(rows), "≤"),
+        "false_faults": (sum(bool(zoo.false_faults(row)) for row in rows), "≤"),
+        "refused_formats": (sum(row["metrics"].get("refused_for") == zoo.FOR_FORMAT for row in rows), "≤"),
+    }
     made = []
-    wanted = campaign.accept.locked_pct
-    if wanted is not None:
-        percent = found[LOCKED].percent
-        made.append(Demand("locked_pct", percent, wanted, percent >= wanted, "≥"))
-    most = campaign.accept.uncontrolled
-    if most is not None:
-        runs = found[UNCONTROLLED].runs
-        made.append(Demand("uncontrolled", runs, most, runs <= most, "≤"))
+    for name, (value, sign) in found.items():
+        limit = getattr(campaign.accept, name)
+        if limit is not None:
+            made.append(Demand(name, value, limit, value >= limit if sign == "≥" else value <= limit, sign))
     return made

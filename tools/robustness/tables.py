@@ -6,9 +6,10 @@ import math
 from rich.table import Table
 from rich.text import Text
 
-from . import summary
+from . import summary, zoo_tables
 from .progress import STYLES
 from .simulator import LOCKED
+from .zoo import Zoo
 
 SHOWN_FAILURES = 8
 
@@ -49,8 +50,9 @@ def share_table(campaign, rows):
     """Where the runs gather that do not hold; what matters most comes first."""
     made = table("Not within the limits, % of the runs in each third of a parameter's range",
                  ("parameter", "range"), ("lowest", "middle", "highest"))
-    for key, found in summary.ranking(campaign, rows).items():
-        made.add_row(key, str(campaign.vary[key]),
+    axes = campaign.axes(rows)
+    for key, found in summary.ranking(axes, rows).items():
+        made.add_row(key, str(axes[key].distribution),
                      *("" if math.isnan(share) else f"{share:.1f}" for share in found))
     return made
 
@@ -79,6 +81,13 @@ def failure_lines(campaign, rows, command_of):
         yield Text(f"… and {len(failed) - SHOWN_FAILURES} more")
 
 
+def where_tables(campaign, rows):
+    """Where the runs gather that do not hold."""
+    if not isinstance(campaign.drawn, Zoo):
+        return (share_table(campaign, rows),)
+    return zoo_tables.class_table(campaign, rows), zoo_tables.number_table(campaign, rows)
+
+
 def show(console, campaign, rows, command_of):
     part = f"{len(rows)} of " if len(rows) < campaign.runs else ""
     console.print(f"{campaign.name}: {campaign.title}\n{part}{campaign.runs} runs, seed "
@@ -86,9 +95,13 @@ def show(console, campaign, rows, command_of):
     console.print(outcome_table(rows))
     console.print(figure_table(rows))
     if any(row["outcome"] != LOCKED for row in rows):
-        console.print(share_table(campaign, rows))
+        for one in where_tables(campaign, rows):
+            console.print(one)
         console.print(reason_table(rows))
         for line in failure_lines(campaign, rows, command_of):
             console.print(line, soft_wrap=True)
+    if isinstance(campaign.drawn, Zoo):
+        for line in zoo_tables.lines(rows):
+            console.print(line, highlight=False, soft_wrap=True)
     for line in demand_lines(campaign, rows):
         console.print(line, soft_wrap=True)
