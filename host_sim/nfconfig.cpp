@@ -155,21 +155,10 @@ void write_zoo(const std::string &name, const std::filesystem::path &folder)
         nf::fail({"command line", 0}, "motor", '"' + name + '"', "is not in the zoo",
                  nf::zoo::allowed());
     }
-    nf::zoo::Reference exact = *found;
-    exact.user = false;
-    nf::zoo::Reference user = *found;
-    user.user = true;
-    const nf::zoo::Names names = {"./motor.toml", "./board.toml", "./exact.toml"};
-    const std::vector<std::pair<const char *, std::string>> files = {
-        {"motor.toml", nf::zoo::motor_file(exact)},
-        {"board.toml", nf::zoo::board_file(exact)},
-        {"exact.toml", nf::zoo::scenario_file(exact, names)},
-        {"user.toml", nf::zoo::scenario_file(user, names)},
-    };
     std::error_code ignored; // a folder that is not there is found by the first file
     std::filesystem::create_directories(folder, ignored);
-    for (const auto &[file, text] : files) {
-        nf::write_text((folder / file).string(), text);
+    for (const nf::zoo::File &file : nf::zoo::files(*found)) {
+        nf::write_text((folder / file.name).string(), file.text);
     }
 }
 

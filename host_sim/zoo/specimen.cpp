@@ -35,13 +35,16 @@ constexpr double COPPER_EXPONENT = -0.35;
 constexpr Range COPPER_SPREAD = {0.6, 1.5};
 constexpr Range FRICTION = {0.005, 0.05}; // at rated speed, of the rated torque
 
+constexpr double TRIP_MAX = 0.97; // of full scale
+
 // A battery's or a small supply's bus has MOSFETs, a mains bus has IGBTs or slower MOSFETs of high voltage.
 constexpr double HIGH_VOLTAGE = 400;
 constexpr Range DEAD_TIME_LOW_S = {0.2e-6, 1e-6};
 constexpr Range DEAD_TIME_MAINS_S = {0.8e-6, 2e-6};
 constexpr Range DEAD_TIME_HIGH_S = {1e-6, 3e-6};
-constexpr double DEAD_TIME_SHARE = 0.03;       // of a period, at most
-constexpr Range DROP_V = {0, 2};               // of an IGBT; a MOSFET has R
+constexpr double DEAD_TIME_SHARE = 0.03; // of a period, at most
+constexpr Range DROP_V = {0, 2};         // of an IGBT; a MOSFET has R
+constexpr double ON_TIME_RESERVE = 1.02;
 constexpr Range SETTLING_S = {0.3e-6, 0.8e-6}; // of a shunt's amplifier
 
 // A motor of the file has φ, R and the bus a tenth better than a real one may have them: with half of the rated torque
@@ -84,14 +87,15 @@ Board draw_stage(const Draw &draw, double bus_v, double max_el)
     board.bus_max_v = bus_v * draw.uniform("largest bus", {1.15, 1.28});
     board.dead_time_s = draw_dead_time(draw, bus_v, board.pwm_frequency_hz);
     board.device_drop_v = bus_v <= LOW_VOLTAGE ? 0 : draw.uniform("drop", DROP_V);
+    board.settling_s = draw.uniform("settling", SETTLING_S);
     // Half of the shortest low-side on-time, a quarter of the margin, holds dead time and settling.
-    const double on_time_s = board.dead_time_s + draw.uniform("settling", SETTLING_S);
+    const double on_time_s = ON_TIME_RESERVE * (board.dead_time_s + board.settling_s);
     board.duty_margin_pct = 4 * board.pwm_frequency_hz * on_time_s / PER_CENT;
     board.offset_samples_log2 = draw.whole("samples of an offset", 6, 10);
     return board;
 }
 
-// The comparators see the ripple of the PWM, the converter does not.
+// The comparators see the ripple of the PWM, the converter does not; their level is within its range.
 void add_sensing(const Draw &draw, const Motor &motor, Board &board)
 {
     const double max_current_a = motor.max_current_a;
@@ -101,7 +105,8 @@ void add_sensing(const Draw &draw, const Motor &motor, Board &board)
     const double level = draw.uniform("over-current", {1.15, 0.92 * reserve});
     board.current_full_scale_a = max_current_a * reserve;
     board.overcurrent_a = max_current_a * level;
-    board.trip_a = board.overcurrent_a * draw.uniform("trip", {1.02, 1.3}) + ripple_a;
+    board.trip_a = std::min(board.overcurrent_a * draw.uniform("trip", {1.02, 1.3}) + ripple_a,
+                            TRIP_MAX * board.current_full_scale_a);
     board.offset_max_a = board.current_full_scale_a * draw.uniform("largest offset", {0.02, 0.05});
     board.name = fmt::format("{} V, {:.3g} A", board.bus_nominal_v, board.current_full_scale_a);
 }

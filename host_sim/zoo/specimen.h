@@ -59,6 +59,7 @@ struct Board {
     double dead_time_s = 0;
     double device_drop_v = 0;
     int offset_samples_log2 = 0;
+    double settling_s = 0; // low side on before its shunt can be sampled
 };
 
 struct Specimen {

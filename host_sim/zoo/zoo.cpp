@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "zoo.h"
 
+#include "binding.h"
 #include "errors.h"
-#include "specimen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,11 @@ namespace
 constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
 constexpr double TIMER_CLOCK_HZ = 170e6;
 constexpr int ADC_BITS = 12;
+// A thermistor of 10 kΩ at 25 °C above 10 kΩ.
+const char *const TEMPERATURE_SENSOR =
+    "temperature_points_c = [-20, 0, 20, 40, 60, 80, 100, 120]\n"
+    "temperature_points_pct = [5.9, 14.28, 27.92, 44.72, 60.73, 73.31, 82.11, 87.91]\n"
+    "temperature_max_c = 100\n";
 
 // The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one where
 // it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
@@ -85,6 +90,19 @@ std::string error_tables(const Errors &errors, const Specimen &specimen)
                        errors.adc_offset_lsb[1]) +
            fmt::format("adc_gain_error_pct = [{:.4g}, {:.4g}]\n", errors.adc_gain_error_pct[0],
                        errors.adc_gain_error_pct[1]);
+}
+
+std::string binding_lines(const Binding &binding, const Board &board)
+{
+    constexpr double ns = 1e9;
+    return line("adc_settling_ns", board.settling_s * ns) +
+           line("adc_sampling_ns", binding.sampling_s * ns) +
+           text_line("break_polarity", binding.falls ? "active_low" : "active_high") +
+           line("shunt_ohm", binding.shunt_ohm) + line("amplifier_gain", binding.amplifier_gain) +
+           line("amplifier_zero_v", binding.amplifier_zero_v) +
+           fmt::format("pga_gain = {}\n", binding.pga_gain) +
+           line("adc_reference_v", binding.adc_reference_v) +
+           line("bus_divider", binding.bus_divider);
 }
 
 // What happens when, in seconds after the drive was asked to run.
@@ -187,7 +205,8 @@ std::string motor_file(const Reference &reference)
 
 std::string board_file(const Reference &reference)
 {
-    const Board board = specimen_of(reference).board;
+    const Specimen specimen = specimen_of(reference);
+    const Board &board = specimen.board;
     return head(reference) + "[board]\n" + text_line("name", board.name) +
            line("pwm_frequency_hz", board.pwm_frequency_hz) +
            line("timer_clock_hz", TIMER_CLOCK_HZ) + fmt::format("adc_bits = {}\n", ADC_BITS) +
@@ -198,7 +217,9 @@ std::string board_file(const Reference &reference)
            line("trip_a", board.trip_a) + line("offset_max_a", board.offset_max_a) +
            line("duty_margin_pct", board.duty_margin_pct) + line("dead_time_s", board.dead_time_s) +
            line("device_drop_v", board.device_drop_v) +
-           fmt::format("offset_samples_log2 = {}\n", board.offset_samples_log2);
+           fmt::format("offset_samples_log2 = {}\n", board.offset_samples_log2) +
+           TEMPERATURE_SENSOR + "\n[hal]\n" +
+           binding_lines(draw_binding(Draw(reference.key()), specimen), board);
 }
 
 std::string scenario_file(const Reference &reference, const Names &names)
@@ -210,6 +231,21 @@ std::string imperfection_file(const Reference &reference)
 {
     const Specimen specimen = specimen_of(reference);
     return head(reference) + error_tables(draw_errors(Draw(reference.key()), specimen), specimen);
+}
+
+std::vector<File> files(const Reference &reference)
+{
+    const Names names = {"./motor.toml", "./board.toml", "./exact.toml"};
+    Reference exact = reference;
+    exact.user = false;
+    Reference user = reference;
+    user.user = true;
+    return {
+        {"motor.toml", motor_file(exact)},
+        {"board.toml", board_file(exact)},
+        {"exact.toml", scenario_file(exact, names)},
+        {"user.toml", scenario_file(user, names)},
+    };
 }
 
 } // namespace nf::zoo

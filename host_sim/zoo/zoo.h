@@ -5,6 +5,7 @@
 #include "reference.h"
 
 #include <string>
+#include <vector>
 
 namespace nf::zoo
 {
@@ -22,6 +23,12 @@ std::string board_file(const Reference &reference);
 // Start, 55 % and 100 % of rated speed, half of the rated torque on and off, standstill, −10 %: the real motor is what
 // its file says, or a user's, which differs from it.
 std::string scenario_file(const Reference &reference, const Names &names);
+// All of them under their names, motor.toml, board.toml, exact.toml and user.toml, which refer to each other.
+struct File {
+    const char *name;
+    std::string text;
+};
+std::vector<File> files(const Reference &reference);
 // What a user's motor and board differ by, as a set of imperfections.
 std::string imperfection_file(const Reference &reference);
 

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: MIT
 """replay.random_motors: whatever motor and board one buys, it is refused in the user's terms or it works as the shipped ones do.
 
-test_random_motors.py TRY_MOTORS COMPILER [COUNT [SEED]]: draws COUNT motors with their boards, and TRY_MOTORS reads, records
-and replays each. COMPILER compiles board.c of the STM32G431 and about_t with the headers of each.
+test_random_motors.py TRY_MOTORS COMPILER [COUNT [SEED]]: TRY_MOTORS writes the files of COUNT motors of the zoo, reads them, records
+and replays a run of each. COMPILER compiles board.c of the STM32G431 and about_t with the headers of each.
 """
 
 import json
-import math
-import random
 import re
 import subprocess
 import sys
@@ -16,8 +14,6 @@ import tomllib
 import unittest
 from pathlib import Path
 
-import random_motors
-
 TRY_MOTORS, COMPILER = sys.argv[1:3]
 COUNT = int(sys.argv[3]) if len(sys.argv) > 3 else 1000
 SEED = int(sys.argv[4]) if len(sys.argv) > 4 else 1
@@ -25,34 +21,11 @@ ROOT = Path(__file__).resolve().parents[2]
 INCLUDES = ("hal/stm32g431", "hal", "firmware/app", "firmware/drive", "firmware/config", "firmware/protect", "firmware/control",
             "firmware/math", "firmware/math/port", "firmware/math/port/generic")
 
-REFUSAL = re.compile(r"(?P<file>.+?\.toml):(?P<line>\d+): (?P<key>[a-z_0-9.]+) = (?P<value>\S+): .+; allowed: .+")
-# Of the 2000 motors of the seeds 1 and 2 1699 are accepted. Another draw of COUNT is within three standard deviations of that
-# share: beyond, a rule refuses what it did not, or one that did has gone.
-ACCEPTED = 1699 / 2000
-ACCEPTED_ERROR = 3 * math.sqrt(ACCEPTED * (1 - ACCEPTED) / COUNT)
+G431_CLOCK_HZ = 170_000_000
 LEAST_FRAMES = 64  # the recorder's ticks behind a fault
 # Half of a unit that a scale is recorded in: the tick of 25 us in ps, 0.5 A and 10 V in millionths.
 TICK_ERROR = 0.5 / 25e6
 SCALE_ERROR = 0.5 / 0.5e6
-
-
-def draw(folder):
-    rng = random.Random(SEED)
-    folders = [folder / f"{k:04}" for k in range(COUNT)]
-    for one in folders:
-        random_motors.write_case(rng, one)
-    return folders
-
-
-def improper(line):
-    """What a user could not work with in a refusal; None: nothing."""
-    found = REFUSAL.fullmatch(line)
-    if found is None:
-        return "is not one line of FILE:LINE: KEY = VALUE: what is wrong; allowed: RANGE"
-    written = Path(found["file"]).read_text(encoding="utf-8").splitlines()[int(found["line"]) - 1]
-    key, _, value = written.partition("#")[0].partition(" = ")
-    same = key == found["key"].split(".")[-1] and float(value) == float(found["value"])
-    return None if same else f"does not stand there, but: {written}"
 
 
 ABOUT = ("rotation.pole_pairs", "rotation.tick_ps", "current_full_scale_ua", "bus_full_scale_uv")
@@ -88,19 +61,15 @@ class RandomMotors(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
-        folders = draw(Path(cls.folder.name))
-        run = subprocess.run([TRY_MOTORS, *folders], capture_output=True, text=True, check=True)
+        run = subprocess.run([TRY_MOTORS, cls.folder.name, "0", str(COUNT), str(SEED)], capture_output=True, text=True,
+                             check=True)
+        folders = [Path(cls.folder.name) / str(number) for number in range(COUNT)]
         outcomes = dict(zip(folders, map(json.loads, run.stdout.splitlines()), strict=True))
-        cls.refused = {one: out["refused"] for one, out in outcomes.items() if "refused" in out}
+        cls.refused = [out["refused"] for out in outcomes.values() if "refused" in out]
         cls.accepted = {one: out for one, out in outcomes.items() if "refused" not in out}
-        print(f"{COUNT} motors: {len(cls.accepted)} accepted, {len(cls.refused)} refused")
 
-    def test_as_large_a_share_is_accepted_as_of_the_motors_that_were_measured(self):
-        self.assertAlmostEqual(len(self.accepted) / COUNT, ACCEPTED, delta=ACCEPTED_ERROR)
-
-    def test_each_refusal_names_the_users_line_and_what_is_allowed(self):
-        bad = [f"{line}\n  {why}" for line in self.refused.values() if (why := improper(line))]
-        self.assertEqual(bad, [])
+    def test_each_is_accepted(self):
+        self.assertEqual(self.refused, [])
 
     def test_each_recording_replays_to_the_same_hash(self):
         for folder, out in self.accepted.items():
@@ -132,13 +101,13 @@ class RandomMotors(unittest.TestCase):
         for folder, made in self.boards():
             with self.subTest(folder.name):
                 motor, board = written(folder, "motor"), written(folder, "board")
-                half_period = random_motors.G431_CLOCK_HZ / 2 / board["pwm_frequency_hz"]
+                half_period = G431_CLOCK_HZ / 2 / board["pwm_frequency_hz"]
                 self.assertEqual(made["rotation.pole_pairs"], motor["pole_pairs"])
                 self.assertAlmostEqual(made["rotation.tick_ps"] * board["pwm_frequency_hz"] / 1e12, 1,
                                        delta=0.5 / half_period + TICK_ERROR)
                 self.assertAlmostEqual(made["current_full_scale_ua"] / 1e6, board["current_full_scale_a"], delta=1e-6)
                 self.assertAlmostEqual(made["bus_full_scale_uv"] / 1e6, board["bus_full_scale_v"], delta=1e-6)
-                self.assertGreaterEqual(made["dead_time_ticks"] / random_motors.G431_CLOCK_HZ,
+                self.assertGreaterEqual(made["dead_time_ticks"] / G431_CLOCK_HZ,
                                         board["dead_time_s"] * (1 - 1e-9))
                 self.assertTrue(0 < made["trip_count"] < 4096)
 

@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Tries configurations as a user would, many in one process: for each FOLDER of the command line it reads scenario.toml, makes
-// the headers as FOLDER/drive_config.h and FOLDER/hal_config.h, runs and records some ticks, and replays the recording. Prints a line of
-// JSON a folder: {"refused": LINE}, or what the run and the replay came to.
+// Tries motors of the zoo as a user would, many in one process: try_motors FOLDER FIRST COUNT SEED. For each number from FIRST on it writes
+// the files of the motor and the headers made of them, drive_config.h and hal_config.h, into a folder of its own in FOLDER, runs and
+// records some ticks, and replays the recording. Prints a line of JSON a motor: {"refused": LINE}, or what the run and the replay
+// came to.
 #include "hal_header.h"
 #include "header.h"
 #include "reader.h"
 #include "replay.h"
 #include "scripted_run.h"
 #include "writer.h"
+#include "zoo.h"
 
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -44,9 +49,27 @@ std::string recorded(const nf::Config &config, nf::ScriptedRun &run)
     return writer.text();
 }
 
-nlohmann::json tried(const std::filesystem::path &folder)
+// Most users have the default tuning, a rotor that stands, or turns already.
+std::vector<std::string> overrides(unsigned number, const nf::Config &config)
 {
-    const nf::Config config = nf::load_scenario((folder / "scenario.toml").string());
+    const char *const tunings[] = {"robust", "robust", "robust", "voltage_phase"};
+    constexpr double speeds[] = {0, 0.5, 0, -0.8};
+    return {
+        fmt::format("tuning={}", tunings[number % std::size(tunings)]),
+        fmt::format("scenario.initial_speed_rpm={}",
+                    speeds[number / 4 % std::size(speeds)] * config.motor.rated_speed_rpm),
+        "scenario.request=[]",
+        fmt::format("scenario.command=[{{time_s = 0, speed_rpm = {}}}]",
+                    config.motor.rated_speed_rpm / 2),
+        "scenario.load=[]",
+    };
+}
+
+nlohmann::json tried(const std::filesystem::path &folder, unsigned number)
+{
+    const std::string scenario = (folder / "exact.toml").string();
+    const nf::Config config =
+        nf::load_scenario(scenario, {}, overrides(number, nf::load_scenario(scenario)));
     write(folder / "drive_config.h", nf::make_header(config));
     write(folder / "hal_config.h", nf::make_hal_header(config));
     nf::ScriptedRun run(config);
@@ -68,13 +91,28 @@ nlohmann::json tried(const std::filesystem::path &folder)
     };
 }
 
-nlohmann::json outcome(const std::filesystem::path &folder)
+nlohmann::json outcome(const std::filesystem::path &folder, unsigned number)
 {
     try {
-        return tried(folder);
+        return tried(folder, number);
     } catch (const std::exception &error) {
         return {{"refused", error.what()}};
     }
+}
+
+void try_one(const std::filesystem::path &folder, unsigned number, const std::string &seed)
+{
+    const std::optional<nf::zoo::Reference> motor =
+        nf::zoo::parse(fmt::format("zoo:{}@{}", number, seed));
+    if (!motor) {
+        throw std::runtime_error(nf::zoo::allowed());
+    }
+    const std::filesystem::path own = folder / std::to_string(number);
+    std::filesystem::create_directory(own);
+    for (const nf::zoo::File &file : nf::zoo::files(*motor)) {
+        write(own / file.name, file.text);
+    }
+    fmt::print("{}\n", outcome(own, number).dump());
 }
 
 } // namespace
@@ -82,8 +120,12 @@ nlohmann::json outcome(const std::filesystem::path &folder)
 int main(int argc, char **argv)
 {
     try {
-        for (int k = 1; k < argc; k++) {
-            fmt::print("{}\n", outcome(argv[k]).dump());
+        if (argc != 5) {
+            throw std::runtime_error("try_motors FOLDER FIRST COUNT SEED");
+        }
+        const unsigned long first = std::stoul(argv[2]);
+        for (unsigned long k = 0; k < std::stoul(argv[3]); k++) {
+            try_one(argv[1], static_cast<unsigned>(first + k), argv[4]);
         }
     } catch (const std::exception &error) {
         std::fputs(error.what(), stderr);
