@@ -57,10 +57,18 @@ class Draws(ZooTest):
         self.assertEqual(found.arguments(found.values(0)), ["run", "zoo:hub:0@7:user", "--set", "observer.kappa=0.02"])
 
     def test_seed_and_classes_of_the_command_line_make_another_campaign(self):
-        found = campaign.changed(self.load(), 3, ("gimbal",))
+        found = campaign.changed(self.load(), seed=3, classes=("gimbal",))
         self.assertEqual(found.arguments(found.values(1)), ["run", "zoo:gimbal:1@3:user"])
         self.assertEqual(found.name, "mine-seed3-gimbal")
-        self.assertEqual(campaign.changed(self.load(), None, None), self.load())
+        self.assertEqual(campaign.changed(self.load()), self.load())
+
+    def test_settings_of_the_command_line_hold_for_every_motor(self):
+        file = self.load(MINE + "[set]\nobserver.kappa = 0.02\n")
+        found = campaign.changed(file, settings=("observer.kappa=0.03", "startup.current_pct=80"))
+        self.assertEqual(found.arguments(found.values(0))[2:],
+                         ["--set", "observer.kappa=0.03", "--set", "startup.current_pct=80"])
+        self.assertRegex(found.name, "^mine-set[0-9a-f]{8}$")
+        self.assertNotEqual(found.name, campaign.changed(file, settings=("observer.kappa=0.04",)).name)
 
     def test_shipped_ones_have_every_class(self):
         listed = subprocess.run([MOTORSIM, "run", "zoo:bird:1"], capture_output=True, text=True, check=False).stderr
@@ -84,9 +92,13 @@ class Refusals(ZooTest):
 
     def test_options_that_are_not_for_this_campaign(self):
         with self.assertRaisesRegex(CampaignError, "--classes: .*smoke.toml is no zoo"):
-            campaign.changed(campaign.load("smoke"), None, ("hub",))
+            campaign.changed(campaign.load("smoke"), classes=("hub",))
         with self.assertRaisesRegex(CampaignError, "--seed: is 4294967296; allowed"):
-            campaign.changed(self.load(), 4294967296, None)
+            campaign.changed(self.load(), seed=4294967296)
+        with self.assertRaisesRegex(CampaignError, "--set: is kappa; allowed: KEY=VALUE"):
+            campaign.changed(self.load(), settings=("kappa",))
+        with self.assertRaisesRegex(CampaignError, "--set: plant.inertia_scale varies in .*smoke.toml; allowed: a key"):
+            campaign.changed(campaign.load("smoke"), settings=("plant.inertia_scale=1",))
 
     def test_a_class_that_there_is_not_is_told_before_the_first_run(self):
         self.file(MINE.replace('"hub"', '"bird"'))
@@ -121,6 +133,7 @@ class Summary(ZooTest):
         self.assertAlmostEqual(hub.percent["locked"], 200 / 3)
         self.assertAlmostEqual(everything.coarse_percent, 200 / 6)
         self.assertEqual((hub.false_faults, servo.false_faults), (1, 0))
+        self.assertEqual((hub.faults, servo.faults), ({"LOST_PHASE": 1}, {}))
 
     def test_a_number_by_which_failures_gather_comes_first(self):
         rows = [row(run, "locked" if run < 10 else "uncontrolled") for run in range(20)]

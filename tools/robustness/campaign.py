@@ -2,6 +2,7 @@
 """A campaign file: what is run, how often, what varies, and what is accepted."""
 
 import tomllib
+import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -130,8 +131,8 @@ def load(reference):
     return Reader(path, document).campaign()
 
 
-def changed(campaign, seed, classes):
-    """With another seed, or other classes of a zoo, it is another campaign and has another name."""
+def changed(campaign, seed=None, classes=None, settings=()):
+    """With another seed, other classes of a zoo or other settings it is another campaign and has another name."""
     if seed is not None:
         most = ZOO_SEED_MAX if isinstance(campaign.drawn, Zoo) else SEED_MAX
         if seed > most:
@@ -142,7 +143,20 @@ def changed(campaign, seed, classes):
             raise CampaignError(f"--classes: {campaign.path} is no zoo; allowed: with one")
         campaign = replace(campaign, drawn=replace(campaign.drawn, classes=classes),
                            name=f"{campaign.name}-{'-'.join(classes)}")
-    return campaign
+    return with_settings(campaign, settings) if settings else campaign
+
+
+def with_settings(campaign, settings):
+    """`settings` are texts KEY=VALUE, as motorsim takes them; of a key that is in the file too these win."""
+    fixed = dict(campaign.fixed)
+    for text in settings:
+        key, equals, value = text.partition("=")
+        if not key or not equals:
+            raise CampaignError(f"--set: is {text}; allowed: KEY=VALUE")
+        if key in campaign.values(0):
+            raise CampaignError(f"--set: {key} varies in {campaign.path}; allowed: a key that does not")
+        fixed[key] = value
+    return replace(campaign, fixed=fixed, name=f"{campaign.name}-set{zlib.crc32(repr(fixed).encode()):08x}")
 
 
 class Reader:

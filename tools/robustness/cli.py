@@ -29,6 +29,8 @@ the motor, another load, another rotor angle, other noise.
   tools/campaign run zoo --runs 300             another motor on another board in each run
   tools/campaign run zoo_user --seed 2 --classes servo,hub
                                                 such that differ from their files, of these classes
+  tools/campaign run zoo --set current_loop.bandwidth_hz=300
+                                                what a setting does to all of them
   tools/campaign run robust --scheduler tcp://node1:8786
                                                 on a Dask cluster (`dask scheduler`, `dask worker`)
   tools/campaign report robust                  tables and map again, from the results
@@ -96,7 +98,7 @@ def classes(text):
 
 def load(args):
     """The campaign, with what the command line changes of it."""
-    return campaigns.changed(campaigns.load(args.campaign), args.seed, args.classes)
+    return campaigns.changed(campaigns.load(args.campaign), args.seed, args.classes, args.set)
 
 
 def folder_of(args, campaign):
@@ -112,6 +114,7 @@ def command_of(args):
         words += ["--seed", str(args.seed)]
     if args.classes:
         words += ["--classes", ",".join(args.classes)]
+    words += [word for text in args.set for word in ("--set", text)]
     return lambda run: simulator.as_shell([*words, "--run", str(run)])
 
 
@@ -195,6 +198,8 @@ def add_common(parser, function):
     parser.add_argument("campaign", help="name (see `tools/campaign list`) or path of a .toml")
     parser.add_argument("--seed", type=whole(0), metavar="N", help="another one than the file's")
     parser.add_argument("--classes", type=classes, metavar="A,B", help="of a zoo: these alone")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+                        help="a setting of all runs; may be repeated")
     parser.add_argument("--motorsim", type=Path, default=simulator.MOTORSIM, metavar="FILE",
                         help="the simulator (build/host/motorsim)")
 

@@ -29,6 +29,7 @@ class Share:
     percent: dict         # by outcome
     coarse_percent: float  # held against rated speed alone, whether it swings or not
     false_faults: int
+    faults: dict          # runs by the fault's name
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,8 @@ def share(name, rows):
     found = Counter(row["outcome"] for row in rows)
     coarse = sum(row["metrics"].get("locked_coarse", False) for row in rows)
     return Share(name, len(rows), {outcome: 100 * found[outcome] / len(rows) for outcome in OUTCOMES},
-                 100 * coarse / len(rows), sum(bool(zoo.false_faults(row)) for row in rows))
+                 100 * coarse / len(rows), sum(bool(zoo.false_faults(row)) for row in rows),
+                 {name: one["runs"] for name, one in faults(rows).items()})
 
 
 def classes(campaign, rows):
