@@ -59,6 +59,11 @@ bool has_ripple(const Config &config)
     return config.plant.bus_ripple_pct > 0;
 }
 
+bool has_two_saturations(const Config &config)
+{
+    return config.plant.saturation_d_pct > 0 && config.plant.saturation_q_pct > 0;
+}
+
 bool has_cogging(const Config &config)
 {
     return config.plant.cogging_pct > 0;

@@ -30,6 +30,7 @@ bool has_voltage_speed(const Config &config);
 bool has_angle_sensor(const Config &config);
 bool has_noise(const Config &config);
 bool has_ripple(const Config &config);
+bool has_two_saturations(const Config &config);
 bool has_cogging(const Config &config);
 bool has_leg_loss(const Config &config);
 bool has_capacitor(const Config &config);
@@ -53,6 +54,8 @@ constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source = \"sensor\"
                                       has_angle_sensor};
 constexpr Acting WITH_NOISE = {"only with plant.adc_noise_lsb above 0", has_noise};
 constexpr Acting WITH_RIPPLE = {"only with plant.bus_ripple_pct above 0", has_ripple};
+constexpr Acting WITH_TWO_SATURATIONS = {
+    "only with plant.saturation_d_pct and plant.saturation_q_pct above 0", has_two_saturations};
 constexpr Acting WITH_COGGING = {"only with plant.cogging_pct above 0", has_cogging};
 constexpr Acting WITH_LEG_LOSS = {
     "only with plant.dead_time_s or plant.device_drop_v above 0, each by default that of the board",

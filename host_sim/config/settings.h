@@ -141,8 +141,11 @@ struct PlantSettings {
     double coulomb_friction_nm = 0;
     double emf_5th_pct = 0; // of the fundamental
     double emf_7th_pct = 0;
-    double cogging_pct = 0; // peak, of rated torque
-    int cogging_order = 0;  // periods in a turn of the shaft; 0: six in an electrical one
+    double saturation_d_pct = 0; // fall of L_d at rated current
+    double saturation_q_pct = 0;
+    double saturation_cross_pct = 0; // share of the iron that both axes have in common
+    double cogging_pct = 0;          // peak, of rated torque
+    int cogging_order = 0;           // periods in a turn of the shaft; 0: six in an electrical one
     double dead_time_s = AS_BOARD;
     double device_drop_v = AS_BOARD;
     double commutation_knee_a = 0; // 0: a leg loses all or nothing, as with ideal diodes

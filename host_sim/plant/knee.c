@@ -73,10 +73,10 @@ static double rail_current(const plant_motor_t *motor, const plant_segment_t *se
 
 /* At most so fast does the motor follow the legs, 1/s. Their slope is largest at zero current, half / (2 knee), and falls
  * with the square of the current beyond the knee: what counts is the least that a current can come to by the end. */
-static double rate_of(const plant_motor_t *motor, const legs_t *legs, double bus_v,
-                      double duration_s)
+static double legs_rate(const plant_motor_t *motor, const legs_t *legs, double bus_v,
+                        double duration_s)
 {
-    const double inverse = fmax(motor->inverse_d, motor->inverse_q);
+    const double inverse = plant_motor_growth(motor) * fmax(motor->inverse_d, motor->inverse_q);
     const double emf_v = fabs(motor->now.omega_el_rad_s) * motor->flux_linkage_wb;
     const double swing_a = (bus_v + emf_v) * inverse * duration_s;
     double current[PLANT_LEGS];
@@ -87,13 +87,6 @@ static double rate_of(const plant_motor_t *motor, const legs_t *legs, double bus
         slope = fmax(slope, 0.5 * legs->half_v[leg] * legs->knee_a / (least * least));
     }
     return slope * inverse;
-}
-
-static unsigned steps_for(const plant_motor_t *motor, double rate, double duration_s)
-{
-    const double by_motor = duration_s * plant_motor_rate(motor) / motor->step_bound;
-    const double by_legs = duration_s * rate / PLANT_MOTOR_FED_STEP;
-    return (unsigned)fmax(ceil(fmax(by_motor, by_legs)), 1.0);
 }
 
 /* The axis of the one phase that is broken, NULL if none is. */
@@ -111,15 +104,19 @@ void plant_knee_run(plant_motor_t *motor, const plant_segment_t *segment,
 {
     const legs_t legs = legs_of(segment, rails);
     const double *const middle = legs.middle_v;
+    const double whole_s = segment->duration_s;
+    const double by_legs = legs_rate(motor, &legs, rails->bus_v, whole_s);
+    const double by_motor = plant_motor_rate(motor);
     const plant_source_t source = {
         .constant = plant_bridge_clarke(middle[0], middle[1], middle[2]),
-        .rate = rate_of(motor, &legs, rails->bus_v, segment->duration_s),
+        .rate = fmax(by_motor, by_legs),
         .follow = lost,
         .what = &legs,
     };
     const plant_vector_t *const axis = floating_axis(rails->broken);
-    const unsigned steps = steps_for(motor, source.rate, segment->duration_s);
-    const double step_s = segment->duration_s / (double)steps;
+    const double effort = fmax(by_motor / motor->step_bound, by_legs / PLANT_MOTOR_FED_STEP);
+    const unsigned steps = (unsigned)fmax(ceil(effort * whole_s), 1.0);
+    const double step_s = whole_s / (double)steps;
     double before_a = (charge_c != NULL) ? rail_current(motor, segment, rails) : 0.0;
     for (unsigned k = 0; k < steps; k++) {
         plant_motor_step_fed(motor, step_s, &source, axis);

@@ -18,6 +18,29 @@
 
 /* ---- configuration -------------------------------------------------------------------------- */
 
+static bool saturates(const plant_motor_cfg_t *cfg)
+{
+    return cfg->saturation_d > 0.0 || cfg->saturation_q > 0.0;
+}
+
+static plant_iron_cfg_t iron_of(const plant_motor_cfg_t *cfg)
+{
+    return (plant_iron_cfg_t){
+        .inductance_d_h = cfg->inductance_d_h,
+        .inductance_q_h = cfg->inductance_q_h,
+        .current_a = saturates(cfg) ? cfg->saturation_a : 1.0,
+        .fall_d = cfg->saturation_d,
+        .fall_q = cfg->saturation_q,
+        .shared = cfg->saturation_shared,
+    };
+}
+
+double plant_motor_shared_max(const plant_motor_cfg_t *cfg)
+{
+    const plant_iron_cfg_t iron = iron_of(cfg);
+    return plant_iron_shared_max(&iron);
+}
+
 static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
 {
     const plant_check_t checks[] = {
@@ -31,6 +54,13 @@ static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
         {"motor.coulomb_friction_nm", plant_is_not_negative(cfg->coulomb_friction_nm)},
         {"motor.emf_5th", fabs(cfg->emf_5th) <= HARMONIC_MAX},
         {"motor.emf_7th", fabs(cfg->emf_7th) <= HARMONIC_MAX},
+        {"motor.saturation_d",
+         cfg->saturation_d >= 0.0 && cfg->saturation_d <= PLANT_IRON_FALL_D_MAX},
+        {"motor.saturation_q",
+         cfg->saturation_q >= 0.0 && cfg->saturation_q <= PLANT_IRON_FALL_Q_MAX},
+        {"motor.saturation_a", !saturates(cfg) || plant_is_positive(cfg->saturation_a)},
+        {"motor.saturation_shared",
+         cfg->saturation_shared >= 0.0 && cfg->saturation_shared <= plant_motor_shared_max(cfg)},
         {"motor.cogging_nm", plant_is_not_negative(cfg->cogging_nm)},
         {"motor.cogging_order",
          !(cfg->cogging_nm > 0.0) ||
@@ -85,9 +115,11 @@ static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     const bool has_cogging = cfg->cogging_nm > 0.0;
     motor->harmonic_d_wb = seventh_wb + fifth_wb;
     motor->harmonic_q_wb = seventh_wb - fifth_wb;
+    const plant_iron_cfg_t iron = iron_of(cfg);
+    plant_iron_init(&motor->iron, &iron);
     motor->cogging_nm = cfg->cogging_nm;
     motor->cogging_ratio = has_cogging ? order / motor->pole_pairs : 0.0;
-    motor->is_real = has_harmonics || has_cogging;
+    motor->is_real = has_harmonics || has_cogging || motor->iron.saturates;
     if (motor->is_real) {
         const double swing = sqrt(order * cfg->cogging_nm / cfg->inertia_kg_m2);
         const double sines = fmax(has_harmonics ? 6.0 : 0.0, motor->cogging_ratio);
@@ -130,6 +162,11 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
 }
 
 /* ---- read-outs ------------------------------------------------------------------------------ */
+
+double plant_motor_growth(const plant_motor_t *motor)
+{
+    return motor->iron.saturates ? plant_real_growth(motor) : 1.0;
+}
 
 /* Rotor frame. */
 static pair_t current_in(const plant_motor_t *motor)
@@ -221,7 +258,7 @@ static void real_run_driven(plant_motor_t *motor, unsigned count, const plant_in
                             double rate)
 {
     for (unsigned k = 0; k < count; k++) {
-        const plant_source_t source = {.constant = interval[k].v};
+        const plant_source_t source = {.constant = interval[k].v, .rate = rate};
         const double effort = interval[k].duration_s * rate / motor->step_bound;
         const double steps = (effort > 1.0) ? ceil(effort) : 1.0;
         for (int64_t left = (int64_t)steps; left > 0; left--) {
@@ -230,32 +267,31 @@ static void real_run_driven(plant_motor_t *motor, unsigned count, const plant_in
     }
 }
 
-static void run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[],
-                       double rate)
-{
-    if (motor->is_real) {
-        real_run_driven(motor, count, interval, rate);
-    } else {
-        plant_ideal_run_driven(motor, count, interval, rate);
-    }
-}
-
 void plant_motor_run_driven(plant_motor_t *motor, unsigned count, const plant_interval_t interval[])
 {
-    run_driven(motor, count, interval, plant_motor_rate(motor));
+    if (motor->is_real) {
+        real_run_driven(motor, count, interval, plant_motor_rate(motor));
+    } else {
+        plant_ideal_run_driven(motor, count, interval, plant_motor_rate(motor));
+    }
 }
 
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v)
 {
     const plant_interval_t interval = {step_s, v};
-    run_driven(motor, 1, &interval, 0.0);
+    if (motor->is_real) {
+        const plant_source_t source = {.constant = v, .rate = plant_motor_rate(motor)};
+        plant_real_step_fed(motor, step_s, &source, NULL);
+    } else {
+        plant_ideal_run_driven(motor, 1, &interval, 0.0);
+    }
 }
 
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,
                            plant_vector_t axis)
 {
     if (motor->is_real) {
-        const plant_source_t source = {.constant = v};
+        const plant_source_t source = {.constant = v, .rate = plant_motor_rate(motor)};
         plant_real_step_fed(motor, step_s, &source, &axis);
     } else {
         plant_ideal_step_tied(motor, step_s, v, axis);

@@ -11,12 +11,14 @@
  * paper B (8), the shaft paper B (9) with a motor's signs and with dry friction.
  *
  * Amplitude-invariant Clarke, d axis on the magnet flux, currents positive into the motor. No
- * saturation, no iron loss, star point floating (no zero-sequence current).
+ * iron loss, star point floating (no zero-sequence current).
  *
  * EMF harmonics: the EMF of phase a without current is -w phi (sin theta + h_5 sin 5 theta + h_7 sin 7 theta), so the
  * magnet's flux linkage in the rotor frame is phi [1 + a cos 6 theta, b sin 6 theta], a = h_5/5 + h_7/7,
  * b = h_7/7 - h_5/5. Their torque is that of the power, EMF times current over speed:
  * 1.5 P (psi_d i_q - psi_q i_d + i dpsi_magnet/dtheta).
+ *
+ * Saturation: L_d and L_q fall with the currents as iron.h says; the fluxes make the torque as above.
  *
  * Cogging: -T_cog sin(N theta_m), of the energy T_cog/N (1 - cos(N theta_m)): nothing in the mean of a turn.
  *
@@ -31,13 +33,14 @@
  * 1.6e-8 in a step. Measured against 16 times finer steps the currents of a transient differ by less
  * than 1e-6 of phi/L_d for motors of some kW at 10 kHz, 1e-5 for a drone motor at 40 kHz.
  *
- * A motor with harmonics or cogging is real, without them ideal. A real one is integrated by classical Runge-Kutta of the
+ * A motor with harmonics, saturation or cogging is real, without them ideal. A real one is integrated by classical Runge-Kutta of the
  * fourth order in the same frame, in longer steps: rate * h <= 0.1, where the rates of harmonics and cogging count by
  * half. Steps below 0.0078 are those of the midpoint method. The accuracy of a transient is the same.
  */
 #ifndef PLANT_MOTOR_H
 #define PLANT_MOTOR_H
 
+#include "iron.h"
 #include "rotation.h"
 
 #include <stdbool.h>
@@ -65,7 +68,11 @@ typedef struct {
     double coulomb_friction_nm;   /* N m, >= 0; 0: no stiction either */
     double emf_5th;               /* h_5, of the fundamental, |x| <= 0.5; 0: none */
     double emf_7th;               /* h_7, likewise */
-    double cogging_nm;            /* N m, >= 0, peak; 0: none */
+    double saturation_d;          /* fall_d, fall_q and shared of iron.h; 0: none */
+    double saturation_q;
+    double saturation_shared;
+    double saturation_a;    /* A, > 0, I_s of iron.h; with saturation only */
+    double cogging_nm;      /* N m, >= 0, peak; 0: none */
     unsigned cogging_order; /* N, periods in a turn of the shaft, 1 ... 1000; with cogging only */
     double initial_angle_el_rad;     /* rad, electrical, |x| < 1e6 */
     double initial_speed_mech_rad_s; /* rad/s, mechanical */
@@ -110,6 +117,7 @@ typedef struct {
     double rate_speed;    /* and the factor of |w| */
     double step_bound;    /* of rate * step */
     bool is_real;         /* has anything of this: */
+    plant_iron_t iron;
     double harmonic_d_wb; /* phi a */
     double harmonic_q_wb; /* phi b */
     double cogging_nm;
@@ -135,10 +143,15 @@ typedef struct {
 /* A terminal voltage of which a part follows the phase currents: constant + follow(what, current). */
 typedef struct {
     plant_vector_t constant;
-    double rate; /* 1/s, of what follows: its largest |dv/di| over the smallest inductance */
+    double
+        rate; /* 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest
+                    inductance if that is larger */
     plant_vector_t (*follow)(const void *what, plant_vector_t current); /* NULL: no such part */
     const void *what;
 } plant_source_t;
+
+/* Largest saturation_shared of a motor whose other fields are in range, 1 at most. */
+double plant_motor_shared_max(const plant_motor_cfg_t *cfg);
 
 /* Returns false and names the offending field in *bad_field when a value is out of range.
  * Starts without current and without load. */
@@ -151,10 +164,14 @@ double plant_motor_i_q(const plant_motor_t *motor);
 /* Air-gap torque, N m, that of harmonics and cogging included. */
 double plant_motor_torque(const plant_motor_t *motor);
 
+/* Largest inverse inductance at present, in any direction, over that without current: 1 if nothing saturates. */
+double plant_motor_growth(const plant_motor_t *motor);
+
 /* Upper bound of the rates of change, 1/s: see the integration paragraph above. */
 static inline double plant_motor_rate(const plant_motor_t *motor)
 {
-    return motor->rate_constant + motor->rate_speed * fabs(motor->now.omega_el_rad_s);
+    const double rate = motor->rate_constant + motor->rate_speed * fabs(motor->now.omega_el_rad_s);
+    return motor->iron.saturates ? rate * plant_motor_growth(motor) : rate;
 }
 
 /* Phase currents as a stationary vector, A. */
@@ -182,8 +199,8 @@ void plant_motor_wrap(plant_motor_t *motor);
  * _tied:    the phase along the unit vector axis carries no current and floats; v is the voltage
  *           vector with that terminal's potential taken as zero.
  * _open:    no current at all.
- * _fed:     as _driven, or with an axis as _tied, with a source; its rate times step_s is at most
- *           PLANT_MOTOR_FED_STEP. Fourth order.
+ * _fed:     as _driven, or with an axis as _tied, with a source; |dv/di| over the smallest inductance times step_s is at
+ *           most PLANT_MOTOR_FED_STEP. Fourth order.
  */
 void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t v);
 void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v,

@@ -3,7 +3,7 @@
  * What the files of the motor share: its state while it is worked on, the ideal motor's currents, dry friction, and the
  * steps of the two kinds of motor.
  *
- * Ideal (ideal_motor.c): sinusoidal EMF, no cogging. Real (real_motor.c): all else that motor.h says, and any
+ * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF, no cogging. Real (real_motor.c): all else that motor.h says, and any
  * motor at a voltage that follows its current. The steps are those of motor.h, by their names there.
  */
 #ifndef PLANT_MOTOR_INSIDE_H
@@ -129,6 +129,9 @@ plant_vector_t plant_real_emf(const plant_motor_t *motor);
 
 /* Flux linkage of a real motor at its present angle with a current, both in the rotor frame. */
 pair_t plant_real_flux(const plant_motor_t *motor, pair_t current);
+
+/* plant_motor_growth of a saturated motor; never below 1. */
+double plant_real_growth(const plant_motor_t *motor);
 
 /* Puts the angle of the cogging where now and turns_el say. */
 void plant_real_place_cogging(plant_motor_t *motor);

@@ -26,6 +26,7 @@ typedef struct {
 /* The rotor, in its own frame. */
 typedef struct {
     pair_t flux;
+    pair_t own; /* flux linkage of the currents alone */
     pair_t current;
     pair_t by_angle; /* derivative of the magnet's flux linkage by the electrical angle */
     double cogging_nm;
@@ -51,7 +52,7 @@ static inline pair_t sixth_power(pair_t r)
     return turned(cube, cube);
 }
 
-static waves_t waves_now(const plant_motor_t *m)
+static inline waves_t waves_now(const plant_motor_t *m)
 {
     const plant_motor_state_t *now = &m->now;
     return (waves_t){sixth_power((pair_t){now->cosine, now->sine}),
@@ -77,26 +78,50 @@ static inline pair_t magnet_of(const plant_motor_t *m, const waves_t *waves)
     return magnet(m) + harmonic * waves->sixth;
 }
 
+static inline plant_dq_t dq_of(pair_t a)
+{
+    return (plant_dq_t){a[0], a[1]};
+}
+
+static inline pair_t pair_of(plant_dq_t a)
+{
+    return (pair_t){a.d, a.q};
+}
+
+/* Of the flux linkage of the currents alone. */
+static inline pair_t current_for(const plant_motor_t *m, pair_t flux)
+{
+    return m->iron.saturates ? pair_of(plant_iron_current(&m->iron, dq_of(flux)))
+                             : inverse_inductance(m) * flux;
+}
+
 static inline rotor_t rotor_of(const plant_motor_t *m, const waves_t *waves, pair_t flux)
 {
     const pair_t quarter = {-6.0 * m->harmonic_d_wb, 6.0 * m->harmonic_q_wb};
+    const pair_t own = flux - magnet_of(m, waves);
     return (rotor_t){
         flux,
-        inverse_inductance(m) * (flux - magnet_of(m, waves)),
+        own,
+        current_for(m, own),
         quarter * swapped(waves->sixth),
         m->cogging_nm * waves->cogging[1],
     };
 }
 
+static inline double dot(pair_t a, pair_t b)
+{
+    const pair_t product = a * b;
+    return product[0] + product[1];
+}
+
 static inline double torque_at(const plant_motor_t *m, const rotor_t *rotor)
 {
-    const pair_t harmonic = rotor->by_angle * rotor->current;
     const double field = difference(swapped(rotor->flux) * rotor->current);
-    return m->torque_factor * (field + (harmonic[0] + harmonic[1])) - rotor->cogging_nm;
+    return m->torque_factor * (field + dot(rotor->by_angle, rotor->current)) - rotor->cogging_nm;
 }
 
 /* As the motor stands. */
-static rotor_t rotor_now(const plant_motor_t *m)
+static inline rotor_t rotor_now(const plant_motor_t *m)
 {
     const waves_t waves = waves_now(m);
     return rotor_of(m, &waves, load(m).flux);
@@ -117,7 +142,10 @@ pair_t plant_real_flux(const plant_motor_t *motor, pair_t current)
 {
     const pair_t inductance = {motor->inductance_d_h, motor->inductance_q_h};
     const waves_t waves = waves_now(motor);
-    return inductance * current + magnet_of(motor, &waves);
+    const pair_t own = motor->iron.saturates
+                           ? pair_of(plant_iron_flux(&motor->iron, dq_of(current)))
+                           : inductance * current;
+    return own + magnet_of(motor, &waves);
 }
 
 plant_vector_t plant_real_emf(const plant_motor_t *motor)
@@ -144,6 +172,29 @@ void plant_real_place_cogging(plant_motor_t *motor)
     motor->now.cogging_sine = r.sine;
 }
 
+/* ---- stiffness ------------------------------------------------------------------------------ */
+
+static inline plant_stiffness_t stiffness_at(const plant_motor_t *m, const rotor_t *rotor)
+{
+    const plant_stiffness_t linear = {{m->inverse_d, m->inverse_q}, 0.0};
+    return m->iron.saturates ? plant_iron_stiffness(&m->iron, dq_of(rotor->own)) : linear;
+}
+
+/* How the currents change with a flux. */
+static inline pair_t yielding(const plant_stiffness_t *s, pair_t flux)
+{
+    return pair_of(s->straight) * flux + s->cross * swapped(flux);
+}
+
+double plant_real_growth(const plant_motor_t *motor)
+{
+    const rotor_t rotor = rotor_now(motor);
+    const plant_stiffness_t s = stiffness_at(motor, &rotor);
+    /* The larger eigenvalue is below the sum of the larger term and the cross one. */
+    const double largest = fmax(s.straight.d, s.straight.q) + fabs(s.cross);
+    return fmax(largest / fmax(motor->inverse_d, motor->inverse_q), 1.0);
+}
+
 /* ---- slopes --------------------------------------------------------------------------------- */
 
 /* The part of the voltage that follows the current, held frame. */
@@ -163,12 +214,11 @@ static inline double potential_at(const plant_motor_t *m, const rotor_t *rotor, 
                                   pair_t v, pair_t n)
 {
     const pair_t turning = {omega, -omega};
-    const pair_t inverse = inverse_inductance(m);
+    const plant_stiffness_t s = stiffness_at(m, rotor);
     const pair_t emf = turning * swapped(rotor->flux) - omega * rotor->by_angle;
-    const pair_t free = inverse * (v - m->resistance_ohm * rotor->current + emf);
-    const pair_t along = n * (free - turning * swapped(rotor->current));
-    const pair_t compliance = PLANT_CLARKE * (n * n * inverse);
-    return -(along[0] + along[1]) / (compliance[0] + compliance[1]);
+    const pair_t free = yielding(&s, v - m->resistance_ohm * rotor->current + emf);
+    const double along = dot(n, free - turning * swapped(rotor->current));
+    return -along / (PLANT_CLARKE * dot(n, yielding(&s, n)));
 }
 
 static pair_t flux_slope(const context_t *c, const rotor_t *rotor, double omega, pair_t by)
@@ -259,12 +309,22 @@ static point_t start_of(const core_t *core)
     return (point_t){core->flux, core->omega, 0.0};
 }
 
+/* Newton steps to a current of zero along a phase. A step squares the error: the one from below CLEAR_A is the last. */
+#define CLEAR_MAX 20
+#define CLEAR_A 1.0e-9
+
 /* Flux, rotor frame, without current along n: the impulse of voltage that the terminal has had to give lies along n. */
 static pair_t flux_without(const plant_motor_t *m, const waves_t *waves, pair_t flux, pair_t n)
 {
-    const pair_t along = n * rotor_of(m, waves, flux).current;
-    const pair_t compliance = n * n * inverse_inductance(m);
-    return flux - ((along[0] + along[1]) / (compliance[0] + compliance[1])) * n;
+    pair_t cleared = flux;
+    double along_a = HUGE_VAL;
+    for (int k = 0; k < CLEAR_MAX && fabs(along_a) > CLEAR_A; k++) {
+        const rotor_t rotor = rotor_of(m, waves, cleared);
+        const plant_stiffness_t s = stiffness_at(m, &rotor);
+        along_a = dot(n, rotor.current);
+        cleared -= (along_a / dot(n, yielding(&s, n))) * n;
+    }
+    return cleared;
 }
 
 /* Takes over the end of a step of h. */
@@ -301,8 +361,7 @@ void plant_real_step_fed(plant_motor_t *motor, double step_s, const plant_source
         c.tied = turned_back(core.axis, (pair_t){tied->alpha, tied->beta});
     }
     const point_t start = start_of(&core);
-    const double rate = fmax(plant_motor_rate(motor), source->rate);
-    const point_t end = integrated(&c, &start, step_s, rate * step_s);
+    const point_t end = integrated(&c, &start, step_s, source->rate * step_s);
     finish(motor, &core, &c, &end, step_s);
 }
 

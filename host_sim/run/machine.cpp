@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "machine.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace nf
@@ -28,6 +30,10 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.coulomb_friction_nm = real.coulomb_friction_nm;
     cfg.emf_5th = real.emf_5th_pct / 100.0;
     cfg.emf_7th = real.emf_7th_pct / 100.0;
+    cfg.saturation_d = real.saturation_d_pct / 100.0;
+    cfg.saturation_q = real.saturation_q_pct / 100.0;
+    cfg.saturation_shared = real.saturation_cross_pct / 100.0;
+    cfg.saturation_a = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
     cfg.cogging_nm = real.cogging_pct / 100.0 * motor.rated_torque_nm;
     cfg.cogging_order = static_cast<unsigned>(
         real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * motor.pole_pairs);
@@ -57,6 +63,19 @@ plant_sensor_cfg_t make_plant_sensor(const Config &config)
     cfg.angle_counts = static_cast<unsigned>(real.angle_counts);
     cfg.seed = config.scenario.seed;
     return cfg;
+}
+
+void check_cross(const Config &config, const plant_motor_cfg_t &cfg)
+{
+    const char *const key = "plant.saturation_cross_pct";
+    const double most = plant_motor_shared_max(&cfg);
+    if (cfg.saturation_shared > most) {
+        fail(
+            config.origins.at(key), key, fmt::format("{}", config.plant.saturation_cross_pct),
+            "makes L_q infinite for some i_d < 0, with plant.saturation_d_pct, saturation_q_pct and "
+            "this L_d/L_q",
+            fmt::format("0 to {:.0f} %", std::floor(100.0 * most)));
+    }
 }
 
 void check_knee(const Config &config, const plant_cfg_t &cfg)
@@ -89,6 +108,7 @@ plant_cfg_t make_plant_cfg(const Config &config, const drive_cfg_t &drive)
     cfg.supply.resistance_ohm = config.plant.bus_source_resistance_ohm;
     cfg.sensor = make_plant_sensor(config);
     cfg.trip_a = config.board.trip_a;
+    check_cross(config, cfg.motor);
     check_knee(config, cfg);
     return cfg;
 }

@@ -52,7 +52,9 @@ locked = true
 )";
 
 // What the keys of [plant] act on, where it is not ideal.
-const Lines ROUGH = {"plant.cogging_pct=1",
+const Lines ROUGH = {"plant.saturation_d_pct=10",
+                     "plant.saturation_q_pct=10",
+                     "plant.cogging_pct=1",
                      "plant.adc_noise_lsb=1",
                      "plant.bus_ripple_pct=1",
                      "plant.bus_capacitance_f=0.001",

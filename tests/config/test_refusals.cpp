@@ -59,7 +59,9 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
         {"imperfections/hot.toml", "", "xyz = 1\n",
          "imperfections/hot.toml:4: plant.xyz = 1: unknown key; allowed: plant.resistance_scale, "
          "plant.inductance_scale, plant.saliency_scale, plant.flux_scale, plant.inertia_scale, "
-         "plant.coulomb_friction_nm, plant.emf_5th_pct, plant.emf_7th_pct, plant.cogging_pct, "
+         "plant.coulomb_friction_nm, plant.emf_5th_pct, plant.emf_7th_pct, "
+         "plant.saturation_d_pct, plant.saturation_q_pct, plant.saturation_cross_pct, "
+         "plant.cogging_pct, "
          "plant.cogging_order, plant.dead_time_s, plant.device_drop_v, "
          "plant.commutation_knee_a, plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "
          "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "

@@ -76,19 +76,41 @@ void test_plant_scales_apply_to_the_plant_alone()
     TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
 }
 
+// "" when it is simulated.
+std::string refusal_of(const std::vector<std::string> &set)
+{
+    try {
+        const nf::Simulation sim(load(set));
+    } catch (const nf::ConfigError &error) {
+        return error.what();
+    }
+    return "";
+}
+
 // Half of 155 V for six times 2 µs on 11.6 mH, 1000 steps of 0.5: 1.6·10⁻⁴ A, of which the next 5 % are not offered.
 void test_a_knee_that_cannot_be_followed_is_refused_with_what_can()
 {
-    std::string refusal;
-    try {
-        const nf::Simulation sim(load({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=1e-5"}));
-    } catch (const nf::ConfigError &error) {
-        refusal = error.what();
-    }
+    const std::string refusal =
+        refusal_of({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=1e-5"});
     const std::string expected =
         "--set: plant.commutation_knee_a = 1e-05: is too small to be followed with this dead time, "
         "drop and inductance; allowed: 0, or at least 0.00017 A";
     TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal.c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "", refusal_of({"plant.dead_time_s=2e-6", "plant.commutation_knee_a=0.00017"}).c_str());
+}
+
+// g_d = 0.3/(0.49·3.7), g_q = 0.5/0.125; 0.9/√(g_d·g_q·L_d/L_q) with a q axis of half the inductance.
+void test_cross_saturation_that_has_no_inverse_is_refused_with_what_has()
+{
+    std::vector<std::string> set = {"plant.saliency_scale=0.5", "plant.saturation_d_pct=30",
+                                    "plant.saturation_q_pct=50", "plant.saturation_cross_pct=79"};
+    const std::string expected =
+        "--set: plant.saturation_cross_pct = 79: makes L_q infinite for some i_d < 0, "
+        "with plant.saturation_d_pct, saturation_q_pct and this L_d/L_q; allowed: 0 to 78 %";
+    TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal_of(set).c_str());
+    set.back() = "plant.saturation_cross_pct=78";
+    TEST_ASSERT_EQUAL_STRING("", refusal_of(set).c_str());
 }
 
 void test_profile_acts_at_the_nearest_tick()
@@ -227,6 +249,7 @@ int main()
     RUN_TEST(test_drive_reaches_run_on_request_only);
     RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
     RUN_TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can);
+    RUN_TEST(test_cross_saturation_that_has_no_inverse_is_refused_with_what_has);
     RUN_TEST(test_profile_acts_at_the_nearest_tick);
     RUN_TEST(test_angle_error_wraps);
     RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);

@@ -28,6 +28,17 @@ static const plant_motor_cfg_t ROUND_ROTOR = {
     .inertia_kg_m2 = INERTIA_OF_A_WALL,
 };
 
+static plant_motor_cfg_t with_saturation(void)
+{
+    plant_motor_cfg_t cfg = ROUND_ROTOR;
+
+    cfg.saturation_d = 0.2;
+    cfg.saturation_q = 0.3;
+    cfg.saturation_shared = 0.8;
+    cfg.saturation_a = 7.0;
+    return cfg;
+}
+
 static plant_motor_cfg_t with_harmonics(void)
 {
     plant_motor_cfg_t cfg = ROUND_ROTOR;
@@ -332,6 +343,7 @@ static void test_result_does_not_depend_on_how_segments_are_cut(void)
 static void test_result_of_a_real_motor_does_not_depend_on_how_segments_are_cut(void)
 {
     check_independence_of_cuts(with_harmonics());
+    check_independence_of_cuts(with_saturation());
 }
 
 /* Beside a floating leg the star point follows the EMF: what a magnet of order 5 and 7 adds to the terminal. */

@@ -19,6 +19,10 @@
 #define EMF_7TH 0.03
 #define COGGING_NM 0.2
 #define COGGING_ORDER 24U
+#define FALL_D 0.2
+#define FALL_Q 0.3
+#define SHARED 0.8
+#define SATURATION_A 4.0
 
 static const plant_motor_cfg_t IDEAL = {
     .pole_pairs = 2,
@@ -72,9 +76,23 @@ static plant_motor_cfg_t with_cogging(void)
     return cfg;
 }
 
+static plant_motor_cfg_t with_saturation(void)
+{
+    plant_motor_cfg_t cfg = IDEAL;
+
+    cfg.saturation_d = FALL_D;
+    cfg.saturation_q = FALL_Q;
+    cfg.saturation_shared = SHARED;
+    cfg.saturation_a = SATURATION_A;
+    return cfg;
+}
+
 static plant_motor_cfg_t with_everything(void)
 {
-    plant_motor_cfg_t cfg = with_harmonics();
+    plant_motor_cfg_t cfg = with_saturation();
+
+    cfg.emf_5th = EMF_5TH;
+    cfg.emf_7th = EMF_7TH;
 
     cfg.cogging_nm = COGGING_NM;
     cfg.cogging_order = COGGING_ORDER;
@@ -100,11 +118,44 @@ static double along(plant_vector_t v, double angle)
     return v.alpha * cos(angle) + v.beta * sin(angle);
 }
 
+/* Flux linkage of a current alone, rotor frame. */
+static plant_dq_t own_flux(double i_d, double i_q)
+{
+    const plant_dq_t linear = {motor.inductance_d_h * i_d, motor.inductance_q_h * i_q};
+
+    return motor.iron.saturates ? plant_iron_flux(&motor.iron, (plant_dq_t){i_d, i_q}) : linear;
+}
+
 /* Sets the current, rotor frame, and leaves all else. */
 static void set_current(double i_d, double i_q)
 {
-    motor.now.flux_d_wb += motor.inductance_d_h * (i_d - plant_motor_i_d(&motor));
-    motor.now.flux_q_wb += motor.inductance_q_h * (i_q - plant_motor_i_q(&motor));
+    const plant_dq_t before = own_flux(plant_motor_i_d(&motor), plant_motor_i_q(&motor));
+    const plant_dq_t after = own_flux(i_d, i_q);
+
+    motor.now.flux_d_wb += after.d - before.d;
+    motor.now.flux_q_wb += after.q - before.q;
+}
+
+/* Magnetic energy by the formula of iron.h; for constant inductances, the usual one. */
+static double magnetic_j(void)
+{
+    const double i_d = plant_motor_i_d(&motor);
+    const double i_q = plant_motor_i_q(&motor);
+    if (!motor.iron.saturates) {
+        return 0.75 * (motor.inductance_d_h * i_d * i_d + motor.inductance_q_h * i_q * i_q);
+    }
+    const double g_d = FALL_D / ((1.0 - FALL_D) * (1.0 - FALL_D) * (4.0 - FALL_D));
+    const double g_q = FALL_Q / pow(1.0 - FALL_Q, 3.0);
+    const double scale_d = motor.inductance_d_h * SATURATION_A;
+    const double scale_q = motor.inductance_q_h * SATURATION_A;
+    const double common = SHARED * 2.0 * sqrt(g_d * g_q * scale_d * scale_q);
+    const plant_dq_t flux = own_flux(i_d, i_q);
+    const double x = flux.d / scale_d;
+    const double y = flux.q / scale_q;
+    const double d = 0.5 * x * x + g_d * (x * x * x + 0.25 * x * x * x * x);
+    const double q = 0.5 * y * y + 0.25 * g_q * y * y * y * y;
+    return 1.5 * SATURATION_A *
+           (scale_d * d + scale_q * q + 0.5 * common * (x + 0.5 * x * x) * y * y);
 }
 
 void setUp(void)
@@ -320,19 +371,135 @@ static void test_swings_end_where_the_friction_holds(void)
     TEST_ASSERT_TRUE(fabs(plant_motor_angle_mech(&motor)) < 1.0 / COGGING_ORDER);
 }
 
+/* ---- saturation ---- */
+
+/* Without resistance the flux is the integral of the voltage, and the current is the map's. */
+static void test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds(void)
+{
+    plant_motor_cfg_t cfg = with_saturation();
+    const double v_d = -3.0;
+    const double v_q = 10.0;
+
+    cfg.resistance_ohm = 0.0;
+    cfg.inertia_kg_m2 = INERTIA_OF_A_WALL;
+    start(&cfg);
+    for (int k = 1; k <= 200; k++) {
+        run(1.0e-4, v_d, v_q);
+        const plant_dq_t flux = {v_d * 1.0e-4 * k, v_q * 1.0e-4 * k};
+        const plant_dq_t i = plant_iron_current(&motor.iron, flux);
+        TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * SATURATION_A, i.d, plant_motor_i_d(&motor));
+        TEST_ASSERT_DOUBLE_WITHIN(ACCURACY * SATURATION_A, i.q, plant_motor_i_q(&motor));
+    }
+    /* Some rated currents, where L_q has fallen by more than a third. */
+    const double i_q = plant_motor_i_q(&motor);
+    TEST_ASSERT_TRUE(v_q * 0.02 / i_q < 0.67 * cfg.inductance_q_h);
+}
+
+/* The work of a small turn at constant flux linkages of the phases is what the field loses. */
+static void test_torque_is_what_the_field_loses_in_a_turn(void)
+{
+    const plant_motor_cfg_t cfg = with_saturation();
+    const double h = 1.0e-5; /* electrical rad: h^2 / 6 of a torque that turns over in 1 rad */
+
+    for (int k = -5; k <= 5; k++) {
+        double field_j[2];
+        start(&cfg);
+        set_current(1.3 * k, 6.0 - k);
+        const double torque_nm = plant_motor_torque(&motor);
+        const double d = motor.now.flux_d_wb;
+        const double q = motor.now.flux_q_wb;
+        for (int side = 0; side < 2; side++) {
+            const double turn = (side == 0) ? -h : h;
+            motor.now.flux_d_wb = d * cos(turn) + q * sin(turn);
+            motor.now.flux_q_wb = q * cos(turn) - d * sin(turn);
+            field_j[side] = magnetic_j();
+        }
+        const double lost_nm = cfg.pole_pairs * (field_j[0] - field_j[1]) / (2.0 * h);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0e-8 * fabs(torque_nm) + 1.0e-9, lost_nm, torque_nm);
+    }
+}
+
+/* By cross-saturation the magnet's flux falls with i_q, and torque per ampere with it. */
+static void test_torque_per_ampere_falls_with_the_current(void)
+{
+    const plant_motor_cfg_t cfg = with_saturation();
+
+    start(&cfg);
+    const double flux_d = cfg.flux_linkage_wb + own_flux(0.0, SATURATION_A).d;
+    set_current(0.0, SATURATION_A);
+    TEST_ASSERT_TRUE(flux_d < 0.99 * cfg.flux_linkage_wb);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 1.5 * cfg.pole_pairs * flux_d * SATURATION_A,
+                              plant_motor_torque(&motor));
+}
+
+static void test_a_phase_that_stops_conducting_has_no_current(void)
+{
+    const plant_motor_cfg_t cfg = with_everything();
+    const plant_vector_t axis = {-0.5, 0.5 * PLANT_SQRT3};
+
+    start(&cfg);
+    set_current(-9.0, 12.0);
+    plant_motor_clear_phase(&motor, axis);
+    const plant_vector_t i = plant_motor_current(&motor);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.0, i.alpha * axis.alpha + i.beta * axis.beta);
+    /* The impulse along the axis leaves the flux linkage across it. */
+    TEST_ASSERT_TRUE(hypot(i.alpha, i.beta) > 1.0);
+}
+
+/* With that potential at its terminal the phase gets no current, wherever the rotor is. */
+static void test_the_potential_of_a_floating_phase_holds_its_current(void)
+{
+    plant_motor_cfg_t cfg = with_everything();
+    const plant_vector_t axis = {1.0, 0.0};
+    const double h = 1.0e-8;
+
+    cfg.initial_speed_mech_rad_s = 30.0;
+    for (int k = 0; k < 30; k++) {
+        cfg.initial_angle_el_rad = 0.2 * k;
+        start(&cfg);
+        set_current(9.0 * sin(cfg.initial_angle_el_rad), 9.0 * cos(cfg.initial_angle_el_rad));
+        const plant_vector_t v = {0.0, 100.0};
+        const double p = plant_motor_floating_potential(&motor, v, axis);
+        run(h, 2.0 / 3.0 * p, v.beta);
+        /* Of the currents of b and c, some 10^4 A/s, all but what the second order leaves. */
+        TEST_ASSERT_DOUBLE_WITHIN(1.0e-3 * 1.0e4 * h, 0.0, plant_motor_current(&motor).alpha);
+    }
+}
+
+/* Two phases in series, the third floats: the flux along their axis is the volt-seconds, less those of R. */
+static void test_a_floating_phase_stays_without_current(void)
+{
+    plant_motor_cfg_t cfg = with_everything();
+    const plant_vector_t axis = {1.0, 0.0};
+    const plant_vector_t v = {0.0, 310.0 / PLANT_SQRT3};
+
+    cfg.inertia_kg_m2 = INERTIA_OF_A_WALL;
+    cfg.initial_angle_el_rad = 0.4;
+    cfg.initial_speed_mech_rad_s = 30.0;
+    start(&cfg);
+    double flux = motor.now.flux_d_wb * motor.now.sine + motor.now.flux_q_wb * motor.now.cosine;
+    for (int k = 0; k < 300; k++) {
+        const double before_a = plant_motor_current(&motor).beta;
+        plant_motor_step_tied(&motor, 1.0e-6, v, axis);
+        const plant_vector_t i = plant_motor_current(&motor);
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.0, i.alpha);
+        flux += 1.0e-6 * (v.beta - 0.5 * cfg.resistance_ohm * (before_a + i.beta));
+    }
+    TEST_ASSERT_TRUE(plant_motor_current(&motor).beta > SATURATION_A / 2.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-9, flux,
+                              motor.now.flux_d_wb * motor.now.sine +
+                                  motor.now.flux_q_wb * motor.now.cosine);
+}
+
 /* ---- all together ---- */
 
 /* Magnetic plus kinetic energy, and that of the cogging. */
 static double stored_j(void)
 {
-    const double i_d = plant_motor_i_d(&motor);
-    const double i_q = plant_motor_i_q(&motor);
-    const double magnetic =
-        0.75 * (motor.inductance_d_h * i_d * i_d + motor.inductance_q_h * i_q * i_q);
     const double hill =
         COGGING_NM / COGGING_ORDER * (1.0 - cos(COGGING_ORDER * plant_motor_angle_mech(&motor)));
 
-    return magnetic + hill +
+    return magnetic_j() + hill +
            0.5 * (motor.pole_pairs / motor.acceleration) * omega_mech() * omega_mech();
 }
 
@@ -413,6 +580,20 @@ static void test_result_does_not_depend_on_the_step(void)
     check_same(&fine, &coarse, ACCURACY);
 }
 
+/* At more than 30 times the stated current the inductances have fallen to hundredths, so R/L has risen. */
+static void test_result_does_not_depend_on_the_step_deep_in_saturation(void)
+{
+    plant_motor_cfg_t cfg = with_saturation();
+
+    cfg.saturation_q = PLANT_IRON_FALL_Q_MAX;
+    cfg.saturation_a = 0.5;
+    const plant_motor_t coarse = modulated_run(&cfg, 1.0e-4, 60.0, 1);
+    const plant_motor_t fine = modulated_run(&cfg, 1.0e-4, 60.0, 16);
+    TEST_ASSERT_TRUE(hypot(plant_motor_i_d(&fine), plant_motor_i_q(&fine)) >
+                     30.0 * cfg.saturation_a);
+    check_same(&fine, &coarse, ACCURACY);
+}
+
 static void test_result_does_not_depend_on_the_step_for_a_drone_motor(void)
 {
     const plant_motor_t coarse = modulated_run(&DRONE, 2.5e-5, 8.0, 1);
@@ -427,7 +608,7 @@ static void test_result_does_not_depend_on_the_step_for_a_drone_motor(void)
     check_same(&fine_cogs, &coarse_cogs, ACCURACY_DRONE);
 }
 
-/* Another method of another order; of the cogging there is a rounding. */
+/* Another method of another order; of cogging or saturation there is a rounding. */
 static void test_a_motor_with_next_to_nothing_is_the_ideal_one(void)
 {
     plant_motor_cfg_t cfg = IDEAL;
@@ -437,9 +618,16 @@ static void test_a_motor_with_next_to_nothing_is_the_ideal_one(void)
     const plant_motor_t ideal = modulated_run(&cfg, 1.0e-4, 60.0, 1);
     cfg.cogging_nm = 1.0e-15;
     cfg.cogging_order = 1;
-    const plant_motor_t real = modulated_run(&cfg, 1.0e-4, 60.0, 1);
-    TEST_ASSERT_TRUE(real.is_real && !ideal.is_real);
-    check_same(&ideal, &real, ACCURACY);
+    const plant_motor_t cogging = modulated_run(&cfg, 1.0e-4, 60.0, 1);
+    TEST_ASSERT_TRUE(cogging.is_real && !ideal.is_real);
+    check_same(&ideal, &cogging, ACCURACY);
+    cfg.cogging_nm = 0.0;
+    cfg.saturation_d = 1.0e-15;
+    cfg.saturation_q = 1.0e-15;
+    cfg.saturation_a = SATURATION_A;
+    const plant_motor_t saturated = modulated_run(&cfg, 1.0e-4, 60.0, 1);
+    TEST_ASSERT_TRUE(saturated.is_real);
+    check_same(&ideal, &saturated, ACCURACY);
 }
 
 static void test_a_turned_rotor_keeps_its_phase_currents_and_finds_its_cogging(void)
@@ -475,6 +663,22 @@ static void test_init_names_the_field_that_is_out_of_range(void)
     cfg.emf_7th = (double)NAN;
     check_rejected(&cfg, "motor.emf_7th");
     cfg = with_everything();
+    cfg.saturation_d = 0.31;
+    check_rejected(&cfg, "motor.saturation_d");
+    cfg = with_everything();
+    cfg.saturation_q = -0.1;
+    check_rejected(&cfg, "motor.saturation_q");
+    cfg = with_everything();
+    cfg.saturation_a = 0.0;
+    check_rejected(&cfg, "motor.saturation_a");
+    cfg = with_everything();
+    cfg.saturation_d = 0.3;
+    cfg.saturation_q = 0.5;
+    cfg.inductance_q_h = 0.5 * cfg.inductance_d_h;
+    cfg.saturation_shared = 1.01 * plant_motor_shared_max(&cfg);
+    TEST_ASSERT_TRUE(cfg.saturation_shared < 1.0);
+    check_rejected(&cfg, "motor.saturation_shared");
+    cfg = with_everything();
     cfg.cogging_nm = -1.0;
     check_rejected(&cfg, "motor.cogging_nm");
     cfg = with_everything();
@@ -494,8 +698,15 @@ int main(void)
     RUN_TEST(test_cogging_holds_a_load_where_its_torque_is_the_load);
     RUN_TEST(test_stiction_holds_on_a_slope_of_the_cogging);
     RUN_TEST(test_swings_end_where_the_friction_holds);
+    RUN_TEST(test_current_of_a_blocked_rotor_is_that_of_its_volt_seconds);
+    RUN_TEST(test_torque_is_what_the_field_loses_in_a_turn);
+    RUN_TEST(test_torque_per_ampere_falls_with_the_current);
+    RUN_TEST(test_a_phase_that_stops_conducting_has_no_current);
+    RUN_TEST(test_the_potential_of_a_floating_phase_holds_its_current);
+    RUN_TEST(test_a_floating_phase_stays_without_current);
     RUN_TEST(test_energy_is_conserved);
     RUN_TEST(test_result_does_not_depend_on_the_step);
+    RUN_TEST(test_result_does_not_depend_on_the_step_deep_in_saturation);
     RUN_TEST(test_result_does_not_depend_on_the_step_for_a_drone_motor);
     RUN_TEST(test_a_motor_with_next_to_nothing_is_the_ideal_one);
     RUN_TEST(test_a_turned_rotor_keeps_its_phase_currents_and_finds_its_cogging);
