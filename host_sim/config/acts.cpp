@@ -69,6 +69,11 @@ bool has_cogging(const Config &config)
     return config.plant.cogging_pct > 0;
 }
 
+bool has_elastic_shaft(const Config &config)
+{
+    return config.plant.shaft_resonance_hz > 0;
+}
+
 bool has_leg_loss(const Config &config)
 {
     return config.plant.dead_time_s > 0 || config.plant.device_drop_v > 0;

@@ -32,6 +32,7 @@ bool has_noise(const Config &config);
 bool has_ripple(const Config &config);
 bool has_two_saturations(const Config &config);
 bool has_cogging(const Config &config);
+bool has_elastic_shaft(const Config &config);
 bool has_leg_loss(const Config &config);
 bool has_capacitor(const Config &config);
 bool has_load(const Config &config);
@@ -57,6 +58,8 @@ constexpr Acting WITH_RIPPLE = {"only with plant.bus_ripple_pct above 0", has_ri
 constexpr Acting WITH_TWO_SATURATIONS = {
     "only with plant.saturation_d_pct and plant.saturation_q_pct above 0", has_two_saturations};
 constexpr Acting WITH_COGGING = {"only with plant.cogging_pct above 0", has_cogging};
+constexpr Acting WITH_ELASTIC_SHAFT = {"only with plant.shaft_resonance_hz above 0",
+                                       has_elastic_shaft};
 constexpr Acting WITH_LEG_LOSS = {
     "only with plant.dead_time_s or plant.device_drop_v above 0, each by default that of the board",
     has_leg_loss};

@@ -41,6 +41,11 @@ double plant_motor_shared_max(const plant_motor_cfg_t *cfg)
     return plant_iron_shared_max(&iron);
 }
 
+static bool is_elastic(const plant_motor_cfg_t *cfg)
+{
+    return cfg->load_inertia_kg_m2 > 0.0;
+}
+
 static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
 {
     const plant_check_t checks[] = {
@@ -65,6 +70,10 @@ static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
         {"motor.cogging_order",
          !(cfg->cogging_nm > 0.0) ||
              (cfg->cogging_order >= 1U && cfg->cogging_order <= COGGING_ORDER_MAX)},
+        {"motor.load_inertia_kg_m2", plant_is_not_negative(cfg->load_inertia_kg_m2)},
+        {"motor.shaft_stiffness_nm",
+         !is_elastic(cfg) || plant_is_positive(cfg->shaft_stiffness_nm)},
+        {"motor.shaft_damping_nm_s", plant_is_not_negative(cfg->shaft_damping_nm_s)},
         {"motor.initial_angle_el_rad", fabs(cfg->initial_angle_el_rad) < ANGLE_MAX_RAD},
         {"motor.initial_speed_mech_rad_s", isfinite(cfg->initial_speed_mech_rad_s)},
     };
@@ -105,6 +114,17 @@ static void derive_constants(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     motor->step_bound = PLANT_MOTOR_STEP;
 }
 
+/* Returns the rate of its swings and of their decay, 1/s. */
+static double derive_shaft(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
+{
+    const bool elastic = is_elastic(cfg);
+    motor->load_gain = elastic ? 1.0 / cfg->load_inertia_kg_m2 : 0.0;
+    motor->stiffness_nm = elastic ? cfg->shaft_stiffness_nm : 0.0;
+    motor->damping_nm_s = elastic ? cfg->shaft_damping_nm_s : 0.0;
+    const double both = 1.0 / cfg->inertia_kg_m2 + motor->load_gain;
+    return sqrt(both * motor->stiffness_nm) + both * motor->damping_nm_s;
+}
+
 /* What an ideal motor has not, and the steps for it. */
 static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
 {
@@ -119,9 +139,10 @@ static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     plant_iron_init(&motor->iron, &iron);
     motor->cogging_nm = cfg->cogging_nm;
     motor->cogging_ratio = has_cogging ? order / motor->pole_pairs : 0.0;
-    motor->is_real = has_harmonics || has_cogging || motor->iron.saturates;
+    const double shaft_rate = derive_shaft(motor, cfg);
+    motor->is_real = has_harmonics || has_cogging || motor->iron.saturates || is_elastic(cfg);
     if (motor->is_real) {
-        const double swing = sqrt(order * cfg->cogging_nm / cfg->inertia_kg_m2);
+        const double swing = sqrt(order * cfg->cogging_nm / cfg->inertia_kg_m2) + shaft_rate;
         const double sines = fmax(has_harmonics ? 6.0 : 0.0, motor->cogging_ratio);
         motor->step_bound = REAL_STEP;
         motor->rate_constant += swing;
@@ -154,6 +175,7 @@ bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const 
     motor->now.sine = r.sine;
     motor->now.omega_el_rad_s = motor->pole_pairs * cfg->initial_speed_mech_rad_s;
     motor->now.theta_el_rad = cfg->initial_angle_el_rad;
+    motor->now.load_speed_rad_s = cfg->initial_speed_mech_rad_s;
     motor->turns_el = 0;
     motor->load_torque_nm = 0.0;
     plant_motor_wrap(motor);

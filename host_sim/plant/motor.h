@@ -20,6 +20,10 @@
  *
  * Saturation: L_d and L_q fall with the currents as iron.h says; the fluxes make the torque as above.
  *
+ * Elastic shaft: a load of inertia J_L hangs on a shaft of stiffness k and damping d. The shaft is twisted by
+ * xi = theta_m - theta_L and carries the torque T_S = k xi + d (w_m - w_L). T_S takes the place of T_L above, J is that of
+ * the rotor alone, and J_L dw_L/dt = T_S - T_L. Friction is the rotor's.
+ *
  * Cogging: -T_cog sin(N theta_m), of the energy T_cog/N (1 - cos(N theta_m)): nothing in the mean of a turn.
  *
  * Stiction: a shaft at rest stays exactly at rest while |T_e - T_L| <= T_C. A shaft that passes
@@ -33,9 +37,10 @@
  * 1.6e-8 in a step. Measured against 16 times finer steps the currents of a transient differ by less
  * than 1e-6 of phi/L_d for motors of some kW at 10 kHz, 1e-5 for a drone motor at 40 kHz.
  *
- * A motor with harmonics, saturation or cogging is real, without them ideal. A real one is integrated by classical Runge-Kutta of the
- * fourth order in the same frame, in longer steps: rate * h <= 0.1, where the rates of harmonics and cogging count by
- * half. Steps below 0.0078 are those of the midpoint method. The accuracy of a transient is the same.
+ * A motor with harmonics, saturation, cogging or an elastic shaft is real, without them ideal. A real one is integrated by
+ * classical Runge-Kutta of the fourth order in the same frame, in longer steps: rate * h <= 0.1, where the rates of
+ * harmonics and cogging count by half. Steps below 0.0078 are those of the midpoint method. The accuracy of a transient
+ * is the same.
  */
 #ifndef PLANT_MOTOR_H
 #define PLANT_MOTOR_H
@@ -58,12 +63,12 @@ extern "C" {
 #define PLANT_MOTOR_FED_STEP 0.5
 
 typedef struct {
-    unsigned pole_pairs;          /* 1 ... 100 */
-    double resistance_ohm;        /* Ohm, phase, >= 0 */
-    double inductance_d_h;        /* H, > 0 */
-    double inductance_q_h;        /* H, > 0; may be smaller or larger than inductance_d_h */
-    double flux_linkage_wb;       /* Wb, peak, >= 0; 0: pure reluctance motor */
-    double inertia_kg_m2;         /* kg m2, with the load, > 0 */
+    unsigned pole_pairs;    /* 1 ... 100 */
+    double resistance_ohm;  /* Ohm, phase, >= 0 */
+    double inductance_d_h;  /* H, > 0 */
+    double inductance_q_h;  /* H, > 0; may be smaller or larger than inductance_d_h */
+    double flux_linkage_wb; /* Wb, peak, >= 0; 0: pure reluctance motor */
+    double inertia_kg_m2;   /* kg m2, > 0, with the load unless that has an inertia of its own */
     double viscous_friction_nm_s; /* N m s/rad, mechanical, >= 0 */
     double coulomb_friction_nm;   /* N m, >= 0; 0: no stiction either */
     double emf_5th;               /* h_5, of the fundamental, |x| <= 0.5; 0: none */
@@ -74,7 +79,10 @@ typedef struct {
     double saturation_a;    /* A, > 0, I_s of iron.h; with saturation only */
     double cogging_nm;      /* N m, >= 0, peak; 0: none */
     unsigned cogging_order; /* N, periods in a turn of the shaft, 1 ... 1000; with cogging only */
-    double initial_angle_el_rad;     /* rad, electrical, |x| < 1e6 */
+    double load_inertia_kg_m2;   /* kg m2, >= 0, behind an elastic shaft; 0: the shaft is rigid */
+    double shaft_stiffness_nm;   /* N m/rad, > 0; with an elastic shaft only */
+    double shaft_damping_nm_s;   /* N m s/rad, >= 0; likewise */
+    double initial_angle_el_rad; /* rad, electrical, |x| < 1e6 */
     double initial_speed_mech_rad_s; /* rad/s, mechanical */
 } plant_motor_cfg_t;
 
@@ -87,6 +95,8 @@ typedef struct {
     double theta_el_rad;   /* -pi ... pi after plant_motor_wrap, until then it runs on */
     double cogging_cosine; /* of N theta_m, with cogging only */
     double cogging_sine;
+    double twist_rad;        /* mechanical, with an elastic shaft only */
+    double load_speed_rad_s; /* likewise */
 } plant_motor_state_t;
 
 typedef struct {
@@ -122,6 +132,9 @@ typedef struct {
     double harmonic_q_wb; /* phi b */
     double cogging_nm;
     double cogging_ratio; /* N/P: its periods in an electrical turn */
+    double load_gain;     /* 1/J_L; 0: the shaft is rigid */
+    double stiffness_nm;
+    double damping_nm_s;
     /* State and input. */
     plant_motor_state_t now;
     int64_t turns_el; /* whole electrical turns to add to now.theta_el_rad */
@@ -143,9 +156,9 @@ typedef struct {
 /* A terminal voltage of which a part follows the phase currents: constant + follow(what, current). */
 typedef struct {
     plant_vector_t constant;
-    double
-        rate; /* 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest
-                    inductance if that is larger */
+    /* 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest inductance if that is
+     * larger. */
+    double rate;
     plant_vector_t (*follow)(const void *what, plant_vector_t current); /* NULL: no such part */
     const void *what;
 } plant_source_t;
@@ -183,10 +196,10 @@ plant_vector_t plant_motor_emf(const plant_motor_t *motor);
 /* Multi-turn mechanical angle, rad. */
 double plant_motor_angle_mech(const plant_motor_t *motor);
 
-/* Stops the shaft dead and holds it against every torque, or lets it go. */
+/* Stops the rotor dead and holds it against every torque, or lets it go. A load behind an elastic shaft swings on. */
 void plant_motor_block(plant_motor_t *motor, bool blocked);
 
-/* Puts the rotor elsewhere, electrical rad, |x| < 1e6: the phase currents and the speed stay. */
+/* Puts the rotor elsewhere, electrical rad, |x| < 1e6: phase currents, speed and the twist of the shaft stay. */
 void plant_motor_turn(plant_motor_t *motor, double angle_el_rad);
 
 /* Brings theta_el_rad back into -pi ... pi and counts the turn. Call at least once per turn. */

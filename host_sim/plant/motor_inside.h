@@ -3,8 +3,8 @@
  * What the files of the motor share: its state while it is worked on, the ideal motor's currents, dry friction, and the
  * steps of the two kinds of motor.
  *
- * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF, no cogging. Real (real_motor.c): all else that motor.h says, and any
- * motor at a voltage that follows its current. The steps are those of motor.h, by their names there.
+ * Ideal (ideal_motor.c): constant inductances, sinusoidal EMF, no cogging, a rigid shaft. Real (real_motor.c): all else that
+ * motor.h says, and any motor at a voltage that follows its current. The steps are those of motor.h, by their names there.
  */
 #ifndef PLANT_MOTOR_INSIDE_H
 #define PLANT_MOTOR_INSIDE_H

@@ -15,6 +15,7 @@ typedef struct {
     pair_t flux;  /* held frame, magnet included */
     double omega; /* electrical */
     double turn;  /* of the rotor since the beginning, electrical */
+    pair_t load;  /* twist of an elastic shaft and speed behind it, mechanical */
 } point_t;
 
 /* Cosine and sine of multiples of the rotor's angle. */
@@ -172,6 +173,31 @@ void plant_real_place_cogging(plant_motor_t *motor)
     motor->now.cogging_sine = r.sine;
 }
 
+/* ---- elastic shaft -------------------------------------------------------------------------- */
+
+static inline bool is_elastic(const plant_motor_t *m)
+{
+    return m->load_gain > 0.0;
+}
+
+static inline pair_t load_now(const plant_motor_t *m)
+{
+    return (pair_t){m->now.twist_rad, m->now.load_speed_rad_s};
+}
+
+/* T_S of motor.h, from the rotor's electrical speed, and twist and speed of the load. */
+static inline double twisting_torque(const plant_motor_t *m, double omega, pair_t load)
+{
+    return m->stiffness_nm * load[0] + m->damping_nm_s * (omega / m->pole_pairs - load[1]);
+}
+
+/* What the rotor has to drive, as the motor stands. */
+static double load_torque(const plant_motor_t *m)
+{
+    return is_elastic(m) ? twisting_torque(m, m->now.omega_el_rad_s, load_now(m))
+                         : m->load_torque_nm;
+}
+
 /* ---- stiffness ------------------------------------------------------------------------------ */
 
 static inline plant_stiffness_t stiffness_at(const plant_motor_t *m, const rotor_t *rotor)
@@ -245,15 +271,22 @@ static void slope_at(const context_t *c, const point_t *at, point_t *slope)
         rotor.current = (pair_t){0.0, 0.0};
         slope->flux = (pair_t){0.0, 0.0};
     }
-    slope->omega =
-        c->shaft.gain * (torque_at(m, &rotor) - c->shaft.drag_nm) - m->decay_shaft * at->omega;
+    double drag_nm = c->shaft.drag_nm;
+    slope->load = (pair_t){0.0, 0.0};
+    if (is_elastic(m)) {
+        const double twisting_nm = twisting_torque(m, at->omega, at->load);
+        drag_nm += twisting_nm;
+        slope->load = (pair_t){at->omega / m->pole_pairs - at->load[1],
+                               m->load_gain * (twisting_nm - m->load_torque_nm)};
+    }
+    slope->omega = c->shaft.gain * (torque_at(m, &rotor) - drag_nm) - m->decay_shaft * at->omega;
     slope->turn = at->omega;
 }
 
 static inline point_t moved(const point_t *from, const point_t *slope, double step)
 {
     return (point_t){from->flux + step * slope->flux, from->omega + step * slope->omega,
-                     from->turn + step * slope->turn};
+                     from->turn + step * slope->turn, from->load + step * slope->load};
 }
 
 /* Classical Runge-Kutta, or the midpoint method for a rate * step of effort. */
@@ -281,13 +314,18 @@ static point_t integrated(const context_t *c, const point_t *start, double h, do
 
 /* ---- steps ---------------------------------------------------------------------------------- */
 
+/* Torque on the rotor as the motor stands, without friction. */
+static double net_now(const plant_motor_t *m)
+{
+    return plant_real_torque(m) - load_torque(m);
+}
+
+/* The torque of an elastic shaft changes within a step, so slope_at adds it. */
 static shaft_t shaft_now(const plant_motor_t *m)
 {
-    shaft_t shaft = {m->acceleration, m->load_torque_nm};
+    shaft_t shaft = {m->acceleration, is_elastic(m) ? 0.0 : m->load_torque_nm};
     if (m->coulomb_nm > 0.0) {
-        const rotor_t rotor = rotor_now(m);
-        const double net_nm = torque_at(m, &rotor) - m->load_torque_nm;
-        add_friction(m, net_nm, m->now.omega_el_rad_s, &shaft);
+        add_friction(m, net_now(m), m->now.omega_el_rad_s, &shaft);
     }
     return shaft;
 }
@@ -304,9 +342,9 @@ static context_t context_of(const plant_motor_t *m, const core_t *core,
     };
 }
 
-static point_t start_of(const core_t *core)
+static point_t start_of(const plant_motor_t *m, const core_t *core)
 {
-    return (point_t){core->flux, core->omega, 0.0};
+    return (point_t){core->flux, core->omega, 0.0, load_now(m)};
 }
 
 /* Newton steps to a current of zero along a phase. A step squares the error: the one from below CLEAR_A is the last. */
@@ -344,9 +382,10 @@ static void finish(plant_motor_t *motor, core_t *core, const context_t *c, const
     store(motor, core);
     motor->now.cogging_cosine = waves.cogging[0];
     motor->now.cogging_sine = waves.cogging[1];
+    motor->now.twist_rad = end->load[0];
+    motor->now.load_speed_rad_s = end->load[1];
     if (motor->coulomb_nm > 0.0 && before * end->omega < 0.0) {
-        const double net_nm = plant_real_torque(motor) - motor->load_torque_nm;
-        motor->now.omega_el_rad_s = speed_past_zero(motor, net_nm, before, end->omega, h);
+        motor->now.omega_el_rad_s = speed_past_zero(motor, net_now(motor), before, end->omega, h);
     }
 }
 
@@ -360,7 +399,7 @@ void plant_real_step_fed(plant_motor_t *motor, double step_s, const plant_source
         c.is_tied = true;
         c.tied = turned_back(core.axis, (pair_t){tied->alpha, tied->beta});
     }
-    const point_t start = start_of(&core);
+    const point_t start = start_of(motor, &core);
     const point_t end = integrated(&c, &start, step_s, source->rate * step_s);
     finish(motor, &core, &c, &end, step_s);
 }
@@ -372,7 +411,7 @@ void plant_real_step_open(plant_motor_t *motor, double step_s)
     core.flux = magnet_of(motor, &waves);
     store(motor, &core);
     const context_t c = context_of(motor, &core, NULL);
-    const point_t start = start_of(&core);
+    const point_t start = start_of(motor, &core);
     const point_t end = integrated(&c, &start, step_s, plant_motor_rate(motor) * step_s);
     finish(motor, &core, &c, &end, step_s);
 }

@@ -15,6 +15,18 @@ constexpr double RAD_S_PER_RPM = PI / 30.0;
 constexpr double RAD_PER_DEG = PI / 180.0;
 constexpr int COGGING_IN_TURN_EL = 6; // of a slot for each pole and phase
 
+// Two masses on a spring: w² = k·(1/J_M + 1/J_L), damping ratio D = d/(2·w)·(1/J_M + 1/J_L). Both are of the inertia in cfg.
+void share_inertia(plant_motor_cfg_t &cfg, const PlantSettings &real)
+{
+    const double w = 2.0 * PI * real.shaft_resonance_hz;
+    const double all = cfg.inertia_kg_m2;
+    cfg.inertia_kg_m2 = all / (1.0 + real.load_inertia_ratio);
+    cfg.load_inertia_kg_m2 = all - cfg.inertia_kg_m2;
+    const double reduced = cfg.inertia_kg_m2 * cfg.load_inertia_kg_m2 / all;
+    cfg.shaft_stiffness_nm = reduced * w * w;
+    cfg.shaft_damping_nm_s = 2.0 * real.shaft_damping_pct / 100.0 * reduced * w;
+}
+
 plant_motor_cfg_t make_plant_motor(const Config &config)
 {
     const MotorSettings &motor = config.motor;
@@ -37,6 +49,9 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.cogging_nm = real.cogging_pct / 100.0 * motor.rated_torque_nm;
     cfg.cogging_order = static_cast<unsigned>(
         real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * motor.pole_pairs);
+    if (real.shaft_resonance_hz > 0) {
+        share_inertia(cfg, real);
+    }
     cfg.initial_angle_el_rad = config.scenario.initial_angle_el_deg * RAD_PER_DEG;
     cfg.initial_speed_mech_rad_s = config.scenario.initial_speed_rpm * RAD_S_PER_RPM;
     return cfg;

@@ -52,13 +52,10 @@ locked = true
 )";
 
 // What the keys of [plant] act on, where it is not ideal.
-const Lines ROUGH = {"plant.saturation_d_pct=10",
-                     "plant.saturation_q_pct=10",
-                     "plant.cogging_pct=1",
-                     "plant.adc_noise_lsb=1",
-                     "plant.bus_ripple_pct=1",
-                     "plant.bus_capacitance_f=0.001",
-                     "plant.bus_source_resistance_ohm=1",
+const Lines ROUGH = {"plant.saturation_d_pct=10",     "plant.saturation_q_pct=10",
+                     "plant.cogging_pct=1",           "plant.shaft_resonance_hz=100",
+                     "plant.adc_noise_lsb=1",         "plant.bus_ripple_pct=1",
+                     "plant.bus_capacitance_f=0.001", "plant.bus_source_resistance_ohm=1",
                      "plant.angle_counts=4096"};
 
 struct Mode {

@@ -8,6 +8,7 @@
 #include "tick.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,7 +27,7 @@ Config load(const std::vector<std::string> &set = {})
 // Gates and compare values as the plant sees them after the control interrupt.
 void test_compare_values_are_preloaded_and_gates_are_not()
 {
-    nf::Simulation sim(load());
+    const nf::Simulation sim(load());
     drive_out_t out{};
     out.compare = {{10, 20, 30}};
     out.gate_enable = true;
@@ -74,6 +75,30 @@ void test_plant_scales_apply_to_the_plant_alone()
     TEST_ASSERT_EQUAL_DOUBLE(0.9 * config.motor.flux_linkage_wb, plant.motor.flux_linkage_wb);
     TEST_ASSERT_EQUAL_INT32(unscaled.observer.decay, drive.observer.decay);
     TEST_ASSERT_EQUAL_INT32(drive.modulator.timer_counts, plant.inverter.timer_counts);
+}
+
+// Free, both masses swing at the resonance; with the rotor held the load swings at the antiresonance, half of it with 1 : 3.
+void test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys()
+{
+    const Config config = load({"plant.shaft_resonance_hz=80", "plant.load_inertia_ratio=3",
+                                "plant.shaft_damping_pct=4", "plant.inertia_scale=2"});
+    const plant_motor_cfg_t motor = nf::make_plant_cfg(config, nf::build(config)).motor;
+    const double all = 2 * config.motor.inertia_kg_m2;
+    const double w = 2 * 3.14159265358979323846 * 80;
+    const double both = 1 / motor.inertia_kg_m2 + 1 / motor.load_inertia_kg_m2;
+    TEST_ASSERT_EQUAL_DOUBLE(all / 4, motor.inertia_kg_m2);
+    TEST_ASSERT_EQUAL_DOUBLE(all * 3 / 4, motor.load_inertia_kg_m2);
+    TEST_ASSERT_EQUAL_DOUBLE(w, std::sqrt(motor.shaft_stiffness_nm * both));
+    TEST_ASSERT_EQUAL_DOUBLE(w / 2, std::sqrt(motor.shaft_stiffness_nm / motor.load_inertia_kg_m2));
+    TEST_ASSERT_EQUAL_DOUBLE(0.04, motor.shaft_damping_nm_s * both / (2 * w));
+}
+
+void test_without_a_resonance_the_shaft_is_rigid()
+{
+    const Config config = load({"plant.load_inertia_ratio=3"});
+    const plant_motor_cfg_t motor = nf::make_plant_cfg(config, nf::build(config)).motor;
+    TEST_ASSERT_EQUAL_DOUBLE(config.motor.inertia_kg_m2, motor.inertia_kg_m2);
+    TEST_ASSERT_TRUE(motor.load_inertia_kg_m2 == 0);
 }
 
 // "" when it is simulated.
@@ -248,6 +273,8 @@ int main()
     RUN_TEST(test_compare_values_are_preloaded_and_gates_are_not);
     RUN_TEST(test_drive_reaches_run_on_request_only);
     RUN_TEST(test_plant_scales_apply_to_the_plant_alone);
+    RUN_TEST(test_an_elastic_shaft_has_the_resonance_and_the_inertias_of_its_keys);
+    RUN_TEST(test_without_a_resonance_the_shaft_is_rigid);
     RUN_TEST(test_a_knee_that_cannot_be_followed_is_refused_with_what_can);
     RUN_TEST(test_cross_saturation_that_has_no_inverse_is_refused_with_what_has);
     RUN_TEST(test_profile_acts_at_the_nearest_tick);

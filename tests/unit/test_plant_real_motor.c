@@ -23,6 +23,9 @@
 #define FALL_Q 0.3
 #define SHARED 0.8
 #define SATURATION_A 4.0
+#define LOAD_KG_M2 0.02
+#define STIFFNESS_NM 900.0
+#define DAMPING_NM_S 0.05
 
 static const plant_motor_cfg_t IDEAL = {
     .pole_pairs = 2,
@@ -96,6 +99,9 @@ static plant_motor_cfg_t with_everything(void)
 
     cfg.cogging_nm = COGGING_NM;
     cfg.cogging_order = COGGING_ORDER;
+    cfg.load_inertia_kg_m2 = LOAD_KG_M2;
+    cfg.shaft_stiffness_nm = STIFFNESS_NM;
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
     return cfg;
 }
 
@@ -493,14 +499,17 @@ static void test_a_floating_phase_stays_without_current(void)
 
 /* ---- all together ---- */
 
-/* Magnetic plus kinetic energy, and that of the cogging. */
+/* Magnetic energy, kinetic energy of both masses, and what is in cogging and shaft. */
 static double stored_j(void)
 {
     const double hill =
         COGGING_NM / COGGING_ORDER * (1.0 - cos(COGGING_ORDER * plant_motor_angle_mech(&motor)));
+    const double load = motor.now.load_speed_rad_s;
+    const double twist = motor.now.twist_rad;
 
     return magnetic_j() + hill +
-           0.5 * (motor.pole_pairs / motor.acceleration) * omega_mech() * omega_mech();
+           0.5 * (motor.pole_pairs / motor.acceleration) * omega_mech() * omega_mech() +
+           0.5 * LOAD_KG_M2 * load * load + 0.5 * STIFFNESS_NM * twist * twist;
 }
 
 /* Electrical energy in = stored + copper + friction + load, all but the first integrated here by the trapezoidal rule
@@ -528,9 +537,10 @@ static void test_energy_is_conserved(void)
         run(h, v.alpha, v.beta);
         const plant_vector_t i = plant_motor_current(&motor);
         const double speed = omega_mech();
-        const double loss =
-            1.5 * cfg.resistance_ohm * (i.alpha * i.alpha + i.beta * i.beta) +
-            speed * (cfg.viscous_friction_nm_s * speed + copysign(0.05, speed) + 0.4);
+        const double load = motor.now.load_speed_rad_s;
+        const double loss = 1.5 * cfg.resistance_ohm * (i.alpha * i.alpha + i.beta * i.beta) +
+                            speed * (cfg.viscous_friction_nm_s * speed + copysign(0.05, speed)) +
+                            DAMPING_NM_S * (speed - load) * (speed - load) + 0.4 * load;
         in_j += 0.75 * h * (v.alpha * (i.alpha + before.alpha) + v.beta * (i.beta + before.beta));
         out_j += 0.5 * h * (loss + loss_before);
         before = i;
@@ -568,6 +578,7 @@ static void check_same(const plant_motor_t *a, const plant_motor_t *b, double ac
     TEST_ASSERT_DOUBLE_WITHIN(accuracy * scale_a, plant_motor_i_q(a), plant_motor_i_q(b));
     TEST_ASSERT_DOUBLE_WITHIN(accuracy * speed, a->now.omega_el_rad_s, b->now.omega_el_rad_s);
     TEST_ASSERT_DOUBLE_WITHIN(accuracy, a->now.theta_el_rad, b->now.theta_el_rad);
+    TEST_ASSERT_DOUBLE_WITHIN(accuracy * speed, a->now.load_speed_rad_s, b->now.load_speed_rad_s);
 }
 
 static void test_result_does_not_depend_on_the_step(void)

@@ -1,0 +1,419 @@
+/* SPDX-License-Identifier: MIT */
+/* A load behind an elastic shaft: resonance, antiresonance and frequency response of two masses, momentum, friction. */
+#include "motor.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* Sums of some 10^5 roundings of 2^-53. */
+#define ROUNDING 1.0e-10
+
+/* Of a frequency: the method of the second order, whose steps are below 0.0078, is off by x^2/6 = 1e-5. */
+#define FREQUENCY 2.0e-5
+
+#define MOTOR_KG_M2 0.002
+#define LOAD_KG_M2 0.006
+#define STIFFNESS_NM 400.0
+#define DAMPING_NM_S 0.2
+
+#define STEP_S 1.0e-5
+
+/* Four times as long as the slowest swings of a test. */
+#define STEPS_MAX 1000000L
+
+/* Of a torque that is a sine, in a period. */
+#define STAIRS 200
+
+static const plant_motor_cfg_t TWO_MASSES = {
+    .pole_pairs = 2,
+    .resistance_ohm = 2.125,
+    .inductance_d_h = 0.0116,
+    .inductance_q_h = 0.0116,
+    .flux_linkage_wb = 0.387,
+    .inertia_kg_m2 = MOTOR_KG_M2,
+    .load_inertia_kg_m2 = LOAD_KG_M2,
+    .shaft_stiffness_nm = STIFFNESS_NM,
+};
+
+static plant_motor_t motor;
+
+static void start(const plant_motor_cfg_t *cfg)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_TRUE_MESSAGE(plant_motor_init(&motor, cfg, &bad), bad);
+}
+
+static double omega_mech(void)
+{
+    return motor.now.omega_el_rad_s / motor.pole_pairs;
+}
+
+/* Torque of the shaft of TWO_MASSES with its damping. */
+static double shaft_nm(void)
+{
+    return STIFFNESS_NM * motor.now.twist_rad +
+           DAMPING_NM_S * (omega_mech() - motor.now.load_speed_rad_s);
+}
+
+static void coast(int steps)
+{
+    for (int k = 0; k < steps; k++) {
+        plant_motor_step_open(&motor, STEP_S);
+        plant_motor_wrap(&motor);
+    }
+}
+
+/* Hz, of free swings of the shaft: from the first to the last of so many passes of the twist through zero upwards,
+ * each between two steps along a line. */
+static double swings_hz(int passes)
+{
+    double first_s = 0.0;
+    double last_s = 0.0;
+    int seen = 0;
+    double before = motor.now.twist_rad;
+
+    for (long k = 1; seen <= passes; k++) {
+        TEST_ASSERT_TRUE_MESSAGE(k <= STEPS_MAX, "the shaft does not swing");
+        coast(1);
+        const double now = motor.now.twist_rad;
+        if (before < 0.0 && now >= 0.0) {
+            last_s = STEP_S * ((double)k - now / (now - before));
+            first_s = (seen == 0) ? last_s : first_s;
+            seen++;
+        }
+        before = now;
+    }
+    return (double)passes / (last_s - first_s);
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+static void test_free_shaft_swings_at_the_resonance(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    const double wanted =
+        sqrt(STIFFNESS_NM * (1.0 / MOTOR_KG_M2 + 1.0 / LOAD_KG_M2)) / (2.0 * PLANT_PI);
+
+    cfg.initial_speed_mech_rad_s = 10.0;
+    start(&cfg);
+    motor.now.load_speed_rad_s = 0.0;
+    TEST_ASSERT_DOUBLE_WITHIN(FREQUENCY * wanted, wanted, swings_hz(100));
+}
+
+/* With the rotor held the load swings by itself. */
+static void test_blocked_rotor_leaves_the_antiresonance(void)
+{
+    const double wanted = sqrt(STIFFNESS_NM / LOAD_KG_M2) / (2.0 * PLANT_PI);
+
+    start(&TWO_MASSES);
+    plant_motor_block(&motor, true);
+    motor.now.load_speed_rad_s = 5.0;
+    TEST_ASSERT_DOUBLE_WITHIN(FREQUENCY * wanted, wanted, swings_hz(100));
+    TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0);
+    TEST_ASSERT_TRUE(motor.now.theta_el_rad == 0.0);
+}
+
+/* Swings fade by e^(-pi D / sqrt(1 - D^2)) from one peak to the next of the other sign, D = d/2 sqrt(1/k (1/J_M + 1/J_L)). */
+static void test_swings_fade_by_the_damping(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    const double both = 1.0 / MOTOR_KG_M2 + 1.0 / LOAD_KG_M2;
+    const double ratio = 0.5 * DAMPING_NM_S * sqrt(both / STIFFNESS_NM);
+    double peak[3] = {0.0, 0.0, 0.0};
+    double before = 0.0;
+
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
+    cfg.initial_speed_mech_rad_s = 10.0;
+    start(&cfg);
+    motor.now.load_speed_rad_s = 0.0;
+    int count = 0;
+    for (long k = 0; count < 3; k++) {
+        TEST_ASSERT_TRUE_MESSAGE(k <= STEPS_MAX, "the shaft does not swing");
+        peak[count] = fmax(peak[count], fabs(motor.now.twist_rad));
+        coast(1);
+        count += (before * motor.now.twist_rad < 0.0) ? 1 : 0;
+        before = motor.now.twist_rad;
+    }
+    const double fade = exp(-PLANT_PI * ratio / sqrt(1.0 - ratio * ratio));
+    /* A peak lies between two steps: (w h)^2 / 8 below it. */
+    const double tolerance = both * STIFFNESS_NM * STEP_S * STEP_S / 8.0;
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, fade, peak[1] / peak[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, fade, peak[2] / peak[1]);
+}
+
+static void test_momentum_of_both_masses_is_kept_and_their_load_brakes_them(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    const double load_nm = 0.5;
+
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
+    cfg.initial_speed_mech_rad_s = 10.0;
+    start(&cfg);
+    motor.now.load_speed_rad_s = -20.0;
+    coast(10000);
+    double momentum = MOTOR_KG_M2 * omega_mech() + LOAD_KG_M2 * motor.now.load_speed_rad_s;
+    const double first = MOTOR_KG_M2 * 10.0 - LOAD_KG_M2 * 20.0;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, first, momentum);
+    motor.load_torque_nm = load_nm;
+    coast(10000);
+    momentum = MOTOR_KG_M2 * omega_mech() + LOAD_KG_M2 * motor.now.load_speed_rad_s;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, first - load_nm * 10000 * STEP_S, momentum);
+    /* The shaft brakes the motor's share of the inertia. */
+    const double share = MOTOR_KG_M2 / (MOTOR_KG_M2 + LOAD_KG_M2);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-3 * load_nm, share * load_nm, shaft_nm());
+}
+
+typedef struct {
+    double real;
+    double imaginary;
+} complex_t;
+
+static complex_t quotient(complex_t a, complex_t b)
+{
+    const double square = b.real * b.real + b.imaginary * b.imaginary;
+
+    return (complex_t){(a.real * b.real + a.imaginary * b.imaginary) / square,
+                       (a.imaginary * b.real - a.real * b.imaginary) / square};
+}
+
+/* Motor speed for a torque of the motor at s = j w:
+ * (J_L s^2 + d s + k) / (s (J_M J_L s^2 + (J_M + J_L) (d s + k))). */
+static complex_t wanted_response(double w)
+{
+    const double sum = MOTOR_KG_M2 + LOAD_KG_M2;
+    const complex_t above = {STIFFNESS_NM - LOAD_KG_M2 * w * w, DAMPING_NM_S * w};
+    const double inner = sum * STIFFNESS_NM - MOTOR_KG_M2 * LOAD_KG_M2 * w * w;
+    const complex_t below = {-sum * DAMPING_NM_S * w * w, w * inner};
+
+    return quotient(above, below);
+}
+
+/* A torque amplitude * sin(w t) of the q current, which is set before each step; Fourier's integral over the last
+ * quarter of whole periods. */
+static complex_t measured_response(double w, double amplitude_nm)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    const double h = 2.0 * PLANT_PI / w / STAIRS;
+    const int periods = 400;
+    complex_t sum = {0.0, 0.0};
+
+    cfg.resistance_ohm = 0.0;
+    cfg.inductance_d_h = 100.0; /* no voltage here changes the current of a step */
+    cfg.inductance_q_h = 100.0;
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
+    start(&cfg);
+    for (int k = 0; k < periods * STAIRS; k++) {
+        const double here = 2.0 * PLANT_PI * k / STAIRS;
+        const double middle = here + PLANT_PI / STAIRS;
+        const double i_q = amplitude_nm * sin(middle) / (1.5 * 2.0 * cfg.flux_linkage_wb);
+        if (4 * k >= 3 * periods * STAIRS) {
+            sum.real += omega_mech() * sin(here);
+            sum.imaginary += omega_mech() * cos(here);
+        }
+        motor.now.flux_d_wb = cfg.flux_linkage_wb;
+        motor.now.flux_q_wb = cfg.inductance_q_h * i_q;
+        plant_motor_step_driven(&motor, h, plant_motor_emf(&motor));
+        plant_motor_wrap(&motor);
+    }
+    const double scale = 2.0 / (0.25 * periods * STAIRS) / amplitude_nm;
+    return (complex_t){scale * sum.real, scale * sum.imaginary};
+}
+
+static void test_motor_answers_torque_as_two_masses_do(void)
+{
+    const double anti = sqrt(STIFFNESS_NM / LOAD_KG_M2);
+    const double resonance = sqrt(STIFFNESS_NM * (1.0 / MOTOR_KG_M2 + 1.0 / LOAD_KG_M2));
+    const double frequencies[] = {0.3 * anti, anti, 0.5 * (anti + resonance), resonance,
+                                  3.0 * resonance};
+
+    for (size_t k = 0; k < sizeof frequencies / sizeof frequencies[0]; k++) {
+        const double w = frequencies[k];
+        const complex_t wanted = wanted_response(w);
+        const complex_t measured = measured_response(w, 0.1);
+        /* Stairs of x = 2 pi / STAIRS are smaller than their sine by x^2/24. Those of their harmonics that speed samples
+         * at the stairs cannot tell from it add x^2/12 of what the motor's own mass does. */
+        const double x = 2.0 * PLANT_PI / STAIRS;
+        const double tolerance =
+            1.1 * x * x *
+            (1.0 / (12.0 * MOTOR_KG_M2 * w) + hypot(wanted.real, wanted.imaginary) / 24.0);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance, wanted.real, measured.real);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance, wanted.imaginary, measured.imaginary);
+    }
+    /* At the antiresonance the load holds the motor: little is left of what it does far below. */
+    const complex_t held = measured_response(anti, 0.1);
+    TEST_ASSERT_TRUE(hypot(held.real, held.imaginary) < 0.2 / ((MOTOR_KG_M2 + LOAD_KG_M2) * anti));
+}
+
+static void test_stiction_of_the_motor_holds_what_the_shaft_brings(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+
+    cfg.coulomb_friction_nm = 0.5;
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
+    start(&cfg);
+    /* At once, the load swings to twice the twist of its torque. */
+    motor.load_torque_nm = 0.24;
+    coast(20000);
+    TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0 && motor.now.theta_el_rad == 0.0);
+    motor.load_torque_nm = 0.0;
+    coast(40000);
+    motor.load_torque_nm = 0.6;
+    coast(20000);
+    TEST_ASSERT_TRUE(omega_mech() < 0.0);
+}
+
+/* What counts is the twist, which is not yet there or still is. */
+static void test_a_shaft_sticks_by_its_twist_and_not_by_the_load(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+
+    cfg.coulomb_friction_nm = 0.5;
+    start(&cfg);
+    motor.load_torque_nm = 5.0;
+    coast(1);
+    TEST_ASSERT_TRUE(motor.now.omega_el_rad_s == 0.0);
+    TEST_ASSERT_TRUE(motor.now.load_speed_rad_s < 0.0);
+    start(&cfg);
+    motor.now.twist_rad = 0.51 / STIFFNESS_NM;
+    coast(1);
+    TEST_ASSERT_TRUE(motor.now.omega_el_rad_s < 0.0);
+}
+
+/* Swings with dry friction on one side lose what the friction takes of the motor's way. */
+static void test_energy_goes_into_friction_and_damping(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    double lost_j = 0.0;
+    double before_w = 0.0;
+
+    cfg.coulomb_friction_nm = 0.05;
+    cfg.viscous_friction_nm_s = 0.002;
+    cfg.shaft_damping_nm_s = DAMPING_NM_S;
+    cfg.initial_speed_mech_rad_s = 30.0;
+    start(&cfg);
+    motor.now.load_speed_rad_s = 10.0;
+    motor.load_torque_nm = 0.2;
+    const double first_j = 0.5 * MOTOR_KG_M2 * 30.0 * 30.0 + 0.5 * LOAD_KG_M2 * 10.0 * 10.0;
+    for (int k = 0; k < 20000; k++) {
+        coast(1);
+        const double own = omega_mech();
+        const double load = motor.now.load_speed_rad_s;
+        const double w = own * (0.002 * own + copysign(0.05, own)) +
+                         DAMPING_NM_S * (own - load) * (own - load) + 0.2 * load;
+        lost_j += 0.5 * STEP_S * (w + ((k > 0) ? before_w : w));
+        before_w = w;
+    }
+    const double twist = motor.now.twist_rad;
+    const double left_j =
+        0.5 * MOTOR_KG_M2 * omega_mech() * omega_mech() +
+        0.5 * LOAD_KG_M2 * motor.now.load_speed_rad_s * motor.now.load_speed_rad_s +
+        0.5 * STIFFNESS_NM * twist * twist;
+    TEST_ASSERT_TRUE(lost_j > 0.1);
+    /* Trapezoidal rule: (w h)^2 / 12 = 2e-6 of a swing, and the first step. */
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-4 * lost_j, first_j, left_j + lost_j);
+}
+
+/* The swing that friction starts at first has faded to e^-33. */
+static void test_a_stiff_shaft_is_a_rigid_one(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+
+    cfg.shaft_stiffness_nm = STIFFNESS_NM * 1.0e4;
+    cfg.shaft_damping_nm_s = 50.0;
+    cfg.viscous_friction_nm_s = 0.01;
+    cfg.initial_speed_mech_rad_s = 100.0;
+    start(&cfg);
+    for (int k = 0; k < 2000; k++) {
+        plant_motor_step_open(&motor, 1.0e-6);
+    }
+    plant_motor_cfg_t rigid = cfg;
+    rigid.inertia_kg_m2 = MOTOR_KG_M2 + LOAD_KG_M2;
+    rigid.load_inertia_kg_m2 = 0.0;
+    const double elastic_rad_s = omega_mech();
+    start(&rigid);
+    TEST_ASSERT_FALSE(motor.is_real);
+    coast(200);
+    /* What braking twists the shaft by, 2e-7 rad, came as speed at first. */
+    TEST_ASSERT_DOUBLE_WITHIN(1.0e-6, omega_mech(), elastic_rad_s);
+}
+
+/* 5 ms of swings after a blow, in intervals of 100 us of so many parts, without magnet. */
+static plant_motor_state_t struck(double stiffness_nm, double damping_nm_s, int parts)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    const plant_interval_t interval = {1.0e-4 / parts, {0.0, 0.0}};
+
+    cfg.flux_linkage_wb = 0.0;
+    cfg.shaft_stiffness_nm = stiffness_nm;
+    cfg.shaft_damping_nm_s = damping_nm_s;
+    cfg.initial_speed_mech_rad_s = 10.0;
+    start(&cfg);
+    motor.now.load_speed_rad_s = 0.0;
+    for (int k = 0; k < 50 * parts; k++) {
+        plant_motor_run_driven(&motor, 1, &interval);
+    }
+    return motor.now;
+}
+
+static void check_steps(double stiffness_nm, double damping_nm_s)
+{
+    const plant_motor_state_t coarse = struck(stiffness_nm, damping_nm_s, 1);
+    const plant_motor_state_t fine = struck(stiffness_nm, damping_nm_s, 500);
+    /* A step of x <= 0.1 is off by x^5/120, a radian of the swing by x^4/120; there are 258 at most. */
+    const double tolerance = 258.0 * 1.0e-4 / 120.0 * 10.0;
+
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, fine.load_speed_rad_s, coarse.load_speed_rad_s);
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, fine.omega_el_rad_s / 2.0, coarse.omega_el_rad_s / 2.0);
+}
+
+static void test_steps_are_as_short_as_the_shaft_is_stiff_or_damped(void)
+{
+    check_steps(1.0e4 * STIFFNESS_NM, 0.1);
+    check_steps(STIFFNESS_NM, 200.0);
+}
+
+static void check_rejected(const plant_motor_cfg_t *cfg, const char *field)
+{
+    const char *bad = NULL;
+
+    TEST_ASSERT_FALSE(plant_motor_init(&motor, cfg, &bad));
+    TEST_ASSERT_EQUAL_STRING(field, bad);
+}
+
+static void test_init_names_the_field_that_is_out_of_range(void)
+{
+    plant_motor_cfg_t cfg = TWO_MASSES;
+    cfg.load_inertia_kg_m2 = -1.0;
+    check_rejected(&cfg, "motor.load_inertia_kg_m2");
+    cfg = TWO_MASSES;
+    cfg.shaft_stiffness_nm = 0.0;
+    check_rejected(&cfg, "motor.shaft_stiffness_nm");
+    cfg = TWO_MASSES;
+    cfg.shaft_damping_nm_s = -0.1;
+    check_rejected(&cfg, "motor.shaft_damping_nm_s");
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_free_shaft_swings_at_the_resonance);
+    RUN_TEST(test_blocked_rotor_leaves_the_antiresonance);
+    RUN_TEST(test_swings_fade_by_the_damping);
+    RUN_TEST(test_momentum_of_both_masses_is_kept_and_their_load_brakes_them);
+    RUN_TEST(test_motor_answers_torque_as_two_masses_do);
+    RUN_TEST(test_stiction_of_the_motor_holds_what_the_shaft_brings);
+    RUN_TEST(test_a_shaft_sticks_by_its_twist_and_not_by_the_load);
+    RUN_TEST(test_energy_goes_into_friction_and_damping);
+    RUN_TEST(test_a_stiff_shaft_is_a_rigid_one);
+    RUN_TEST(test_steps_are_as_short_as_the_shaft_is_stiff_or_damped);
+    RUN_TEST(test_init_names_the_field_that_is_out_of_range);
+    return UNITY_END();
+}
