@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The firmware beside paper A (paper_a.h): figures of S1 to S3 as published, and where the law is stable with either
 // reading of (23).
+#include "measuring_steps.h"
 #include "paper_a.h"
 #include "scenario.h"
 
@@ -143,26 +144,6 @@ Eigen::Vector2d noise_of_estimate(const Settings &s, double speed)
     return squares.cwiseSqrt();
 }
 
-// The firmware measures with a converter and computes with 16 bits: the steps of both, A.
-struct Steps {
-    double converter;
-    double signal; // Q15 of twice the converter's range
-
-    // As white noise, rms by axis: the converter's in two phases is 4/3 of it in the mean of both axes; the signal's is added
-    // in Clarke, Park and the network's output.
-    double noise() const
-    {
-        return std::sqrt((4.0 / 3 * converter * converter + 3 * signal * signal) / 12);
-    }
-    // As an offset: half a step of the converter, and what is rounded down after it.
-    double offset() const
-    {
-        return converter / 2 + signal;
-    }
-};
-
-// Of 10^4 normal deviates the largest is about this many times their rms.
-constexpr double LARGEST_OF_MANY = 4;
 constexpr int CONVERTER_BITS = 14; // 12 on the bench, whose steps are 20 % of these figures
 
 void compare(const char *name, const Script &script, const Course &course)
@@ -174,10 +155,9 @@ void compare(const char *name, const Script &script, const Course &course)
                               m.angle_error_max_deg.value_or(HUGE_VAL)};
     const Settings s;
     const Figures paper = largest_errors(s, script, course);
-    const double range = 2 * config.board.current_full_scale_a;
-    const Steps steps = {std::ldexp(range, -CONVERTER_BITS), std::ldexp(range, -15)};
+    const nf::reference::MeasuringSteps steps(config.board.current_full_scale_a, CONVERTER_BITS);
     const Eigen::Vector2d noise =
-        LARGEST_OF_MANY * steps.noise() * noise_of_estimate(s, RATED_RAD_S);
+        nf::reference::LARGEST_OF_MANY * steps.noise() * noise_of_estimate(s, RATED_RAD_S);
     const double drift = steps.offset() * s.resistance / s.flux * course.rest_s;
     const Figures tolerance = {noise(0) / RAD_S_PER_RPM, (noise(1) + drift) * DEG};
 
