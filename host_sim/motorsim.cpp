@@ -7,8 +7,10 @@
 #include "console.h"
 #include "data_list.h"
 #include "extremes.h"
+#include "peer.h"
 #include "program.h"
 #include "reader.h"
+#include "replace.h"
 #include "replay.h"
 #include "report.h"
 #include "scenario.h"
@@ -17,6 +19,7 @@
 #include "vcd.h"
 #include "writer.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -81,6 +84,7 @@ nf::Config Choice::load() const
 }
 
 struct RunArguments : Choice {
+    std::string estimator;
     std::string trace;
     bool trace_prelude = false;
     std::string json;
@@ -259,15 +263,31 @@ void check_window(const RunArguments &arguments)
     }
 }
 
+// The estimator of the command line in place of the drive's own, if there is one; the run's notes name it.
+std::function<void(drive_t &)> replace_observer(const RunArguments &arguments, nf::Config &config)
+{
+    if (arguments.estimator.empty()) {
+        return {};
+    }
+    if (!arguments.record.empty()) {
+        throw FileError("--record needs the drive's own observer: a replay knows no --estimator");
+    }
+    nf::peers::Tuned tuned = nf::peers::load("--estimator", arguments.estimator);
+    config.scenario.notes.push_back(
+        fmt::format("{} in place of the drive's observer", tuned.peer->title));
+    return nf::peers::in_place_of_the_observer(config, std::move(tuned.estimator));
+}
+
 int run(const RunArguments &arguments)
 {
-    const nf::Config config = arguments.load();
+    nf::Config config = arguments.load();
     check_outputs(arguments, config);
     check_window(arguments);
     Outputs outputs(arguments, config);
     nf::RunOptions options;
     options.progress = progress_line();
     options.sink = outputs.any() ? &outputs : nullptr;
+    options.estimate = replace_observer(arguments, config);
     const nf::RunResult result = nf::run_scenario(config, options);
     outputs.close();
     if (arguments.json.empty()) {
@@ -348,6 +368,20 @@ int signals(const Choice &choice)
     return LIMITS_HOLD;
 }
 
+int estimators()
+{
+    nlohmann::ordered_json json;
+    for (const nf::peers::Peer &peer : nf::peers::all()) {
+        nlohmann::ordered_json &entry = json[peer.name];
+        entry["title"] = peer.title;
+        for (const nf::peers::Gain &gain : peer.gains) {
+            entry["gain"][gain.name] = {{"min", gain.min}, {"max", gain.max}, {"help", gain.help}};
+        }
+    }
+    nf::write_text("-", json.dump(2) + '\n');
+    return LIMITS_HOLD;
+}
+
 int list()
 {
     nf::write_text("-", nf::data_list_text());
@@ -405,6 +439,11 @@ void describe_choice(CLI::App &command, Choice &arguments)
 void describe_run(CLI::App &command, RunArguments &arguments)
 {
     describe_choice(command, arguments);
+    command
+        .add_option(
+            "--estimator", arguments.estimator,
+            "in place of the drive's observer: a name of `motorsim estimators`, or a file of gains")
+        ->check(not_a_file, "");
     command.add_option("--trace", arguments.trace, "write all signals of every tick as CSV")
         ->check(not_a_trace_file, "")
         ->type_name("FILE");
@@ -468,49 +507,66 @@ void describe_bench(CLI::App &command, BenchArguments &arguments)
         ->type_name("FILE");
 }
 
+// All commands with their arguments, and what each does.
+struct Commands {
+    explicit Commands(CLI::App &app);
+    int chosen() const;
+
+private:
+    // The entry of a new command.
+    CLI::App &add(CLI::App &app, const char *name, const char *help, std::function<int()> action)
+    {
+        CLI::App &command = *app.add_subcommand(name, help);
+        actions_.emplace_back(&command, std::move(action));
+        return command;
+    }
+
+    RunArguments run_;
+    DebugArguments debug_;
+    Choice signals_;
+    ReplayArguments replay_;
+    BenchArguments bench_;
+    std::vector<std::pair<const CLI::App *, std::function<int()>>> actions_;
+};
+
+Commands::Commands(CLI::App &app)
+{
+    describe_run(add(app, "run", "run a scenario and judge it", [this] { return run(run_); }),
+                 run_);
+    describe_debug(add(app, "debug", "step through a scenario, forwards and backwards",
+                       [this] { return debug(debug_); }),
+                   debug_);
+    describe_choice(add(app, "signals",
+                        "the firmware's words with formats and scales, as JSON for debuggers",
+                        [this] { return signals(signals_); }),
+                    signals_);
+    describe_replay(add(app, "replay", "run a flight recorder's recording again",
+                        [this] { return replay(replay_); }),
+                    replay_);
+    add(app, "list", "list scenarios and imperfections", list);
+    add(app, "estimators", "what `run --estimator` knows, with its gains, as JSON", estimators);
+    describe_bench(
+        add(app, "bench", "measure the simulation speed", [this] { return bench(bench_); }),
+        bench_);
+}
+
+int Commands::chosen() const
+{
+    const auto found = std::find_if(actions_.begin(), actions_.end(),
+                                    [](const auto &action) { return bool(*action.first); });
+    return found->second();
+}
+
 int parse_and_do(int argc, char **argv)
 {
     CLI::App app{"Simulates a motor, its inverter and the drive's firmware, tick by tick.",
                  "motorsim"};
-    RunArguments run_arguments;
-    DebugArguments debug_arguments;
-    ReplayArguments replay_arguments;
-    BenchArguments bench_arguments;
-    Choice signals_choice;
-    CLI::App *const run_command = app.add_subcommand("run", "run a scenario and judge it");
-    CLI::App *const debug_command =
-        app.add_subcommand("debug", "step through a scenario, forwards and backwards");
-    CLI::App *const signals_command = app.add_subcommand(
-        "signals", "the firmware's words with formats and scales, as JSON for debuggers");
-    CLI::App *const replay_command =
-        app.add_subcommand("replay", "run a flight recorder's recording again");
-    app.add_subcommand("list", "list scenarios and imperfections");
-    CLI::App *const bench_command = app.add_subcommand("bench", "measure the simulation speed");
-    describe_run(*run_command, run_arguments);
-    describe_debug(*debug_command, debug_arguments);
-    describe_replay(*replay_command, replay_arguments);
-    describe_bench(*bench_command, bench_arguments);
-    describe_choice(*signals_command, signals_choice);
+    const Commands commands(app);
     app.footer(EXAMPLES);
     if (const std::optional<int> status = nf::parse(app, argc, argv)) {
         return *status;
     }
-    if (*run_command) {
-        return run(run_arguments);
-    }
-    if (*debug_command) {
-        return debug(debug_arguments);
-    }
-    if (*replay_command) {
-        return replay(replay_arguments);
-    }
-    if (*bench_command) {
-        return bench(bench_arguments);
-    }
-    if (*signals_command) {
-        return signals(signals_choice);
-    }
-    return list();
+    return commands.chosen();
 }
 
 } // namespace

@@ -144,6 +144,9 @@ void Run::one()
     if (options_.power_stage) {
         run_.sim().apply(options_.power_stage(tick));
     }
+    if (options_.estimate) {
+        options_.estimate(run_.sim().seam().drive);
+    }
     run_.advance();
 }
 

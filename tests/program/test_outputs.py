@@ -34,6 +34,7 @@ WRITERS = {writer: settings for writer, settings in WRITERS.items() if writer[0]
 # Each command that prints, but for the replay, which needs a recording, and the zoo, which writes files only.
 PRINTERS = (
     (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
+    (MOTORSIM, "estimators"),
     (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "list"),

@@ -165,6 +165,33 @@ class Notes(MotorsimTest):
         self.assertIn(f"\nnote: {note[0]}\n", self.motorsim("run", "s1", *late).stdout)
 
 
+class OtherEstimator(MotorsimTest):
+    RUN = ("s2_robust", "--with", "imp")
+
+    def test_it_is_named_and_has_figures_of_its_own(self):
+        own, other = (self.metrics(*self.RUN, *words) for words in ((), ("--estimator", "kalman")))
+        self.assertEqual(other["notes"], ["extended Kalman filter with four states in place of the drive's observer"])
+        self.assertTrue(other["locked"])
+        self.assertNotEqual(own["speed_error_max_rpm"], other["speed_error_max_rpm"])
+        self.assertEqual(other, self.metrics(*self.RUN, "--estimator", DATA / "peers/kalman.toml"))
+
+    def test_each_has_gains_with_a_range_and_a_meaning(self):
+        for peer in json.loads(self.assert_status(HOLDS, "estimators").stdout).values():
+            self.assertTrue(peer["title"])
+            for gain in peer["gain"].values():
+                self.assertLess(gain["min"], gain["max"])
+                self.assertTrue(gain["help"])
+
+    def test_bad_input_is_one_line(self):
+        for words, message in (
+                (("--estimator", "kalmann"), '--estimator: estimator = "kalmann": not found, did you mean kalman?; '),
+                (("--estimator", "kalman", "--record", "x.nfr"), "--record needs the drive's own observer: ")):
+            done = self.assert_status(BAD_INPUT, "run", "s1", *words)
+            self.assertTrue(done.stderr.startswith(f"motorsim: {message}"), done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1)
+        self.assertFalse((self.folder / "x.nfr").exists())
+
+
 class AnyMotor(MotorsimTest):
     """The scenario `any` takes every motor to the board that fits it."""
 
