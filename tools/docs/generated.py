@@ -4,6 +4,7 @@
 A table stands between `<!-- NAME -->` and `<!-- end -->`.
 """
 import re
+import shlex
 import sys
 from pathlib import Path
 
@@ -28,4 +29,4 @@ def finish(page, made, source, write):
         path.write_text(anew, encoding="utf-8")
     elif anew != text:
         shown, now = next((pair for pair in zip(text.splitlines(), anew.splitlines()) if pair[0] != pair[1]))
-        sys.exit(f"{page} is not what {source} has; run {sys.argv[0]} --write\n  shown: {shown}\n  now:   {now}")
+        sys.exit(f"{page} is not what {source} has; run {shlex.join(sys.argv)} --write\n  shown: {shown}\n  now:   {now}")
