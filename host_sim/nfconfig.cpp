@@ -24,7 +24,7 @@ namespace
 struct Choice {
     std::string motor;
     std::string board;
-    std::string tuning = "robust";
+    std::string tuning = "any";
     std::vector<std::string> with;
     std::vector<std::string> set;
     std::string out = "-";

@@ -2,6 +2,7 @@
 #include "dimensionless.h"
 
 #include "numbers.h"
+#include "rules.h"
 
 namespace nf
 {
@@ -33,21 +34,6 @@ Ratings ratings_of(const Config &config)
     return r;
 }
 
-// The estimate follows a ramp of speed with this delay, T·κ_p/κ; the published law has none.
-double estimate_lag_s(const TuningSettings &tuning, double period_s)
-{
-    return tuning.observer_kappa > 0 ? tuning.observer_kappa_p / tuning.observer_kappa * period_s
-                                     : 0;
-}
-
-// The vector that dead time and device drop take off the voltage: its first harmonic is 4/3 of what a leg loses.
-double dead_time_v(const Config &config)
-{
-    const double leg_v =
-        config.board.bus_nominal_v * config.plant.dead_time_s * config.board.pwm_frequency_hz;
-    return 4.0 / 3 * (leg_v + config.plant.device_drop_v);
-}
-
 // Of the voltage circle, with half of the rated torque at rated speed.
 double voltage_use(const Config &config, const Ratings &r)
 {
@@ -69,6 +55,7 @@ std::vector<Dimensionless> dimensionless(const Config &config)
     const double lsb_a = std::ldexp(board.current_full_scale_a, 1 - board.adc_bits);
     const double handover = tuning.handover_speed_pct / 100 * r.omega;
     const double drop_v = motor.resistance_ohm * r.current_a;
+    const double loss_v = leg_loss_v(board, config.plant.dead_time_s, config.plant.device_drop_v);
     const double ripple_a = board.bus_nominal_v * r.period_s / (12 * r.inductance_h);
     return {
         {"speed_lag", "2πf·κ_p/κ·T: the speed loop's bandwidth times the lag of the estimate",
@@ -77,10 +64,9 @@ std::vector<Dimensionless> dimensionless(const Config &config)
          tuning.speed_ramp_rpm_s * estimate_lag_s(tuning, r.period_s) / motor.rated_speed_rpm},
         {"current_loop", "2πf·T of the current loop",
          TWO_PI * tuning.current_bandwidth_hz * r.period_s},
-        {"dead_time", "voltage of dead time and device drop over R·I",
-         dead_time_v(config) / drop_v},
+        {"dead_time", "voltage of dead time and device drop over R·I", loss_v / drop_v},
         {"dead_time_emf", "likewise over the EMF at the hand-over",
-         dead_time_v(config) / (handover * motor.flux_linkage_wb)},
+         loss_v / (handover * motor.flux_linkage_wb)},
         {"copper", "R·I over the EMF at rated speed", drop_v / r.emf_v},
         {"reactance", "ωLI over the EMF", r.omega * r.inductance_h * r.current_a / r.emf_v},
         {"decay", "R·T/L", motor.resistance_ohm * r.period_s / r.inductance_h},

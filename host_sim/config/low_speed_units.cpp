@@ -137,13 +137,26 @@ double sweep_time_s(double swing, const Bases &b)
     return std::max(SWEEP / swing, STEPS_PER_TURN / 2 / b.speed_limit * b.control_period_s);
 }
 
+// The hold's, unless it is written; within the same limits.
+double align_current(const MotorSettings &motor, const BoardSettings &board,
+                     const TuningSettings &tuning)
+{
+    TuningSettings aligning = tuning;
+    if (tuning.align_current_pct > 0) {
+        aligning.startup_current_pct = tuning.align_current_pct;
+    }
+    return hold_current(motor, board, aligning);
+}
+
 align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
                        const TuningSettings &tuning, const Model &m, const Bases &b)
 {
-    const double current = hold_current(motor, board, tuning);
+    const double current = align_current(motor, board, tuning);
     const double swing = swing_rad_s(motor, board, tuning, m);
     align_cfg_t c{};
-    c.current_high = current_q15(current, b);
+    const Source written = {"startup.align_current_pct", tuning.align_current_pct};
+    store(c.current_high, current / b.current_a * Q15, tuning.align_current_pct > 0 ? HOLD_MIN : 0,
+          Q14, written, CURRENT_REASON);
     c.current_low = current_q15(current * LOW_SHARE, b);
     c.slope = hold_slope(motor, board, tuning, m, b);
     c.sweep_ticks = ticks(sweep_time_s(swing, b), b);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 namespace nf
@@ -80,20 +79,6 @@ struct Model {
 };
 
 Model make_model(const MotorSettings &motor, const ModelScales &scale);
-
-// Within what a rule's value has to stay, by key: what the firmware's numbers hold.
-struct RuleRange {
-    double least = 0;
-    double most = HUGE_VAL;
-};
-using RuleRanges = std::map<std::string, RuleRange>;
-
-// The tuning with what it leaves to the motor (0) filled in by one rule for every motor, see numbers.cpp.
-TuningSettings for_motor(const TuningSettings &tuning, const MotorSettings &motor,
-                         const RuleRanges &ranges = {});
-
-// The key of the motor file that a rule's value follows from most, or null where `key` is written or has no rule.
-const char *rule_source(const std::string &key, const TuningSettings &as_written);
 
 // The lowest speed of the voltage drive is at least so many hand-over speeds: it gives back at 3/4 of it, which has to be
 // before the observer does.

@@ -3,6 +3,7 @@
 
 #include "low_speed_units.h"
 #include "numbers.h"
+#include "rules.h"
 
 extern "C" {
 #include "config_check.h"
@@ -742,7 +743,8 @@ TuningSettings settled_tuning(const MotorSettings &motor, const BoardSettings &b
 {
     RuleRanges ranges;
     for (int round = 0;; round++) {
-        const TuningSettings tuning = for_sensor(for_motor(as_written, motor, ranges));
+        const TuningSettings tuning =
+            for_sensor(by_rules(as_written, motor, board, scales, ranges));
         try {
             convert(motor, board, tuning, scales);
             return tuning;

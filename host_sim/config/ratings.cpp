@@ -58,7 +58,7 @@ void note_rated_point(Config &config)
 void note_kappa(Config &config)
 {
     const TuningSettings &t = config.tuning;
-    if (t.angle_source == AngleSource::sensor || t.observer_kappa_p > 0) {
+    if (t.angle_source == AngleSource::sensor || t.observer_kappa_p != 0 || t.observer_kappa <= 0) {
         return;
     }
     const double turn = rad_s_from_rpm(config.motor.max_speed_rpm) * config.motor.pole_pairs /

@@ -2,6 +2,7 @@
 #include "refusal.h"
 
 #include "numbers.h"
+#include "rules.h"
 #include "schema.h"
 
 #include <algorithm>

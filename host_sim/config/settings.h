@@ -89,6 +89,7 @@ struct TuningSettings {
     double startup_current_pct =
         0; // imposed below the hand-over speed, of the continuous current; 0: no
            // start-up, RUN begins with the rotor taken to be at angle 0
+    double align_current_pct = 0;    // likewise in the alignment; 0: as startup_current_pct
     double handover_speed_pct = 10;  // of rated speed
     double adapt_resistance_pct = 0; // how far the model may be corrected; 0: not at all
     double adapt_inductance_pct = 0;

@@ -152,7 +152,7 @@ std::string exact_file(const Reference &reference, const Names &names)
     const Specimen specimen = draw_specimen(draw, class_of(reference));
     const Times times = times_of(specimen);
     return head(reference) + text_line("motor", names.motor) + text_line("board", names.board) +
-           text_line("tuning", "robust") + "\n[scenario]\n" +
+           text_line("tuning", "any") + "\n[scenario]\n" +
            text_line("title", "start, 55 %, 100 % of rated speed, load step, stop, -10 %") +
            text_line("mode", "speed") + fmt::format("duration_s = {:.4f}\n", times.end) +
            fmt::format("evaluate_from_s = {:.4f}\n", times.started) +

@@ -21,7 +21,7 @@ namespace
 
 using Lines = std::vector<std::string>;
 
-const char *const TUNINGS[] = {"published", "robust", "voltage_phase"};
+const char *const TUNINGS[] = {"published", "robust", "any", "voltage_phase"};
 const char *const SOURCES[] = {"observer", "sensor"};
 
 // What the shipped board and the published tuning say of another motor.

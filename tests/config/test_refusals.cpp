@@ -376,7 +376,7 @@ void the_optional_settings_are_refused_outside_their_ranges()
                     "--set: motor.continuous_current_a = -1: is too "
                     "small; allowed: 0 to 1000 A");
     expect_override("observer.rho_max=4",
-                    "--set: observer.rho_max = 4: is too large; allowed: 0 to 3.9");
+                    "--set: observer.rho_max = 4: is too large; allowed: -1 to 3.9");
     expect_override("startup.current_pct=201",
                     "--set: startup.current_pct = 201: is too large; allowed: 0 to 200 %");
     expect_override("startup.handover_speed_pct=0",
@@ -388,7 +388,9 @@ void the_optional_settings_are_refused_outside_their_ranges()
     expect_override("adaptation.flux_pct=-1",
                     "--set: adaptation.flux_pct = -1: is too small; allowed: 0 to 50 %");
     expect_override("current_loop.floor_pct=51",
-                    "--set: current_loop.floor_pct = 51: is too large; allowed: 0 to 50 %");
+                    "--set: current_loop.floor_pct = 51: is too large; allowed: -1 to 50 %");
+    expect_override("startup.align_current_pct=301",
+                    "--set: startup.align_current_pct = 301: is too large; allowed: 0 to 300 %");
     expect_override("model.dead_time_s=2e-5",
                     "--set: model.dead_time_s = 2e-05: is too large; allowed: -1 to 1e-05 s");
     expect_override("model.device_drop_v=-2",
@@ -451,6 +453,19 @@ void no_rule_breaks_what_another_key_allows()
         all.emplace_back("speed_loop.bandwidth_hz=0");
         all.emplace_back(set);
         TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, all).c_str());
+    }
+}
+
+// -1 leaves these to their rules, 0 means something of its own.
+void what_is_neither_a_value_nor_left_to_a_rule_is_refused()
+{
+    const Folder folder;
+    for (const char *key : {"observer.kappa_p", "observer.rho_max", "current_loop.floor_pct"}) {
+        TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {std::string(key) + "=-1"}).c_str());
+        const std::string line = "--set: " + std::string(key) +
+                                 " = -0.5: does not fit the firmware; allowed: at least 0";
+        const std::string said = refusal({}, {std::string(key) + "=-0.5"});
+        TEST_ASSERT_EQUAL_STRING(line.c_str(), said.substr(0, line.size()).c_str());
     }
 }
 
@@ -790,6 +805,7 @@ int main()
     RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
     RUN_TEST(a_voltage_gain_is_not_refused_for_the_integral_that_follows);
     RUN_TEST(no_rule_breaks_what_another_key_allows);
+    RUN_TEST(what_is_neither_a_value_nor_left_to_a_rule_is_refused);
     RUN_TEST(text_that_is_not_toml_is_named_with_its_line);
     RUN_TEST(text_of_any_language_is_allowed_in_strings_and_comments);
     RUN_TEST(a_file_that_does_not_exist_is_named_with_those_that_do);

@@ -4,6 +4,7 @@
 
 #include "low_speed_units.h"
 #include "numbers.h"
+#include "rules.h"
 
 #include "unity.h"
 
@@ -37,7 +38,7 @@ std::vector<std::string> also(std::vector<std::string> a, const std::vector<std:
 nf::TuningSettings filled(const std::vector<std::string> &set)
 {
     const nf::Config config = nf::load_scenario("s", {}, set);
-    return nf::for_motor(config.tuning, config.motor);
+    return nf::by_rules(config.tuning, config.motor, config.board, config.model);
 }
 
 drive_cfg_t built(const std::vector<std::string> &set, const std::vector<std::string> &with = {})

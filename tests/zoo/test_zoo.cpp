@@ -105,8 +105,8 @@ void only_a_scenario_is_of_a_user_and_nothing_is_a_tuning()
     TEST_ASSERT_EQUAL_INT(
         0, parts("zoo:1:user", "robust").rfind("command line: motor = \"zoo:1:user\": is not", 0));
     TEST_ASSERT_EQUAL_STRING(
-        "command line: tuning = \"zoo:1\": is not in the zoo; allowed: published, robust, "
-        "voltage_phase or a path ending in .toml",
+        "command line: tuning = \"zoo:1\": is not in the zoo; allowed: any, published, "
+        "robust, voltage_phase or a path ending in .toml",
         parts("zoo:1", "zoo:1").c_str());
 }
 

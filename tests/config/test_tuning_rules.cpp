@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// The rules of the tuning `any`, each at dimensionless numbers where its value is known: docs/tuning_rules.md.
+#include "rules.h"
+
+#include "config.h"
+#include "numbers.h"
+
+#include "unity.h"
+
+#include <cmath>
+
+namespace
+{
+
+// Settings go through a few products of doubles.
+constexpr double RELATIVE = 1e-9;
+
+nf::Config any(const std::vector<std::string> &set = {}, const std::vector<std::string> &with = {})
+{
+    return nf::load_parts("motor_a", "bench_310v", "any", with, set);
+}
+
+nf::TuningSettings ruled(const std::vector<std::string> &set = {},
+                         const std::vector<std::string> &with = {})
+{
+    const nf::Config c = any(set, with);
+    return nf::by_rules(c.tuning, c.motor, c.board, c.model);
+}
+
+void expect(double expected, double actual)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(RELATIVE * std::abs(expected), expected, actual);
+}
+
+// 4.3·a/ω with a = 1.5·2·0.387·10/0.003 rad/s² and 1800 rpm.
+constexpr double LOOP_RAD_S = 4.3 * 3870 / (60 * 3.14159265358979323846);
+constexpr double PERIOD_S = 1e-4;
+
+// The lag is 8.1·T/κ_p, and 2πf times it is 0.165.
+void the_observer_is_as_slow_as_its_speed_loop_allows()
+{
+    const nf::TuningSettings t = ruled();
+    expect(8.1 * LOOP_RAD_S / 0.165 * PERIOD_S, t.observer_kappa_p);
+    expect(t.observer_kappa_p * t.observer_kappa_p / 8.1, t.observer_kappa);
+    expect(0.165, LOOP_RAD_S * nf::estimate_lag_s(t, PERIOD_S));
+    expect(LOOP_RAD_S, 2 * nf::PI * t.speed_bandwidth_hz);
+}
+
+// With a hundred times J the loop would allow a rate of 43/s; the rotor turns with 377 rad/s.
+void the_observer_is_not_slower_than_the_rotor_turns()
+{
+    const nf::TuningSettings t = ruled({"motor.inertia_kg_m2=0.3"});
+    expect(2 * 2 * nf::PI * 30 * PERIOD_S, t.observer_kappa_p);
+}
+
+// A tenth of J asks for κ_p = 4.3: it stays at 0.45, and the loop waits for a lag of 18 periods.
+void a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows()
+{
+    const nf::TuningSettings t = ruled({"motor.inertia_kg_m2=0.0003"});
+    const double lag = 18 * PERIOD_S;
+    expect(0.45, t.observer_kappa_p);
+    expect(0.025, t.observer_kappa);
+    expect(0.165 / lag, 2 * nf::PI * t.speed_bandwidth_hz);
+    expect(0.0105 * 1800 / lag, t.speed_ramp_rpm_s);
+}
+
+void a_speed_loop_that_is_written_faster_has_an_observer_as_fast()
+{
+    const nf::TuningSettings t = ruled({"speed_loop.bandwidth_hz=14.5"});
+    TEST_ASSERT_EQUAL_DOUBLE(14.5, t.speed_bandwidth_hz);
+    expect(8.1 * 2 * nf::PI * 14.5 / 0.165 * PERIOD_S, t.observer_kappa_p);
+}
+
+// The published law has no lag, and its least κ is twice what it is stable with.
+void the_published_law_is_damped_at_the_highest_speed()
+{
+    const nf::TuningSettings slow = ruled({"observer.kappa_p=0"});
+    expect(0.025, slow.observer_kappa);
+    expect(LOOP_RAD_S, 2 * nf::PI * slow.speed_bandwidth_hz);
+    const nf::TuningSettings fast = ruled({"observer.kappa_p=0", "board.pwm_frequency_hz=4000"});
+    const double turn = 2 * 2 * nf::PI * 2000 / 60 / 4000;
+    expect(std::max(0.025, 3 * turn * turn), fast.observer_kappa);
+    expect(3 * turn * turn, fast.observer_kappa);
+}
+
+// A proportional path ten times as fast as the rotor turns has 1, one of 12.5 times and more 1.25.
+void rho_is_smaller_where_the_observer_is_slow()
+{
+    const nf::TuningSettings t = ruled();
+    expect(0.1 * t.observer_kappa_p / PERIOD_S / (2 * 2 * nf::PI * 30), t.observer_rho_max);
+    expect(1, ruled({"motor.inertia_kg_m2=0.03"}).observer_rho_max);
+    expect(1.25, ruled({"motor.rated_speed_rpm=500"}).observer_rho_max);
+}
+
+void the_current_loop_has_twenty_samples_in_its_period()
+{
+    expect(500, ruled().current_bandwidth_hz);
+    expect(1000, ruled({"board.pwm_frequency_hz=20000"}).current_bandwidth_hz);
+}
+
+// Rated current 7.8/(3·0.387) A makes 14.28 V across R. The loss of a leg is 4/3 of 310 V·t_d·10 kHz.
+void dead_time_raises_the_least_current()
+{
+    const double drop_v = 2.125 * 7.8 / (3 * 0.387);
+    expect(18, ruled().current_floor_pct);
+    expect(18 + 40 * (4.0 / 3 * 3.1) / drop_v, ruled({"board.dead_time_s=1e-6"}).current_floor_pct);
+    expect(50, ruled({"board.dead_time_s=3e-6", "board.bus_nominal_v=340"}).current_floor_pct);
+}
+
+// The circle is 0.95·bus/√3; what 0.95 of it leaves above the EMF of 145.9 V drives i_d through ωL = 4.373 Ω at 8.4 A.
+void the_least_current_leaves_voltage_at_rated_speed()
+{
+    const double omega = 2 * 2 * nf::PI * 30;
+    const double spare_v = 0.95 * 0.95 * 310 / std::sqrt(3.0) - omega * 0.387;
+    expect(100 * spare_v / (omega * 0.0116 * 8.4),
+           ruled({"board.dead_time_s=3e-6"}).current_floor_pct);
+    expect(18, ruled({"board.dead_time_s=3e-6", "board.bus_nominal_v=285"}).current_floor_pct);
+}
+
+// 1.5 times the hold's, within the largest current and the room that over-current leaves for a swing.
+void the_alignment_imposes_more_than_the_hold()
+{
+    const std::vector<std::string> room = {"motor.max_current_a=15", "board.overcurrent_a=18",
+                                           "motor.continuous_current_a=6"};
+    const startup_cfg_t c = nf::build(any(room)).startup;
+    const double one = 32768.0 / 40;
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 6 * one, c.current_hold);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 9 * one, c.align.current_high);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.6 * 9 * one, c.align.current_low);
+    std::vector<std::string> off = room;
+    off.emplace_back("startup.align_current_pct=0");
+    const startup_cfg_t same = nf::build(any(off)).startup;
+    TEST_ASSERT_EQUAL_INT32(same.current_hold, same.align.current_high);
+    std::vector<std::string> tight = room;
+    tight.emplace_back("board.overcurrent_a=15");
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 15 / 1.8 * one,
+                              nf::build(any(tight)).startup.align.current_high);
+}
+
+void what_is_written_is_not_changed()
+{
+    const nf::TuningSettings t =
+        ruled({"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
+               "current_loop.bandwidth_hz=321", "current_loop.floor_pct=11",
+               "speed_loop.bandwidth_hz=3", "speed_loop.ramp_rpm_s=999"},
+              {"deadtime"});
+    TEST_ASSERT_EQUAL_DOUBLE(0.02, t.observer_kappa);
+    TEST_ASSERT_EQUAL_DOUBLE(0.3, t.observer_kappa_p);
+    TEST_ASSERT_EQUAL_DOUBLE(0.7, t.observer_rho_max);
+    TEST_ASSERT_EQUAL_DOUBLE(321, t.current_bandwidth_hz);
+    TEST_ASSERT_EQUAL_DOUBLE(11, t.current_floor_pct);
+    TEST_ASSERT_EQUAL_DOUBLE(3, t.speed_bandwidth_hz);
+    TEST_ASSERT_EQUAL_DOUBLE(999, t.speed_ramp_rpm_s);
+    expect(std::sqrt(8.1 * 0.02), ruled({"observer.kappa=0.02"}).observer_kappa_p);
+}
+
+// A sensor's speed does not lag: nothing is capped.
+void a_sensor_does_not_slow_the_speed_loop()
+{
+    const nf::TuningSettings t = ruled({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.0003"});
+    expect(10 * LOOP_RAD_S, 2 * nf::PI * t.speed_bandwidth_hz);
+    expect(0, nf::estimate_lag_s(t, PERIOD_S));
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(the_observer_is_as_slow_as_its_speed_loop_allows);
+    RUN_TEST(the_observer_is_not_slower_than_the_rotor_turns);
+    RUN_TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows);
+    RUN_TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast);
+    RUN_TEST(the_published_law_is_damped_at_the_highest_speed);
+    RUN_TEST(rho_is_smaller_where_the_observer_is_slow);
+    RUN_TEST(the_current_loop_has_twenty_samples_in_its_period);
+    RUN_TEST(dead_time_raises_the_least_current);
+    RUN_TEST(the_least_current_leaves_voltage_at_rated_speed);
+    RUN_TEST(the_alignment_imposes_more_than_the_hold);
+    RUN_TEST(what_is_written_is_not_changed);
+    RUN_TEST(a_sensor_does_not_slow_the_speed_loop);
+    return UNITY_END();
+}

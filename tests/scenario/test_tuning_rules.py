@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: MIT
+"""Each rule of the tuning `any` holds motors of the zoo that are lost, or swing, without it."""
+
+import json
+import subprocess
+import sys
+import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+MOTORSIM = Path(sys.argv.pop(1)).resolve()
+JOBS = 2
+# The rule, the motor, and the value in place of the rule's: the number that motor A has, or what the torque alone
+# would allow the speed loop.
+RULES = (
+    ("speed bandwidth by the lag", "zoo:servo:33@11", ("speed_loop.bandwidth_hz=202",)),
+    ("observer by the speed loop", "zoo:compressor:28@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
+    ("current loop by the PWM", "zoo:hub:122@11", ("current_loop.bandwidth_hz=500",)),
+    ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
+    ("alignment above the hold", "zoo:gimbal:96@11:user", ("startup.align_current_pct=0",)),
+)
+
+
+def is_held(motor, settings=()):
+    """Locked, and no limit cycle."""
+    words = [word for setting in settings for word in ("--set", setting)]
+    done = subprocess.run([MOTORSIM, "run", motor, "--json", "-", *words], capture_output=True, text=True, check=False)
+    return json.loads(done.stdout)["accepted"]
+
+
+class Rules(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        with ThreadPoolExecutor(JOBS) as pool:
+            cls.by_rule = list(pool.map(lambda row: is_held(row[1]), RULES))
+            cls.without = list(pool.map(lambda row: is_held(*row[1:]), RULES))
+
+    def test_a_motor_is_held_with_each_rule(self):
+        for (rule, *_), held in zip(RULES, self.by_rule, strict=True):
+            with self.subTest(rule=rule):
+                self.assertTrue(held)
+
+    def test_and_is_not_without_it(self):
+        for (rule, *_), held in zip(RULES, self.without, strict=True):
+            with self.subTest(rule=rule):
+                self.assertFalse(held)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
