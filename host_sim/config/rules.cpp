@@ -15,6 +15,9 @@ namespace
 // Speed: full torque at an error of 1/(2·ζ·4.3) = 12 % of rated speed (ζ = 1). A faster loop turns the ripple of
 // the estimate into torque: with dead time 2 % of ripple is then a fifth of the torque.
 constexpr double SPEED_PER_TORQUE = 4.3;
+// And not faster than this many radians of the rotor at rated speed where dead time takes as much voltage as the EMF at
+// the hand-over makes: that ripple of the estimate is not to be followed. In proportion.
+constexpr double SPEED_PER_LOSS = 0.15;
 // Ramp and profile leave the rest of the torque to the load.
 constexpr double RAMP_TORQUE = 0.27;
 constexpr double PROFILE_TORQUE = 0.2;
@@ -172,6 +175,21 @@ double speed_rate(const Drive &drive)
     return SPEED_PER_TORQUE * drive.acceleration / drive.rated;
 }
 
+// Voltage that dead time and drop take off, as the drive believes.
+double believed_loss_v(const Drive &drive)
+{
+    return leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
+}
+
+// What dead time leaves of it.
+double quiet_speed_rate(const Drive &drive, double handover_pct)
+{
+    const double emf_v = handover_pct / 100 * drive.rated_el * drive.motor.flux_linkage_wb;
+    const double loss_v = believed_loss_v(drive);
+    const double most = loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
+    return std::min(speed_rate(drive), most);
+}
+
 double kappa_of(double kappa_p, const Drive &drive)
 {
     if (kappa_p > 0) {
@@ -185,8 +203,8 @@ double kappa_of(double kappa_p, const Drive &drive)
 // A loop that somebody made faster has an observer as fast.
 void fill_observer(Filled &f, const Drive &drive)
 {
-    const double loop =
-        std::max(speed_rate(drive), TWO_PI * std::max(0.0, f.tuning.speed_bandwidth_hz));
+    const double loop = std::max(quiet_speed_rate(drive, f.tuning.handover_speed_pct),
+                                 TWO_PI * std::max(0.0, f.tuning.speed_bandwidth_hz));
     const double rate =
         std::max(OBSERVER_SHAPE * loop / LAG_PHASE, OBSERVER_RADIAN * drive.rated_el);
     const double kappa_p = f.is_open(&T::observer_kappa)
@@ -202,8 +220,7 @@ void fill_observer(Filled &f, const Drive &drive)
 double floor_pct(const Drive &drive)
 {
     const MotorSettings &motor = drive.motor;
-    const double loss_v =
-        leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
+    const double loss_v = believed_loss_v(drive);
     const double drop_v = motor.resistance_ohm * rated_current(motor);
     const double asked = FLOOR_PCT + FLOOR_SLOPE_PCT * loss_v / drop_v;
     const double spare_v = FLOOR_VOLTAGE * largest_ratio(drive.board) * drive.board.bus_nominal_v -
@@ -216,7 +233,10 @@ double floor_pct(const Drive &drive)
 void fill_motion(Filled &f, const Drive &drive)
 {
     const double lag = estimate_lag_s(f.tuning, drive.period_s);
-    double bandwidth = speed_rate(drive);
+    // Gains that are written are taken to suit the loop that the torque allows.
+    double bandwidth = lag > 0 && f.is_open(&T::observer_kappa)
+                           ? quiet_speed_rate(drive, f.tuning.handover_speed_pct)
+                           : speed_rate(drive);
     double ramp = RAMP_TORQUE * drive.acceleration;
     if (lag > 0) {
         bandwidth = std::min(bandwidth, LAG_PHASE / lag);

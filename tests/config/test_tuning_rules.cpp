@@ -64,6 +64,20 @@ void a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows()
     expect(0.0105 * 1800 / lag, t.speed_ramp_rpm_s);
 }
 
+// At 3 µs and 310 V a leg loses 12.4 V, and the EMF at a tenth of rated speed is 14.59 V: the loop has 0.15·ω·14.59/12.4.
+void dead_time_slows_the_speed_loop_and_its_observer()
+{
+    const double omega = 2 * 2 * nf::PI * 30;
+    const double rate = 0.15 * omega * (0.1 * omega * 0.387) / (4.0 / 3 * 310 * 3e-6 * 1e4);
+    const nf::TuningSettings t = ruled({"board.dead_time_s=3e-6"});
+    expect(rate, 2 * nf::PI * t.speed_bandwidth_hz);
+    expect(8.1 * rate / 0.165 * PERIOD_S, t.observer_kappa_p);
+    const nf::TuningSettings written =
+        ruled({"board.dead_time_s=3e-6", "observer.kappa=0.025", "observer.kappa_p=0.45"});
+    expect(0.165 / (18 * PERIOD_S) < LOOP_RAD_S ? 0.165 / (18 * PERIOD_S) : LOOP_RAD_S,
+           2 * nf::PI * written.speed_bandwidth_hz);
+}
+
 void a_speed_loop_that_is_written_faster_has_an_observer_as_fast()
 {
     const nf::TuningSettings t = ruled({"speed_loop.bandwidth_hz=14.5"});
@@ -178,6 +192,7 @@ int main()
     RUN_TEST(the_observer_is_as_slow_as_its_speed_loop_allows);
     RUN_TEST(the_observer_is_not_slower_than_the_rotor_turns);
     RUN_TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows);
+    RUN_TEST(dead_time_slows_the_speed_loop_and_its_observer);
     RUN_TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast);
     RUN_TEST(the_published_law_is_damped_at_the_highest_speed);
     RUN_TEST(rho_is_smaller_where_the_observer_is_slow);
