@@ -23,7 +23,7 @@ typedef struct hal hal_t;
 
 /*
  * Fill the measured part of the frame (adc_ia, adc_ib, adc_bus, adc_temperature, angle, flags) with the
- * conversions of t_k. The temperature may be an older one. The angle is 0 without a sensor.
+ * conversions of t_k, and leave its command as it is: it stays in force from tick to tick. The temperature may be an older one. The angle is 0 without a sensor.
  * Context: control interrupt, first. Does not wait: the conversions are complete when it is called.
  */
 void hal_sample(hal_t *hal, drive_in_t *in);

@@ -23,7 +23,9 @@ void app_record(app_t *app, recorder_t *recorder)
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
-    app->in.command = command_mailbox_take(&app->mailbox);
+    if (drive_reads_slow_inputs(&app->drive)) {
+        app->in.command = command_mailbox_take(&app->mailbox);
+    }
     drive_step(&app->drive, &app->in, &app->out);
     hal_apply(app->hal, &app->out);
     if (app->recorder != NULL) {

@@ -70,24 +70,12 @@ static const char *check_limits(const char *before, const drive_cfg_t *cfg)
                     cfg->protection.current_max);
 }
 
-/* Voltage per unit at the highest speed, Q15 of Ω_b, for each gain of a loop's decoupling. */
-static const char *check_reach(const char *bad, int32_t speed_q15, const current_loop_cfg_t *loop)
-{
-    const int32_t largest_gain =
-        fx_max(fx_max(loop->reactance_d_q13, loop->reactance_q_q13), loop->emf_q13);
-
-    return in_order(bad, "observer.speed_limit", fx_asr(speed_q15 * largest_gain, 13U),
-                    CURRENT_LOOP_REACH_MAX);
-}
-
 static const char *check_speeds(const char *before, const drive_cfg_t *cfg)
 {
     const int32_t speed_q15 = fx_asr(cfg->observer.speed_limit, cfg->speed_shift);
     const char *bad = before;
 
     bad = in_order(bad, "observer.speed_limit", speed_q15, FX_Q15_MAX);
-    bad = check_reach(bad, fx_sat16(speed_q15), &cfg->current_loop);
-    bad = check_reach(bad, fx_sat16(speed_q15), &cfg->hold_loop);
     return in_order(bad, "speed_loop.speed_max", cfg->speed_loop.speed_max,
                     cfg->observer.speed_limit);
 }

@@ -17,7 +17,8 @@ typedef struct {
     int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
     int32_t current_slope; /* change of the imposed current per tick, Q15 of I_b, 1…16384 */
     step_t ramp; /* speed mode: largest change of the vector's speed per slow period, 1…2^29 */
-    /* the observer runs free from this speed of the vector on; below it follows the vector; 1…handover_speed */
+    /* From this speed of the vector on the observer runs free; below, it follows the vector. A rotor that turns as fast at
+     * a start is caught. 1…handover_speed */
     step_t track_speed;
     step_t handover_speed; /* the observer takes over from this speed on, 1…2^29 … */
     step_t hold_speed;     /* … and hands back below this one, 1…handover_speed − 1 */

@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "current_loop.h"
 
+#include <stdbool.h>
+
+#define REACTANCE_BITS \
+    (14U) /* one more than the gains: with 16 bits of current a product fits 32 bits */
+
 void current_loop_reset(current_loop_t *loop)
 {
     pi_reset(&loop->pi_d, 0);
     pi_reset(&loop->pi_q, 0);
+    loop->reactance_q14 = (dq_t){0, 0};
+    loop->constant = (dq_t){0, 0};
 }
 
 void current_loop_turn(current_loop_t *loop, sincos_t angle)
@@ -31,19 +38,59 @@ static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
     return v_q;
 }
 
-dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int32_t speed_q15, int32_t limit)
+void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
+                       int32_t speed_q15)
 {
-    const int32_t cross_d = current_loop_cross(speed_q15, cfg->reactance_q_q13, measured.q);
-    const int32_t cross_q = current_loop_cross(speed_q15, cfg->reactance_d_q13, measured.d);
     const int32_t emf = fx_asr(speed_q15 * cfg->emf_q13, CURRENT_LOOP_GAIN_BITS);
-    const int32_t drop_d = fx_asr(reference.d * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
-    const int32_t drop_q = fx_asr(reference.q * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
+
+    loop->reactance_q14.d = fx_asr(speed_q15 * cfg->reactance_d_q13, REACTANCE_BITS);
+    loop->reactance_q14.q = fx_asr(speed_q15 * cfg->reactance_q_q13, REACTANCE_BITS);
+    loop->constant.d = fx_asr(reference.d * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS);
+    loop->constant.q = fx_asr(reference.q * cfg->resistance_q13, CURRENT_LOOP_GAIN_BITS) + emf;
+}
+
+dq_t current_loop_model(const current_loop_t *loop, dq_t current)
+{
+    return (dq_t){
+        .d = loop->constant.d - fx_asr(loop->reactance_q14.q * fx_sat16(current.q), REACTANCE_BITS),
+        .q = loop->constant.q + fx_asr(loop->reactance_q14.d * fx_sat16(current.d), REACTANCE_BITS),
+    };
+}
+
+static bool lies_in_circle(dq_t v, int32_t limit)
+{
+    const int32_t square = limit * limit;
+
+    return transforms_square(v) <= (uint32_t)square;
+}
+
+/* The demand lies outside of the circle, each axis by itself may be inside. */
+static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit)
+{
     const dq_t wanted = {
-        .d = pi_step(&loop->pi_d, &cfg->pi_d, reference.d - measured.d, drop_d - cross_d, limit),
-        .q = pi_step(&loop->pi_q, &cfg->pi_q, reference.q - measured.q, drop_q + cross_q + emf,
-                     limit),
+        .d = pi_limit(&loop->pi_d, integral_q26.d, u.d, limit),
+        .q = pi_limit(&loop->pi_q, integral_q26.q, u.q, limit),
     };
 
     return (dq_t){.d = wanted.d, .q = limit_q(&loop->pi_q, wanted, limit)};
+}
+
+dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
+                       dq_t measured, int32_t limit)
+{
+    const dq_t model = current_loop_model(loop, measured);
+    const dq_t error = {reference.d - measured.d, reference.q - measured.q};
+    const dq_t integral_q26 = {pi_integral(&loop->pi_d, &cfg->pi_d, error.d),
+                               pi_integral(&loop->pi_q, &cfg->pi_q, error.q)};
+    const dq_t u = {pi_sum(&cfg->pi_d, error.d, integral_q26.d) + model.d,
+                    pi_sum(&cfg->pi_q, error.q, integral_q26.q) + model.q};
+    dq_t v = {fx_sat16(u.d), fx_sat16(u.q)};
+
+    if (lies_in_circle(v, limit)) {
+        loop->pi_d.integral_q26 = integral_q26.d;
+        loop->pi_q.integral_q26 = integral_q26.q;
+    } else {
+        v = limit_to_circle(loop, integral_q26, u, limit);
+    }
+    return v;
 }

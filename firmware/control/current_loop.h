@@ -7,8 +7,10 @@
  *     √(v_d² + v_q²) ≤ v_limit
  * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle.
  *
- * Currents Q15 of I_b, voltages Q15 of U_b, speed_q15: Q15 of the speed base Ω_b. Pure, total within the
- * ranges. Call once a control tick.
+ * Speed, reference and model change once a slow period. So current_loop_plan() computes their products then, and a tick
+ * multiplies them by the measured current only.
+ *
+ * Currents Q15 of I_b, voltages Q15 of U_b, speed_q15: Q15 of the speed base Ω_b. Pure, total within the ranges.
  */
 #ifndef CURRENT_LOOP_H
 #define CURRENT_LOOP_H
@@ -20,9 +22,6 @@
 #include <stdint.h>
 
 #define CURRENT_LOOP_GAIN_BITS (13U) /* fractional bits of the model's gains below: Q13 */
-
-/* Limit of speed times reactance, Q15. Its product with the largest current stays below 2^31. */
-#define CURRENT_LOOP_REACH_MAX (65000)
 
 typedef struct {
     pi_cfg_t pi_d;
@@ -36,23 +35,12 @@ typedef struct {
 typedef struct {
     pi_t pi_d;
     pi_t pi_q;
+    dq_t reactance_q14; /* ω·L_d, ω·L_q of the last plan, ±65534 */
+    /* R·i_d* and R·i_q* + ω·φ of the last plan, Q15 of U_b, ±92681 and ±223749 */
+    dq_t constant;
 } current_loop_t;
 
-/*
- * The voltage that the current of one axis induces in the other axis, Q15 of U_b: speed × reactance × current.
- * |speed_q15| ≤ 32767, reactance 0…32767, any current. Speed times reactance saturates at ±CURRENT_LOOP_REACH_MAX; with a
- * configuration that config_check accepts it does not get there. The current saturates at ±1. Each product is rounded
- * down. Pure, any context.
- */
-static inline int32_t current_loop_cross(int32_t speed_q15, int32_t reactance_q13, int32_t current)
-{
-    const int32_t reach = fx_clamp(fx_asr(speed_q15 * reactance_q13, CURRENT_LOOP_GAIN_BITS),
-                                   -CURRENT_LOOP_REACH_MAX, CURRENT_LOOP_REACH_MAX);
-
-    return fx_asr(reach * fx_sat16(current), 15U);
-}
-
-/* Set both integrals to zero. */
+/* Set both integrals and the plan to zero. */
 void current_loop_reset(current_loop_t *loop);
 
 /*
@@ -62,11 +50,24 @@ void current_loop_reset(current_loop_t *loop);
 void current_loop_turn(current_loop_t *loop, sincos_t angle);
 
 /*
- * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 32770, |speed_q15| ≤ 32767,
- * limit 0…32767. The square root is computed only when the demand is outside of the circle. The q integral is then
- * reduced by what was cut off v_q.
+ * The parts of the model that hold for a slow period. Call it when the reference, the gains or the speed have changed.
+ * |reference| ≤ 23171, |speed_q15| ≤ 32768. Each product is rounded down.
+ */
+void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
+                       int32_t speed_q15);
+
+/*
+ * The voltage that the model needs for this current: R·i* of the plan, decoupling and EMF at the plan's speed, Q15 of U_b,
+ * ±2^19. The current saturates at ±1. The products are rounded down.
+ */
+dq_t current_loop_model(const current_loop_t *loop, dq_t current);
+
+/*
+ * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364. limit 0…32766: a demand
+ * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals take over. Outside, each axis is limited first, as pi_limit() does. Then v_q is cut to the circle
+ * with a square root, and the q integral is reduced by what was cut off.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                       dq_t measured, int32_t speed_q15, int32_t limit);
+                       dq_t measured, int32_t limit);
 
 #endif

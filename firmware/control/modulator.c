@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "modulator.h"
 
-#include <stddef.h>
-
 #define ONE_Q12 (4096)
 #define ONE_Q27 (0x8000000)
 #define HALF_Q15 (0x4000)
@@ -13,14 +11,14 @@ void modulator_reset(modulator_t *mod)
     mod->inverse_bus_q12 = ONE_Q12;
 }
 
-void modulator_track_bus(modulator_t *mod, const modulator_cfg_t *cfg, int32_t bus)
+void modulator_track_bus(modulator_t *mod, int32_t bus)
 {
     const int32_t inverse = mod->inverse_bus_q12;
-    /* |error| < 8 in Q12, so that the product stays below 2^30. */
+    /* |error| < 8 in Q12, so that the product stays below 2^31. */
     const int32_t error_q12 = fx_asr(ONE_Q27 - (inverse * bus), 15U);
     const int32_t next = inverse + fx_asr((error_q12 * inverse) + (ONE_Q12 / 2), 12U);
 
-    mod->inverse_bus_q12 = fx_clamp(next, ONE_Q12, cfg->inverse_max_q12);
+    mod->inverse_bus_q12 = ONE_Q12 + fx_usat15(next - ONE_Q12);
 }
 
 int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus)
@@ -75,26 +73,50 @@ static int32_t leg_compensation(const modulator_cfg_t *cfg, int32_t loss, int32_
     return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
 }
 
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
-                       const ab_t *current, compare_t *out)
+static void set_compare(const modulator_cfg_t *cfg, abc_t duty, compare_t *out)
+{
+    const int32_t timer = cfg->timer_counts;
+
+    out->phase[0] = counts(duty.a, timer);
+    out->phase[1] = counts(duty.b, timer);
+    out->phase[2] = counts(duty.c, timer);
+}
+
+/* Three legs, and what their ratios have in common. */
+typedef struct {
+    abc_t ratio;
+    int32_t centre; /* the middle of the pattern */
+    int32_t span;   /* largest less smallest ratio */
+} pattern_t;
+
+static pattern_t pattern_of(ab_t ratio)
 {
     const abc_t u = phases(ratio);
     const int32_t highest = fx_max(fx_max(u.a, u.b), u.c);
     const int32_t lowest = fx_min(fx_min(u.a, u.b), u.c);
-    const int32_t centre = HALF_Q15 - fx_asr(highest + lowest, 1U);
-    const int32_t timer = cfg->timer_counts;
-    abc_t duty = {u.a + centre, u.b + centre, u.c + centre};
 
-    if (current != NULL) {
-        const int32_t loss = leg_loss(mod, cfg);
-        const abc_t i = phases(*current);
-        const int32_t span = highest - lowest;
+    return (pattern_t){u, HALF_Q15 - fx_asr(highest + lowest, 1U), highest - lowest};
+}
 
-        duty.a += leg_compensation(cfg, loss, span, u.a, i.a);
-        duty.b += leg_compensation(cfg, loss, span, u.b, i.b);
-        duty.c += leg_compensation(cfg, loss, span, u.c, i.c);
-    }
-    out->phase[0] = counts(duty.a, timer);
-    out->phase[1] = counts(duty.b, timer);
-    out->phase[2] = counts(duty.c, timer);
+void modulator_compare(const modulator_cfg_t *cfg, ab_t ratio, compare_t *out)
+{
+    const pattern_t p = pattern_of(ratio);
+    const abc_t duty = {p.ratio.a + p.centre, p.ratio.b + p.centre, p.ratio.c + p.centre};
+
+    set_compare(cfg, duty, out);
+}
+
+void modulator_compare_compensated(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
+                                   ab_t current, compare_t *out)
+{
+    const pattern_t p = pattern_of(ratio);
+    const int32_t loss = leg_loss(mod, cfg);
+    const abc_t i = phases(current);
+    const abc_t duty = {
+        p.ratio.a + p.centre + leg_compensation(cfg, loss, p.span, p.ratio.a, i.a),
+        p.ratio.b + p.centre + leg_compensation(cfg, loss, p.span, p.ratio.b, i.b),
+        p.ratio.c + p.centre + leg_compensation(cfg, loss, p.span, p.ratio.c, i.c),
+    };
+
+    set_compare(cfg, duty, out);
 }

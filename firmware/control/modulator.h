@@ -32,16 +32,17 @@ typedef struct {
     int32_t timer_counts; /* compare value of duty 1, 1…32767 */
     /* largest |v| / bus: 1/√3 less the share that dead time and sampling need, ≤ 18918 */
     int32_t ratio_max_q15;
-    int32_t inverse_max_q12; /* 1 / lowest bus voltage that is compensated, 4096…32767 */
-    int32_t dead_time_q15;   /* t_d/T, 0…8192 */
-    int32_t drop_q15;        /* v_d, Q15 of U_b, 0…2048 */
-    int32_t ripple_q15;      /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
+    int32_t dead_time_q15; /* t_d/T, 0…8192 */
+    int32_t drop_q15;      /* v_d, Q15 of U_b, 0…2048 */
+    int32_t ripple_q15;    /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
     /* the compensation rises from zero to complete over a current of 1 / edge_slope of I_b, 1…32767 */
     int32_t edge_slope;
 } modulator_cfg_t;
 
+#define MODULATOR_INVERSE_MAX_Q12 (36863) /* the bus voltage is compensated down to 1/9 of U_b */
+
 typedef struct {
-    int32_t inverse_bus_q12; /* 1 / bus voltage, 1…inverse_max */
+    int32_t inverse_bus_q12; /* 1 / bus voltage, 4096…MODULATOR_INVERSE_MAX_Q12 */
 } modulator_t;
 
 typedef struct {
@@ -56,25 +57,25 @@ void modulator_reset(modulator_t *mod);
  * within 2 LSB (2^-11) 8 ticks after the reset. When the bus changes by a share x in one tick, the reciprocal has an
  * error of a share x² in that tick.
  */
-void modulator_track_bus(modulator_t *mod, const modulator_cfg_t *cfg, int32_t bus);
+void modulator_track_bus(modulator_t *mod, int32_t bus);
 
 /* Radius of the voltage circle at this bus voltage, Q15 of U_b. */
 int32_t modulator_limit(const modulator_cfg_t *cfg, int32_t bus);
 
-/* Voltage (Q15 of U_b, ±65535) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
+/* Voltage (Q15 of U_b, ±32768) to a ratio of the bus (Q15), saturated to 16 bits, rounded down. */
 dq_t modulator_ratio(const modulator_t *mod, dq_t voltage);
 
-/* Whether dead time or drop is compensated. If not, modulator_compare needs no current. */
+/* Whether dead time or drop is compensated. If not, modulator_compare() is enough. */
 static inline bool modulator_compensates(const modulator_cfg_t *cfg)
 {
-    return (cfg->dead_time_q15 != 0) || (cfg->drop_q15 != 0);
+    return (cfg->dead_time_q15 | cfg->drop_q15) != 0;
 }
 
-/*
- * Ratio vector, |α|, |β| ≤ 46341, to compare values. Duties are clamped to 0…1, counts are rounded.
- * current: as expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341. NULL: no compensation.
- */
-void modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
-                       const ab_t *current, compare_t *out);
+/* Ratio vector, |α|, |β| ≤ 46341, to compare values. Duties are clamped to 0…1, counts are rounded. */
+void modulator_compare(const modulator_cfg_t *cfg, ab_t ratio, compare_t *out);
+
+/* The same with compensation. current: as expected in the middle of the period, Q15 of I_b, |α|, |β| ≤ 46341. */
+void modulator_compare_compensated(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
+                                   ab_t current, compare_t *out);
 
 #endif

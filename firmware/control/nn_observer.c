@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
-#define STATE_BITS (11U) /* from Q26, as observer_predict_state() returns a state, to Q15 */
+#define STATE_BITS (11U)     /* from Q26, as observer_predict_state() returns a state, to Q15 */
+#define SALIENCY_NONE (8192) /* L_q = L_d */
 #define SPEED_TO_HALF (14U)
 #define PI_Q12 (12868)     /* angle of half a step in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
+
+/* π·step / 2^32: half a step in rad, Q15. */
+static int32_t observer_half_step(step_t speed)
+{
+    return fx_asr(fx_asr(speed, SPEED_TO_HALF) * PI_Q12, 15U);
+}
 
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
                        sincos_t angle)
@@ -21,7 +28,9 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
         .state = {fx_asr(x_q27, STATE_BITS + 1U), fx_asr(y_q27, STATE_BITS + 1U)},
         .speed = limited,
         .speed_out = limited,
+        .half_step_q15 = observer_half_step(limited),
         .current = {fx_sat15(current.d), fx_sat15(current.q)},
+        .rotates = cfg->saliency_q13 != SALIENCY_NONE,
     };
 }
 
@@ -31,7 +40,7 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
  */
 static ab_t observer_middle_current(const nn_observer_t *obs, sincos_t angle)
 {
-    const int32_t half_q15 = fx_asr(fx_asr(obs->speed_out, SPEED_TO_HALF) * PI_Q12, 15U);
+    const int32_t half_q15 = obs->half_step_q15;
     const dq_t i = obs->current;
     const dq_t turned = {
         .d = i.d + fx_asr(half_q15 * i.q, 15U),
@@ -65,8 +74,19 @@ static dq_t observer_predict_state(nn_observer_t *obs, const nn_observer_cfg_t *
     };
 }
 
-/* The network's output in the base of the measurement, the output error (17), and the rotated error. */
-static void observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state_q26,
+/* e' = (1 − jρ)·(e_d + j·(L_q/L_d)·e_q). */
+static dq_t observer_rotate(const nn_observer_cfg_t *cfg, int32_t rho, dq_t e)
+{
+    const int32_t flux_error_q = fx_asr(e.q * cfg->saliency_q13, 13U);
+
+    return (dq_t){
+        .d = fx_sat14(e.d + fx_asr(rho * flux_error_q, 13U)),
+        .q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U)),
+    };
+}
+
+/* The network's output in the base of the measurement, and the output error (17). Returns e'. */
+static dq_t observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t state_q26,
                              dq_t measured)
 {
     const uint32_t shift = STATE_BITS - cfg->current_shift;
@@ -77,13 +97,11 @@ static void observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, d
         .q = fx_asr(fx_mul_32x16(state_q26.q, cfg->iq_gain_q14), shift - 2U),
     };
     const dq_t e = {fx_sat14(measured.d - current.d), fx_sat14(measured.q - current.q)};
-    const int32_t flux_error_q = fx_asr(e.q * cfg->saliency_q13, 13U);
 
     obs->current.d = fx_sat15(current.d);
     obs->current.q = fx_sat15(current.q);
     obs->error = e;
-    obs->rotated_error.d = fx_sat14(e.d + fx_asr(rho * flux_error_q, 13U));
-    obs->rotated_error.q = fx_sat14(flux_error_q - fx_asr(rho * e.d, 13U));
+    return obs->rotates ? observer_rotate(cfg, rho, e) : e;
 }
 
 void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
@@ -91,11 +109,11 @@ void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t 
 {
     const dq_t before = obs->state;
     const dq_t state_q26 = observer_predict_state(obs, cfg, voltage, angle);
+    const dq_t rotated = observer_compare(obs, cfg, state_q26, measured);
 
-    observer_compare(obs, cfg, state_q26, measured);
+    obs->rotated_error = rotated;
     obs->gradient =
-        fx_sat16(fx_asr((obs->rotated_error.q * before.d) - (obs->rotated_error.d * before.q),
-                        cfg->gradient_shift));
+        fx_sat16(fx_asr((rotated.q * before.d) - (rotated.d * before.q), cfg->gradient_shift));
     obs->state.d = fx_asr(state_q26.d, STATE_BITS);
     obs->state.q = fx_asr(state_q26.q, STATE_BITS);
 }
@@ -121,7 +139,8 @@ void nn_observer_follow(nn_observer_t *obs, step_t speed)
     obs->weight_step = 0;
 }
 
-void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed)
+/* ρ = corner / ω̂, limited; 0 at low speed. */
+static int32_t observer_rho(const nn_observer_cfg_t *cfg, step_t rotor_speed)
 {
     int32_t rho_q13 = 0;
 
@@ -133,5 +152,12 @@ void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, st
         rho_q13 =
             fx_clamp(corner_q13 / ((speed == 0) ? 1 : speed), -cfg->rho_max_q13, cfg->rho_max_q13);
     }
-    obs->rho_q13 = rho_q13;
+    return rho_q13;
+}
+
+void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed)
+{
+    obs->rho_q13 = observer_rho(cfg, rotor_speed);
+    obs->rotates = (obs->rho_q13 != 0) || (cfg->saliency_q13 != SALIENCY_NONE);
+    obs->half_step_q15 = observer_half_step(obs->speed);
 }

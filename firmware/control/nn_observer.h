@@ -54,6 +54,7 @@
 #include "fx.h"
 #include "transforms.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
@@ -83,14 +84,17 @@ typedef struct {
     int32_t beta_q27;  /* the same range */
     /* x̂, ŷ of the last instant, Q15 of I_x, ±46341; the training uses them as x̂(k−1), ŷ(k−1) */
     dq_t state;
-    step_t speed;       /* ω̂(k+1), the integral (22): for the speed loop */
-    step_t speed_out;   /* ω̂_out: for the network and the angle, within ±2^29 */
-    step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
-    dq_t current;       /* î_d, î_q, saturated at ±16384, the converters' full scale */
-    dq_t error;         /* e_d, e_q, saturated to −8192…8191 (¼) */
+    /* ω̂(k+1), the integral (22): for the speed loop, limited to ±speed_limit */
+    step_t speed;
+    step_t speed_out;      /* ω̂_out: for the network and the angle, within ±2^29 */
+    int32_t half_step_q15; /* half of ω̂·T in rad at the last refresh */
+    dq_t current;          /* î_d, î_q, saturated at ±16384, the converters' full scale */
+    dq_t error;            /* e_d, e_q, saturated to −8192…8191 (¼) */
     dq_t rotated_error; /* e', same range: d shows an error of the flux magnitude, q of the angle */
+    step_t weight_step; /* ΔW2(k)/T, for the momentum term; −2^29…2^29 − 1 */
     int32_t gradient;   /* b >> gradient_shift in Q30 of I_b·I_x, saturated to 16 bits */
     int32_t rho_q13;    /* ρ in force */
+    bool rotates;       /* ρ ≠ 0 or L_q ≠ L_d; else e' = e and its products are skipped */
 } nn_observer_t;
 
 /*
@@ -117,9 +121,10 @@ void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg);
 void nn_observer_follow(nn_observer_t *obs, step_t speed);
 
 /*
- * Set ρ for a speed within ±2^30. Call once a slow period. Give the most reliable speed, because ρ has its sign: not an
- * estimate that still swings. One division.
+ * Once a slow period, while the speed may change: ρ for a speed within ±2^30, and the half step by which the current is
+ * turned. Give the most reliable speed, because ρ has its sign: not an estimate that still swings.
+ * One division.
  */
-void nn_observer_update_rho(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
+void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t rotor_speed);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "fx.h"
 
-#define INTEGRAL_BITS (11U) /* by which the integral is finer than the output */
 #define Q15_TO_Q26 (2048)
 
 void pi_reset(pi_t *pi, int32_t output)
@@ -13,15 +12,12 @@ void pi_reset(pi_t *pi, int32_t output)
 
 int32_t pi_output(const pi_t *pi)
 {
-    return fx_asr(pi->integral_q26, INTEGRAL_BITS);
+    return fx_asr(pi->integral_q26, PI_INTEGRAL_BITS);
 }
 
-int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
+int32_t pi_limit(pi_t *pi, int32_t integral_q26, int32_t u, int32_t limit)
 {
-    const int32_t integral_q26 =
-        fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));
-    const int32_t proportional = fx_asr(error * cfg->kp, cfg->kp_shift);
-    int32_t output = proportional + fx_asr(integral_q26, INTEGRAL_BITS) + feed_forward;
+    int32_t output = u;
 
     if (output > limit) {
         output = limit;
@@ -33,6 +29,13 @@ int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forwa
         pi->integral_q26 = integral_q26;
     }
     return output;
+}
+
+int32_t pi_step(pi_t *pi, const pi_cfg_t *cfg, int32_t error, int32_t feed_forward, int32_t limit)
+{
+    const int32_t integral_q26 = pi_integral(pi, cfg, error);
+
+    return pi_limit(pi, integral_q26, pi_sum(cfg, error, integral_q26) + feed_forward, limit);
 }
 
 void pi_unwind(pi_t *pi, int32_t excess)

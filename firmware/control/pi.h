@@ -9,6 +9,8 @@
 #ifndef PI_H
 #define PI_H
 
+#include "fx.h"
+
 #include <stdint.h>
 
 /* Gain = mantissa / 2^shift. The configuration keeps the mantissas near full scale. */
@@ -23,6 +25,28 @@ typedef struct {
     int32_t integral_q26;
 } pi_t;
 
+#define PI_INTEGRAL_BITS (11U) /* by which the integral is finer than the output */
+
+/* pi_step() in three parts, for a loop whose limit is not a pair of ends. Control tick. */
+
+/* Returns the integral after this sample, Q26, saturated at ±1. |error| ≤ 65535. Pure. */
+static inline int32_t pi_integral(const pi_t *pi, const pi_cfg_t *cfg, int32_t error)
+{
+    return fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));
+}
+
+/* Returns proportional part and integral, Q15, each rounded down. |error| ≤ 65535. Its sum with a feed-forward is u. Pure. */
+static inline int32_t pi_sum(const pi_cfg_t *cfg, int32_t error, int32_t integral_q26)
+{
+    return fx_asr(error * cfg->kp, cfg->kp_shift) + fx_asr(integral_q26, PI_INTEGRAL_BITS);
+}
+
+/*
+ * Returns u within ±limit, 0…32767. Stores the integral, but moves it no further towards a limit that u exceeds.
+ * |u| < 2^30.
+ */
+int32_t pi_limit(pi_t *pi, int32_t integral_q26, int32_t u, int32_t limit);
+
 /* Set the integral so that the next output starts at `output` (Q15, −32768…32767) with zero error. */
 void pi_reset(pi_t *pi, int32_t output);
 
@@ -30,7 +54,7 @@ void pi_reset(pi_t *pi, int32_t output);
 int32_t pi_output(const pi_t *pi);
 
 /*
- * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^18; limit: 0…32767, all Q15.
+ * One sample. error: |error| ≤ 65535; feed_forward: |feed_forward| ≤ 2^19; limit: 0…32767, all Q15.
  * Returns u within ±limit, rounded down. Anti-windup: while the output is at a limit, the integral does
  * not move further in that direction. The integral saturates at ±1.
  */

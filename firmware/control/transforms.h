@@ -41,4 +41,13 @@ dq_t transforms_park(ab_t v, sincos_t angle);
 /* Rotor to stationary frame. |d|, |q| ≤ 32768. Error ≤ 2 LSB. */
 ab_t transforms_park_inverse(dq_t v, sincos_t angle);
 
+/* Square of a vector's length, Q30. |d|, |q| ≤ 32768. Exact. Pure, any context. */
+static inline uint32_t transforms_square(dq_t v)
+{
+    const int32_t square_d = v.d * v.d;
+    const int32_t square_q = v.q * v.q;
+
+    return (uint32_t)square_d + (uint32_t)square_q;
+}
+
 #endif

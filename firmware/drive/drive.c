@@ -7,6 +7,7 @@
 #include "open_loop.h"
 #include "run.h"
 #include "schedule.h"
+#include "straight.h"
 #include "transitions.h"
 #include "voltage_drive.h"
 
@@ -16,11 +17,14 @@
 #define OFFSET_END (32768)          /* no sensor's zero is further away */
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
-/* The protection limits of the new state apply from now on. */
+/* The protection limits of the new state apply from now on. RUN begins with a plan of its current control. */
 static void enter(drive_t *drive, drive_state_t state)
 {
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
+    if (state == DRIVE_STATE_RUN) {
+        frame_plan_rotor(drive);
+    }
 }
 
 static void follow(drive_t *drive, drive_event_t event)
@@ -93,18 +97,22 @@ static bool is_saturated(const drive_t *drive, const drive_in_t *in)
     return protection_saturated(in->adc_ia, shift) || protection_saturated(in->adc_ib, shift);
 }
 
+static protection_in_t measured_of(const drive_t *drive)
+{
+    return (protection_in_t){
+        .phase_a = drive->signals.phase_a,
+        .phase_b = drive->signals.phase_b,
+        .bus = drive->signals.bus,
+    };
+}
+
 /*
  * The samples of this tick against the limits of this state. When the sample of an over-current is at an end of the
  * converter range, the fault is ADC_SATURATED.
  */
 static void watch(drive_t *drive, const drive_in_t *in)
 {
-    const protection_in_t measured = {
-        .phase_a = drive->signals.phase_a,
-        .phase_b = drive->signals.phase_b,
-        .bus = drive->signals.bus,
-        .break_input = (in->flags & DRIVE_FLAG_BREAK) != 0U,
-    };
+    const protection_in_t measured = measured_of(drive);
     fault_t fault;
     const fault_id_t id = protection_check(&drive->limits, &measured, &fault);
 
@@ -212,13 +220,47 @@ static void obey(drive_t *drive, const drive_in_t *in)
     }
 }
 
-/* Ticks left in the slow period after this one. */
+/*
+ * Ticks left in the slow period after this one. On the last one slow_step() reloads the count: a tick without a slot has
+ * nothing more to test.
+ */
 static uint32_t count_slow(drive_t *drive)
 {
-    const uint32_t left = drive->slow_count - 1U;
+    drive->slow_count--;
+    return drive->slow_count;
+}
 
-    drive->slow_count = (left == 0U) ? drive->cfg->slow_ticks : left;
-    return left;
+/* In RUN, and nothing changes that: no sensor, no flag, the command is to run, and the samples are within their limits. */
+static bool is_ordinary(const drive_t *drive, const drive_in_t *in)
+{
+    const uint32_t word = ((uint32_t)in->flags << 8U) | in->command.request;
+    const protection_in_t measured = measured_of(drive);
+
+    return (drive->state == DRIVE_STATE_RUN) && !drive_has_sensor(drive) &&
+           (word == DRIVE_REQUEST_RUN) && protection_holds(&drive->limits, &measured);
+}
+
+/* Sensor, command, flags and limits. Returns whether the current is controlled in this tick. */
+static bool attend(drive_t *drive, const drive_in_t *in)
+{
+    const bool controlled = drive_is_controlled(drive->state);
+
+    if (drive_has_sensor(drive)) {
+        estimate_sense(drive, in->angle);
+    }
+    obey(drive, in);
+    /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
+    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
+        count_late(drive);
+    }
+    if ((in->flags & DRIVE_FLAG_BREAK) != 0U) {
+        const protection_in_t measured = measured_of(drive);
+        const fault_t fault = protection_break(&measured);
+
+        fail(drive, &fault);
+    }
+    watch(drive, in);
+    return controlled && drive_is_controlled(drive->state);
 }
 
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
@@ -247,6 +289,9 @@ static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool 
     if (left < (uint32_t)SLOTS) {
         fault_t fault;
 
+        if (left == 0U) {
+            drive->slow_count = drive->cfg->slow_ticks;
+        }
         fault_clear(&fault);
         follow_or_fail(drive, schedule_step(drive, in, (slot_t)left, moving, &fault), &fault);
     }
@@ -278,17 +323,9 @@ static void control_current(drive_t *drive, compare_t *out)
     frame_modulate(drive, &frame, out);
 }
 
-/* A tick that controls a current. When the state changes to one that does not, the gates open. */
-static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+/* The end of a tick that controls a current. When the state has changed to one that does not, the gates open. */
+static void act(drive_t *drive, bool trained, drive_out_t *out)
 {
-    const bool trained = estimate_is_trained(drive);
-
-    estimate_step(drive, trained);
-    if (drive->state != DRIVE_STATE_RUN) {
-        frame_measure(drive);
-        follow(drive, open_loop_step(drive));
-    }
-    slow_step(drive, in, left, true);
     if (drive_is_controlled(drive->state)) {
         control_current(drive, &out->compare);
         out->gate_enable = true;
@@ -299,6 +336,19 @@ static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, dr
     } else {
         open_gates(drive, out);
     }
+}
+
+static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    const bool trained = estimate_is_trained(drive);
+
+    estimate_step(drive, trained);
+    if (drive->state != DRIVE_STATE_RUN) {
+        frame_measure(drive);
+        follow(drive, open_loop_step(drive));
+    }
+    slow_step(drive, in, left, true);
+    act(drive, trained, out);
 }
 
 /* A tick without current control: idle, or flying start. */
@@ -315,27 +365,60 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
     out->gate_enable = out->gate_enable && drive_is_driving(drive->state);
 }
 
-void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+static void begin_tick(drive_t *drive, const drive_in_t *in)
 {
-    const uint32_t left = count_slow(drive);
-    const bool controlled = drive_is_controlled(drive->state);
-
     convert_samples(drive, in);
-    if (drive_has_sensor(drive)) {
-        estimate_sense(drive, in->angle);
-    }
-    obey(drive, in);
-    /* Check this before the currents: a fault of the currents that late ticks cause is to be reported as LATE. */
-    if ((in->flags & DRIVE_FLAG_LATE) != 0U) {
-        count_late(drive);
-    }
-    watch(drive, in);
-    modulator_track_bus(&drive->modulator, &drive->cfg->modulator, drive->signals.bus);
-    if (controlled && drive_is_controlled(drive->state)) {
+    modulator_track_bus(&drive->modulator, drive->signals.bus);
+}
+
+static void end_tick(drive_t *drive)
+{
+    drive->bus_before = drive->signals.bus;
+    drive->tick++;
+}
+
+static void general_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    if (attend(drive, in)) {
         control_tick(drive, in, left, out);
     } else {
         idle_tick(drive, in, left, out);
     }
-    drive->bus_before = drive->signals.bus;
-    drive->tick++;
+}
+
+/* An ordinary tick. Its slow part may end RUN; then the general way goes on. */
+static void straight_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    straight_estimate(drive);
+    if (left < (uint32_t)SLOTS) {
+        slow_step(drive, in, left, true);
+    }
+    if (drive->state == DRIVE_STATE_RUN) {
+        straight_control(drive, out);
+    } else {
+        act(drive, true, out);
+    }
+}
+
+void drive_step_general(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    const uint32_t left = count_slow(drive);
+
+    begin_tick(drive, in);
+    general_tick(drive, in, left, out);
+    end_tick(drive);
+}
+
+void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out)
+{
+    /*@ split drive->slow_count == 1; */
+    const uint32_t left = count_slow(drive);
+
+    begin_tick(drive, in);
+    if (is_ordinary(drive, in)) {
+        straight_tick(drive, in, left, out);
+    } else {
+        general_tick(drive, in, left, out);
+    }
+    end_tick(drive);
 }

@@ -26,6 +26,7 @@
 #define DRIVE_H
 
 #include "io.h"
+#include "schedule.h"
 #include "state.h"
 
 #include <stdint.h>
@@ -37,7 +38,19 @@
  */
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 
+/*
+ * Whether the next tick is the one of a slow period in which the drive reads the temperature. control_isr() takes the
+ * command then, and the recorder looks for a change of both. So a command waits for up to a slow period.
+ */
+static inline bool drive_reads_slow_inputs(const drive_t *drive)
+{
+    return drive->slow_count == ((uint32_t)SLOT_CHECKS + 1U);
+}
+
 /* One control tick. Total: every input frame is allowed. Context: control interrupt only. */
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
+
+/* The same results without the shorter way that drive_step() takes through an ordinary tick of RUN. For tests. */
+void drive_step_general(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
 #endif

@@ -39,14 +39,13 @@ bool estimate_is_trained(const drive_t *drive)
             (fx_abs(drive->vector.step) >= drive->cfg->startup.track_speed));
 }
 
-/* The voltage that acted since the last instant: duty ratio times the mean bus voltage of that period. */
-static ab_t applied_voltage(const drive_t *drive)
+ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now)
 {
-    const int32_t bus = fx_asr(drive->bus_before + drive->signals.bus, 1U);
+    const int32_t bus = fx_asr(bus_before + bus_now, 1U);
 
     return (ab_t){
-        .alpha = fx_sat16(fx_asr(drive->ratio_acting.alpha * bus, 15U)),
-        .beta = fx_sat16(fx_asr(drive->ratio_acting.beta * bus, 15U)),
+        .alpha = fx_sat16(fx_asr(ratio.alpha * bus, 15U)),
+        .beta = fx_sat16(fx_asr(ratio.beta * bus, 15U)),
     };
 }
 
@@ -55,19 +54,19 @@ void estimate_step(drive_t *drive, bool trained)
     const angle_t rotor = rotor_position_angle(&drive->position);
     /*@ assert BLOCKS(rotor); */
     drive_signals_t *const s = &drive->signals;
+    nn_observer_t *const observer = &drive->observer;
     const nn_observer_cfg_t *const cfg = &drive->model.observer;
     const sincos_t angle = trig_sincos(rotor);
+    const ab_t current_ab = transforms_clarke(s->phase_a, s->phase_b);
+    const ab_t voltage = estimate_applied_voltage(drive->ratio_acting, drive->bus_before, s->bus);
 
-    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
-    s->current = transforms_park(s->current_ab, angle);
-    s->voltage_applied = applied_voltage(drive);
-    nn_observer_predict(&drive->observer, cfg, s->current, s->voltage_applied, angle);
+    s->current = transforms_park(current_ab, angle);
+    nn_observer_predict(observer, cfg, s->current, voltage, angle);
     if (trained) {
-        nn_observer_train(&drive->observer, cfg);
+        nn_observer_train(observer, cfg);
     } else {
-        nn_observer_follow(&drive->observer, drive->vector.step);
+        nn_observer_follow(observer, drive->vector.step);
     }
-    s->speed_q15 = drive_speed_q15(drive, drive->observer.speed);
 }
 
 static step_t closing_step(const drive_t *drive)
@@ -109,5 +108,5 @@ void estimate_refine(drive_t *drive)
         fx_approach(drive->residual, fx_abs(observer->rotated_error.q), RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->rotated_error.d,
                      observer->speed);
-    nn_observer_update_rho(&drive->observer, &drive->model.observer, calm_speed(drive));
+    nn_observer_refresh(&drive->observer, &drive->model.observer, calm_speed(drive));
 }

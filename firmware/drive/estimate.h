@@ -29,6 +29,12 @@ void estimate_start_sensed(drive_t *drive);
 /* Whether the network is trained in this tick. */
 bool estimate_is_trained(const drive_t *drive);
 
+/*
+ * The voltage that acted since the last instant, Q15 of U_b, saturated to 16 bits: the ratio (Q15 of the bus) that acted,
+ * times the mean of the bus voltages at both instants. Pure.
+ */
+ab_t estimate_applied_voltage(ab_t ratio, int32_t bus_before, int32_t bus_now);
+
 /* A tick that controls a current: turns the currents into the frame of θ̂ and runs the network. */
 void estimate_step(drive_t *drive, bool trained);
 

@@ -3,8 +3,6 @@
 
 #include "trig.h"
 
-#include <stddef.h>
-
 #define LACKING_SHIFT (2U) /* current expected = reference + (measured − reference) / 4 */
 #define MEAN_SHIFT (5U)    /* of the imposed current's filter, in ticks */
 
@@ -17,20 +15,35 @@ void frame_measure(drive_t *drive)
     const angle_t frame = rotor_position_angle(&drive->vector.position);
     /*@ assert SECTORS(frame); */
     dq_t *const mean = &drive->vector.current_mean;
-    const dq_t current = transforms_park(drive->signals.current_ab, trig_sincos(frame));
+    const ab_t current_ab = transforms_clarke(drive->signals.phase_a, drive->signals.phase_b);
+    const dq_t current = transforms_park(current_ab, trig_sincos(frame));
 
     drive->signals.current_frame = current;
     mean->d = fx_approach(mean->d, fx_sat15(current.d), MEAN_SHIFT);
     mean->q = fx_approach(mean->q, fx_sat15(current.q), MEAN_SHIFT);
 }
 
+static void plan_current(drive_t *drive, const current_loop_cfg_t *loop, step_t speed)
+{
+    current_loop_plan(&drive->current_loop, loop, drive->signals.current_ref,
+                      drive_speed_q15(drive, speed));
+}
+
+void frame_plan_rotor(drive_t *drive)
+{
+    plan_current(drive, &drive->model.run_loop, drive->observer.speed);
+}
+
 void frame_control_current(drive_t *drive, const frame_t *frame)
 {
     drive_signals_t *const s = &drive->signals;
+    const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
 
-    s->voltage_limit = modulator_limit(&drive->cfg->modulator, s->bus);
-    s->voltage = current_loop_step(&drive->current_loop, frame->loop, s->current_ref,
-                                   frame->current, frame->speed_q15, s->voltage_limit);
+    if (frame->imposed) {
+        plan_current(drive, frame->loop, frame->step);
+    }
+    s->voltage =
+        current_loop_step(&drive->current_loop, frame->loop, s->current_ref, frame->current, limit);
 }
 
 /*
@@ -38,15 +51,15 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
  * reference alone has the wrong sign for a leg whose current has not changed yet; the measurement alone has noise and
  * ripple. An imposed current is controlled softly, so its mean is expected.
  */
-static dq_t expected_current(const drive_t *drive)
+static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {
     dq_t expected = drive->vector.current_mean;
 
-    if (drive->state == DRIVE_STATE_RUN) {
+    if (!frame->imposed) {
         const dq_t wanted = drive_current_in_force(drive);
 
-        expected.d = fx_approach(wanted.d, drive->signals.current.d, LACKING_SHIFT);
-        expected.q = fx_approach(wanted.q, drive->signals.current.q, LACKING_SHIFT);
+        expected.d = fx_approach(wanted.d, frame->current.d, LACKING_SHIFT);
+        expected.q = fx_approach(wanted.q, frame->current.q, LACKING_SHIFT);
     }
     return expected;
 }
@@ -56,20 +69,22 @@ void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out)
     const angle_t ahead = fx_unsigned(frame->step) + fx_unsigned(fx_asr(frame->step, 1U));
     const angle_t acting = frame->angle + ahead;
     /*@ assert SECTORS(acting); */
-    drive_signals_t *const s = &drive->signals;
+    const modulator_t *const mod = &drive->modulator;
+    const modulator_cfg_t *const cfg = &drive->cfg->modulator;
     const sincos_t angle = trig_sincos(acting);
-    const dq_t ratio = modulator_ratio(&drive->modulator, s->voltage);
-    const ab_t *compensated = NULL;
-    ab_t current;
+    const dq_t ratio = modulator_ratio(mod, drive->signals.voltage);
+    const ab_t ratio_ab = transforms_park_inverse(ratio, angle);
 
-    if (modulator_compensates(&drive->cfg->modulator)) {
-        current = transforms_park_inverse(expected_current(drive), angle);
-        compensated = &current;
+    drive->ratio_acting.alpha = drive->signals.ratio_ab.alpha;
+    drive->ratio_acting.beta = drive->signals.ratio_ab.beta;
+    drive->signals.ratio_ab = ratio_ab;
+    if (modulator_compensates(cfg)) {
+        const ab_t current = transforms_park_inverse(expected_current(drive, frame), angle);
+
+        modulator_compare_compensated(mod, cfg, ratio_ab, current, out);
+    } else {
+        modulator_compare(cfg, ratio_ab, out);
     }
-    drive->ratio_acting.alpha = s->ratio_ab.alpha;
-    drive->ratio_acting.beta = s->ratio_ab.beta;
-    s->ratio_ab = transforms_park_inverse(ratio, angle);
-    modulator_compare(&drive->modulator, &drive->cfg->modulator, s->ratio_ab, compensated, out);
 }
 
 void frame_turn(drive_t *drive, angle_t angle)

@@ -13,9 +13,9 @@
 typedef struct {
     angle_t angle;                  /* at this instant */
     step_t step;                    /* by which it turns in a tick */
-    int32_t speed_q15;              /* ω of the decoupling, Q15 of Ω_b */
     dq_t current;                   /* measured, in this frame */
     const current_loop_cfg_t *loop; /* gains and decoupling */
+    bool imposed;                   /* the frame of the vector */
 } frame_t;
 
 /* The frame of the rotor: estimate_step() has run. */
@@ -24,9 +24,9 @@ static inline frame_t frame_of_rotor(const drive_t *drive)
     return (frame_t){
         .angle = rotor_position_angle(&drive->position),
         .step = drive->observer.speed_out,
-        .speed_q15 = drive->signals.speed_q15,
         .current = drive->signals.current,
         .loop = &drive->model.run_loop,
+        .imposed = false,
     };
 }
 
@@ -36,16 +36,19 @@ static inline frame_t frame_of_vector(const drive_t *drive)
     return (frame_t){
         .angle = rotor_position_angle(&drive->vector.position),
         .step = drive->vector.step,
-        .speed_q15 = drive_speed_q15(drive, drive->vector.step),
         .current = drive->signals.current_frame,
         .loop = &drive->model.hold_loop,
+        .imposed = true,
     };
 }
 
 /* Below RUN, each tick: turns the measured current into the frame of the vector, and filters it. */
 void frame_measure(drive_t *drive);
 
-/* Sets the voltage for current_ref (current_loop.h). */
+/* In RUN, when current_ref, the model or ω̂ may have changed: current_loop_plan() in the frame of the rotor. */
+void frame_plan_rotor(drive_t *drive);
+
+/* Sets the voltage for current_ref (current_loop.h). An imposed frame plans each tick. */
 void frame_control_current(drive_t *drive, const frame_t *frame);
 
 /* The voltage to compare values. It is turned for the middle of the period in which it acts. */

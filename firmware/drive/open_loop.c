@@ -36,13 +36,12 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
 }
 
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
-static drive_event_t start_turning(drive_t *drive)
+static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
     const flying_start_t *const found = &drive->flying_start;
 
     rotor_position_reset(&drive->position, found->angle);
-    estimate_start(drive, found->speed,
-                   transforms_park(drive->signals.current_ab, trig_sincos(found->angle)));
+    estimate_start(drive, found->speed, transforms_park(current_ab, trig_sincos(found->angle)));
     rotor_position_step(&drive->position, drive->observer.speed_out);
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
@@ -52,23 +51,23 @@ static drive_event_t start_turning(drive_t *drive)
 /* A slower rotor is aligned instead. */
 static bool is_fast(const drive_t *drive)
 {
-    return fx_abs(drive->flying_start.speed) >= drive->cfg->startup.handover_speed;
+    return fx_abs(drive->flying_start.speed) >= drive->cfg->startup.track_speed;
 }
 
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
                                      fault_t *fault)
 {
     const flying_start_cfg_t *const cfg = &drive->cfg->startup.flying_start;
-    drive_signals_t *const s = &drive->signals;
+    const drive_signals_t *const s = &drive->signals;
+    const ab_t current_ab = transforms_clarke(s->phase_a, s->phase_b);
     drive_event_t event = DRIVE_EVENT_NONE;
     flying_start_result_t result;
 
-    s->current_ab = transforms_clarke(s->phase_a, s->phase_b);
-    result = flying_start_step(&drive->flying_start, cfg, s->current_ab);
+    result = flying_start_step(&drive->flying_start, cfg, current_ab);
     *out =
         (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->flying_start.gates};
     if ((result == FLYING_START_TURNING) && is_fast(drive)) {
-        event = start_turning(drive);
+        event = start_turning(drive, current_ab);
     } else if (result == FLYING_START_LIVE) {
         event = DRIVE_EVENT_FAULT;
         *fault = (fault_t){.id = FAULT_ADC_STUCK,

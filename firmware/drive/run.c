@@ -152,6 +152,7 @@ drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command)
     } else {
         event = control_torque(drive);
         voltage_drive_offer(drive, command);
+        frame_plan_rotor(drive);
     }
     return event;
 }

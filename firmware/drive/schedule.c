@@ -17,48 +17,29 @@ static drive_event_t event_of(fault_id_t id)
     return (id == FAULT_NONE) ? DRIVE_EVENT_NONE : DRIVE_EVENT_FAULT;
 }
 
-static drive_event_t step_run(drive_t *drive, const drive_command_t *command, slot_t slot)
-{
-    drive_event_t event = DRIVE_EVENT_NONE;
-
-    if (slot == SLOT_REFINE) {
-        estimate_refine(drive);
-    } else if (slot == SLOT_PLAN) {
-        run_plan(drive, command, &drive->position);
-    } else { /* SLOT_SPEED */
-        event = run_control_speed(drive, command);
-    }
-    return event;
-}
-
-static drive_event_t step_vector(drive_t *drive, const drive_command_t *command, slot_t slot,
-                                 fault_t *fault)
-{
-    drive_event_t event = DRIVE_EVENT_NONE;
-
-    if (slot == SLOT_REFINE) {
-        estimate_refine(drive);
-    } else if (slot == SLOT_PLAN) {
-        open_loop_plan(drive, command);
-    } else { /* SLOT_SPEED */
-        event = open_loop_drag(drive, fault);
-    }
-    return event;
-}
-
-static drive_event_t step_motion(drive_t *drive, const drive_command_t *command, slot_t slot,
-                                 fault_t *fault)
+static drive_event_t control_speed(drive_t *drive, const drive_command_t *command, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (drive->state == DRIVE_STATE_RUN) {
-        event = step_run(drive, command, slot);
+        event = run_control_speed(drive, command);
     } else if (moves_vector(drive->state)) {
-        event = step_vector(drive, command, slot, fault);
+        event = open_loop_drag(drive, fault);
     } else {
         /* ALIGN moves the vector by itself */
     }
     return event;
+}
+
+static void plan(drive_t *drive, const drive_command_t *command)
+{
+    if (drive->state == DRIVE_STATE_RUN) {
+        run_plan(drive, command, &drive->position);
+    } else if (moves_vector(drive->state)) {
+        open_loop_plan(drive, command);
+    } else {
+        /* ALIGN moves the vector by itself */
+    }
 }
 
 drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, bool moving,
@@ -76,9 +57,19 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, b
     case SLOT_LIMITS:
         monitor_limits(drive);
         break;
-    default: /* REFINE, PLAN, SPEED */
+    case SLOT_REFINE:
+        if (moving && (drive->state > DRIVE_STATE_ALIGN)) {
+            estimate_refine(drive);
+        }
+        break;
+    case SLOT_PLAN:
         if (moving) {
-            event = step_motion(drive, &in->command, slot, fault);
+            plan(drive, &in->command);
+        }
+        break;
+    default: /* SPEED */
+        if (moving) {
+            event = control_speed(drive, &in->command, fault);
         }
         break;
     }

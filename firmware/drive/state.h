@@ -58,15 +58,11 @@ typedef enum {
 typedef struct {
     int32_t phase_a; /* Q15 of I_b, offset removed, ±16383 */
     int32_t phase_b;
-    int32_t bus;           /* Q15 of U_b */
-    ab_t current_ab;       /* Q15 of I_b */
-    dq_t current;          /* turned with θ̂ */
-    dq_t current_frame;    /* turned with the vector's angle, while a current is imposed */
-    ab_t voltage_applied;  /* Q15 of U_b, over the last period: the observer's input */
-    int32_t speed_q15;     /* ω̂, Q15 of Ω_b */
-    dq_t current_ref;      /* i_d*, i_q* in the frame, Q15 of I_b */
-    int32_t voltage_limit; /* radius of the voltage circle, Q15 of U_b */
-    dq_t voltage;          /* demand */
+    int32_t bus;        /* Q15 of U_b */
+    dq_t current;       /* turned with θ̂ */
+    dq_t current_frame; /* turned with the vector's angle, while a current is imposed */
+    dq_t current_ref;   /* i_d*, i_q* in the frame, Q15 of I_b */
+    dq_t voltage;       /* demand */
     ab_t ratio_ab;
 } drive_signals_t;
 
@@ -100,15 +96,15 @@ typedef struct {
     rotor_position_t position; /* θ̂ and whole turns, (23) */
     const drive_cfg_t *cfg;
     drive_state_t state;
+    uint32_t slow_count;        /* N…1: ticks to the end of the slow period */
     protection_limits_t limits; /* in force in this state */
     int32_t offset_a;           /* sensor zero, Q15 of I_b, mid-scale = 16384 */
     int32_t offset_b;
-    int32_t bus_before;     /* bus voltage at the last instant, Q15 of U_b */
-    nn_observer_t observer; /* ω̂, (22) */
-    uint32_t slow_count;    /* N…1: ticks to the end of the slow period */
-    current_loop_t current_loop;
+    int32_t bus_before; /* bus voltage at the last instant, Q15 of U_b */
     modulator_t modulator;
     ab_t ratio_acting; /* demand / bus, Q15, that acted since the last instant */
+    current_loop_t current_loop;
+    nn_observer_t observer; /* ω̂, (22) */
     drive_signals_t signals;
     uint32_t tick; /* since drive_init, wraps */
     voltage_drive_t voltage_drive;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "voltage_drive.h"
 
+#include "frame.h"
+
 #include "trig.h"
 
 #define QUARTER_TURN_STEP (0x40000000)
@@ -44,27 +46,10 @@ void voltage_drive_step(drive_t *drive)
         rotor_position_angle(&drive->position), drive->observer.speed_out, magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
-    s->voltage_limit = limit;
     s->voltage.d = fx_asr(-magnitude * angle.sin, 15U);
     s->voltage.q = fx_asr(magnitude * angle.cos, 15U);
     mean->d = fx_sat15(fx_approach(mean->d, s->current.d, MEAN_SHIFT));
     mean->q = fx_sat15(fx_approach(mean->q, s->current.q, MEAN_SHIFT));
-}
-
-/* The feed-forward of the current loop at the present current. */
-static dq_t modelled_voltage(const drive_t *drive)
-{
-    const current_loop_cfg_t *const loop = &drive->model.run_loop;
-    const dq_t i = drive->voltage_drive.current_mean;
-    const int32_t speed_q15 = drive->signals.speed_q15;
-    const dq_t drop = {fx_asr(i.d * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS),
-                       fx_asr(i.q * loop->resistance_q13, CURRENT_LOOP_GAIN_BITS)};
-
-    return (dq_t){
-        .d = drop.d - current_loop_cross(speed_q15, loop->reactance_q_q13, i.q),
-        .q = drop.q + current_loop_cross(speed_q15, loop->reactance_d_q13, i.d) +
-             emf(drive, drive->observer.speed),
-    };
 }
 
 /*
@@ -74,11 +59,14 @@ static dq_t modelled_voltage(const drive_t *drive)
 static void return_to_current(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
-    const dq_t modelled = modelled_voltage(drive);
+    dq_t modelled;
+
+    s->current_ref = (dq_t){.d = 0, .q = drive->voltage_drive.current_mean.q};
+    frame_plan_rotor(drive);
+    modelled = current_loop_model(&drive->current_loop, drive->voltage_drive.current_mean);
 
     pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
-    s->current_ref = (dq_t){.d = 0, .q = drive->voltage_drive.current_mean.q};
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
@@ -96,7 +84,7 @@ static void set_magnitude(drive_t *drive)
     drive->speed_loop.reference = reference;
     drive->voltage_drive.magnitude =
         pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error_q15,
-                emf(drive, reference), drive->signals.voltage_limit);
+                emf(drive, reference), modulator_limit(&cfg->modulator, drive->signals.bus));
 }
 
 /* The lead of the present voltage in the direction in which it turns the rotor, 2^32 = one turn, ± a quarter. */
@@ -183,8 +171,8 @@ void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
     drive->voltage_drive.calm_periods = possible ? (drive->voltage_drive.calm_periods + 1U) : 0U;
     if (possible && (drive->voltage_drive.calm_periods >= cfg->settle_periods)) {
         const dq_t voltage = drive->signals.voltage;
-        const int32_t square = (voltage.d * voltage.d) + (voltage.q * voltage.q);
-        const int32_t magnitude = fx_min((int32_t)trig_sqrt((uint32_t)square), FX_Q15_MAX);
+        const int32_t length = (int32_t)trig_sqrt(transforms_square(voltage));
+        const int32_t magnitude = fx_min(length, FX_Q15_MAX);
         const int32_t lead = present_lead(voltage);
 
         if (voltage.q >= 0) {

@@ -15,12 +15,6 @@ protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running)
     };
 }
 
-/* |x| > limit in one comparison: x + limit becomes a large unsigned number on either side. */
-static bool exceeds(int32_t x, int32_t limit)
-{
-    return (fx_unsigned(x) + (uint32_t)limit) > (2U * (uint32_t)limit);
-}
-
 static fault_id_t first_fault(const protection_limits_t *limits, const protection_in_t *in)
 {
     const int32_t a = in->phase_a;
@@ -28,9 +22,8 @@ static fault_id_t first_fault(const protection_limits_t *limits, const protectio
     const int32_t max = limits->current_max;
     fault_id_t id = FAULT_NONE;
 
-    if (in->break_input) {
-        id = FAULT_BREAK;
-    } else if (exceeds(a, max) || exceeds(b, max) || exceeds(a + b, max)) {
+    if (protection_exceeds(a, max) || protection_exceeds(b, max) ||
+        protection_exceeds(a + b, max)) {
         id = FAULT_OVERCURRENT;
     } else if (in->bus > limits->bus_max) {
         id = FAULT_OVERVOLTAGE;
@@ -56,10 +49,7 @@ static fault_t measured_fault(const protection_limits_t *limits, const protectio
 {
     fault_t fault = {.id = id, .value = in->bus, .limit = limits->bus_max};
 
-    if (id == FAULT_BREAK) {
-        fault.value = largest_current(in);
-        fault.limit = 0;
-    } else if (id == FAULT_OVERCURRENT) {
+    if (id == FAULT_OVERCURRENT) {
         fault.value = largest_current(in);
         fault.limit = limits->current_max;
     } else if (id == FAULT_UNDERVOLTAGE) {
@@ -79,6 +69,11 @@ fault_id_t protection_check(const protection_limits_t *limits, const protection_
         *fault = measured_fault(limits, in, id);
     }
     return id;
+}
+
+fault_t protection_break(const protection_in_t *in)
+{
+    return (fault_t){.id = FAULT_BREAK, .value = largest_current(in), .limit = 0};
 }
 
 bool protection_saturated(uint16_t count, uint32_t shift)

@@ -9,6 +9,7 @@
 #define PROTECTION_H
 
 #include "fault.h"
+#include "fx.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,11 +33,28 @@ typedef struct {
     int32_t phase_a; /* −16384…16383 */
     int32_t phase_b;
     int32_t bus; /* 0…32767 */
-    bool break_input;
 } protection_in_t;
 
 /* Over-voltage is always checked; currents and under-voltage only while the drive runs. */
 protection_limits_t protection_limits(const protection_cfg_t *cfg, bool running);
+
+/* The fault of a power stage that has opened its gates by itself: BREAK, with the phase current that is largest now. */
+fault_t protection_break(const protection_in_t *in);
+
+/* |x| > limit, limit 0…65536, in one comparison: x + limit becomes a large unsigned number on either side. Pure. */
+static inline bool protection_exceeds(int32_t x, int32_t limit)
+{
+    return (fx_unsigned(x) + (uint32_t)limit) > (2U * (uint32_t)limit);
+}
+
+/* Whether protection_check() would find no fault. */
+static inline bool protection_holds(const protection_limits_t *limits, const protection_in_t *in)
+{
+    return !protection_exceeds(in->phase_a, limits->current_max) &&
+           !protection_exceeds(in->phase_b, limits->current_max) &&
+           !protection_exceeds(in->phase_a + in->phase_b, limits->current_max) &&
+           (in->bus <= limits->bus_max) && (in->bus >= limits->bus_min);
+}
 
 /* The first fault in the order of fault_id_t. Phase c is −a − b. */
 fault_id_t protection_check(const protection_limits_t *limits, const protection_in_t *in,

@@ -46,7 +46,12 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     const uint32_t late = hal->late ? DRIVE_FLAG_LATE : 0U;
     const uint32_t broken = faults->broken ? DRIVE_FLAG_BREAK : 0U;
 
-    *in = hal->fed;
+    in->adc_ia = hal->fed.adc_ia;
+    in->adc_ib = hal->fed.adc_ib;
+    in->adc_bus = hal->fed.adc_bus;
+    in->flags = hal->fed.flags;
+    in->adc_temperature = hal->fed.adc_temperature;
+    in->angle = hal->fed.angle;
     if (hal->plant != NULL) {
         measure(hal, in);
     }

@@ -8,7 +8,12 @@ void hal_mps2_feed(hal_t *hal, const drive_in_t *in)
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
-    *in = hal->measured;
+    in->adc_ia = hal->measured.adc_ia;
+    in->adc_ib = hal->measured.adc_ib;
+    in->adc_bus = hal->measured.adc_bus;
+    in->flags = hal->measured.flags;
+    in->adc_temperature = hal->measured.adc_temperature;
+    in->angle = hal->measured.angle;
     hal->ticks++;
 }
 

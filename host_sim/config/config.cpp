@@ -225,7 +225,7 @@ void check_prelude(Config &config)
 {
     const auto written = config.origins.find("scenario.prelude_s");
     ScenarioSettings &s = config.scenario;
-    const double calibration_s = calibration_time(config.board);
+    const double calibration_s = calibration_time(config.board, config.tuning);
     if (s.prelude_s <= 0) {
         s.prelude_s = calibration_s;
     }

@@ -422,13 +422,6 @@ pi_cfg_t make_current_pi(const TuningSettings &tuning, const Model &m, const Bas
                    "current_loop.bandwidth_hz", tuning.current_bandwidth_hz);
 }
 
-// The largest gain of the decoupling whose product with the highest speed the current loop can hold.
-double reach_gain_max(const Bases &b)
-{
-    const double speed = std::floor(std::ldexp(b.speed_limit, -b.speed_shift));
-    return std::min(MANTISSA_MAX, std::floor(CURRENT_LOOP_REACH_MAX * Q13 / speed));
-}
-
 current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSettings &tuning,
                                      const Model &m, const Bases &b)
 {
@@ -436,11 +429,9 @@ current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSet
     current_loop_cfg_t c{};
     c.pi_d = make_current_pi(tuning, m, b, m.inductance_d);
     c.pi_q = make_current_pi(tuning, m, b, m.inductance_q);
-    // The most that ω·L·i can be told at the highest speed; beyond, the integrals do the rest.
-    const double most = reach_gain_max(b);
-    keep(c.reactance_d_q13, reactance * m.inductance_d, 0, most);
-    keep(c.reactance_q_q13, reactance * m.inductance_q, 0, most);
-    keep(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, most);
+    keep(c.reactance_d_q13, reactance * m.inductance_d, 0, MANTISSA_MAX);
+    keep(c.reactance_q_q13, reactance * m.inductance_q, 0, MANTISSA_MAX);
+    keep(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, MANTISSA_MAX);
     store(c.resistance_q13, m.resistance * b.current_a / b.voltage_v * Q13, 0, MANTISSA_MAX,
           {"motor.resistance_ohm", motor.resistance_ohm},
           "four times board.bus_full_scale_v over board.current_full_scale_a; a board for smaller "
@@ -606,9 +597,9 @@ modulator_cfg_t make_modulator(const BoardSettings &board, const ModelScales &mo
           {"board.timer_clock_hz", board.timer_clock_hz},
           "65534 periods of the clock in one of the PWM");
     c.ratio_max_q15 = static_cast<int32_t>(std::lround(largest_ratio(board) * Q15 - 0.5));
-    store(c.inverse_max_q12, b.voltage_v / (board.bus_min_v * BUS_FLOOR) * Q12, Q12, MANTISSA_MAX,
-          {"board.bus_min_v", board.bus_min_v, -1},
-          "the modulator divides by no less than 0.8 of it, an eighth of board.bus_full_scale_v");
+    require(b.voltage_v / (board.bus_min_v * BUS_FLOOR), 0, Q15 / Q12,
+            {"board.bus_min_v", board.bus_min_v, -1},
+            "the modulator divides by no less than 0.8 of it, an eighth of board.bus_full_scale_v");
     set_dead_time(c, board, model, m, b);
     return c;
 }
@@ -637,9 +628,9 @@ double Bases::turns_from_mech_rad(double rad) const
     return rad * pole_pairs / TWO_PI;
 }
 
-double calibration_time(const BoardSettings &board)
+double calibration_time(const BoardSettings &board, const TuningSettings &tuning)
 {
-    return (std::exp2(board.offset_samples_log2) + 1) / board.pwm_frequency_hz;
+    return (std::exp2(board.offset_samples_log2) + 1 + tuning.slow_ticks) / board.pwm_frequency_hz;
 }
 
 double temperature_count(const BoardSettings &board, double temperature_c)

@@ -49,8 +49,9 @@ struct Bases {
 // Bus current for one of current and voltage each: power is 1.5·(v_d·i_d + v_q·i_q). Q15 of it is the firmware's.
 constexpr double BUS_CURRENT_FACTOR = 1.5;
 
-// From the first tick until the drive can run: INIT, then 2^offset_samples_log2 ticks of calibration.
-double calibration_time(const BoardSettings &board);
+// From the first tick until the drive runs: INIT, 2^offset_samples_log2 ticks of calibration, and the slow period in which
+// the command is taken.
+double calibration_time(const BoardSettings &board, const TuningSettings &tuning);
 
 // Counts of the power stage's temperature sensor, not rounded; beyond the converter's ends where the
 // temperature is.

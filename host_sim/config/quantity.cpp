@@ -11,7 +11,6 @@ namespace
 {
 
 constexpr double PI = 3.14159265358979323846;
-constexpr int PI_INTEGRAL_BITS = 11; // of pi_cfg_t: gain = ki / 2^(ki_shift + 11)
 
 // What a base may depend on.
 struct Context {
@@ -137,6 +136,8 @@ constexpr Row ROWS[] = {
     {Q::flux_q13, 13, "Wb", "Q13 of U_b/W_b = {:.6g} Wb",
      [](const Context &c) { return c.bases.voltage_v / c.bases.speed_el_rad_s; }},
     {Q::resistance_q13, 13, "Ohm", "Q13 of U_b/I_b = {:.6g} Ohm",
+     [](const Context &c) { return c.bases.voltage_v / c.bases.current_a; }},
+    {Q::reactance_q14, 14, "Ohm", "Q14 of U_b/I_b = {:.6g} Ohm",
      [](const Context &c) { return c.bases.voltage_v / c.bases.current_a; }},
     {Q::network_q15, 15, "A", "Q15 of I_x = {:.6g} A",
      [](const Context &c) { return c.network_current(); }},

@@ -54,6 +54,7 @@ enum class Quantity {
     inductance_q13,
     flux_q13,
     resistance_q13,
+    reactance_q14,
     network_q15,
     network_q27,
     network_decay,

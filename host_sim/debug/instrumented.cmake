@@ -4,7 +4,8 @@
 set(seams
     trig_sincos transforms_clarke transforms_park transforms_park_inverse nn_observer_predict nn_observer_train
     rotor_position_step position_loop_step speed_loop_ramp speed_loop_accelerate speed_loop_step pi_step
-    phase_compensator_step current_loop_step modulator_track_bus modulator_limit modulator_ratio modulator_compare)
+    phase_compensator_step current_loop_plan current_loop_model current_loop_step modulator_track_bus modulator_limit
+    modulator_ratio modulator_compare modulator_compare_compensated)
 
 # Read before each source. The modules' headers come first: they define what they define by its own name.
 set(text "/* SPDX-License-Identifier: MIT */\n")

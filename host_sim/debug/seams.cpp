@@ -15,6 +15,7 @@ namespace nf::debug
 namespace
 {
 
+using twin::CurrentLoop;
 using twin::NnObserver;
 using twin::Q13;
 using twin::Q15;
@@ -24,6 +25,7 @@ using twin::TWO_PI;
 using twin::Vector;
 
 constexpr double Q12 = 4096.0;
+constexpr double Q14 = 16384.0;
 constexpr double Q26 = 67108864.0;
 constexpr double Q30 = 1073741824.0;
 constexpr double DEG_PER_STEP = 360.0 / STEPS_PER_TURN;
@@ -34,10 +36,9 @@ constexpr double CLARKE_LSB = 1.0;
 constexpr double PARK_LSB = 0.5;
 constexpr double PI_LSB = 2.0; // proportional part and integral
 constexpr double INTEGRAL_LSB = 1.0 / 2048.0;
-// Decoupling: reactance and its product. EMF, resistance: one each.
-constexpr double CURRENT_LOOP_LSB = PI_LSB + 4.0 + INTEGRAL_LSB;
-constexpr double ROOT_LSB = 1.0;                // of the circle
-constexpr double SPEED_LOOP_LSB = PI_LSB + 1.0; // and the feed-forward
+constexpr double CURRENT_LOOP_LSB = PI_LSB + 1.0 + INTEGRAL_LSB; // and the decoupling
+constexpr double ROOT_LSB = 1.0;                                 // of the circle
+constexpr double SPEED_LOOP_LSB = PI_LSB + 1.0;                  // and the feed-forward
 constexpr double MIDDLE_LSB = 1.0; // of a range that is not symmetric: a half, and it counts twice
 // α_r is good to 2^-17 turn; g·α_r is rounded down to 2^-32 turn by two shifts, the twin's radians to less.
 constexpr double CURRENT_ANGLE_STEPS = 32768.0;
@@ -156,8 +157,11 @@ void compare_network(const nn_observer_t &before, const nn_observer_t &after,
     const double advance = radians(before.speed_out);
     const Vector state = network_state(before, angle - advance);
     NnObserver twin = observer_twin(before, cfg, state);
-    // The resistance takes its drop from the current as it was stored: rounded, and a little turned where θ̂ was pulled.
-    const double restored = (twin.current() - si.current(before.current)).cwiseAbs().sum();
+    // The resistance takes its drop from the current as it was stored: rounded, and a little turned where θ̂ was pulled. It
+    // is turned by half a step of the speed at the last refresh.
+    const double turned = std::abs(before.half_step_q15 / Q15 - advance / 2);
+    const double restored = (twin.current() - si.current(before.current)).cwiseAbs().sum() +
+                            turned * twin.current().norm();
     const Vector network = twin::network_roundings(si, twin, twin.speed_out(), state).array() +
                            twin::half_turn_error(si, twin, twin.speed_out(), state) +
                            twin.decay().diagonal().maxCoeff() * restored;
@@ -213,6 +217,17 @@ double profile_roundings(const position_loop_cfg_t &cfg, int64_t distance_q32)
     return cfg.speed_max * (1 / (2 * braking * root) + 1 / Q15) + 2;
 }
 
+double ohm_of_reactance(int32_t q14)
+{
+    return q14 / Q14 * (si.bases.voltage_v / si.bases.current_a);
+}
+
+CurrentLoop::Plan plan_of(const current_loop_t &loop)
+{
+    return {{ohm_of_reactance(loop.reactance_q14.d), ohm_of_reactance(loop.reactance_q14.q)},
+            si.voltage(loop.constant)};
+}
+
 // Both, V.
 Vector integrals(const current_loop_t &loop)
 {
@@ -226,6 +241,19 @@ double compensation_roundings(const modulator_cfg_t &cfg, const Vector &ratio, d
     const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
     const double share = std::min(cfg.edge_slope * (ripple + PHASE_LSB) / Q15, 2.0);
     return share * loss * Q15 + 2 + PHASE_LSB;
+}
+
+// Counts are rounded to nearest; `more_lsb` comes on top of the duty's own roundings.
+void add_duties(const modulator_cfg_t &cfg, const compare_t &out, const Eigen::Vector3d &exact,
+                double more_lsb)
+{
+    constexpr std::array<const char *, 3> NAMES = {"duty_a", "duty_b", "duty_c"};
+    const double lsb = DUTY_LSB + 0.5 * Q15 / cfg.timer_counts + more_lsb;
+    for (int leg = 0; leg < 3; leg++) {
+        const auto at = static_cast<std::size_t>(leg);
+        add(NAMES[at], "", static_cast<double>(out.phase[at]) / cfg.timer_counts,
+            std::clamp(exact(leg), 0.0, 1.0), lsb / Q15);
+    }
 }
 
 } // namespace
@@ -365,20 +393,40 @@ decltype(phase_compensator_step) *seam_phase_compensator_step =
         return lead;
     };
 
+decltype(current_loop_plan) *seam_current_loop_plan = [](auto loop, auto cfg, auto reference,
+                                                         auto speed) {
+    si.cfg.current_loop = *cfg;
+    const twin::CurrentLoop twin(twin::current_loop_params(si));
+    const CurrentLoop::Plan exact = twin.plan(si.current(reference), si.speed_of_q15(speed));
+    CALL(current_loop_plan)(loop, cfg, reference, speed);
+    const CurrentLoop::Plan plan = plan_of(*loop);
+    add({"omega L_d", "omega L_q"}, "ohm", plan.reactance_ohm, exact.reactance_ohm,
+        ohm_of_reactance(1));
+    add({"constant v_d", "constant v_q"}, "V", plan.constant_v, exact.constant_v,
+        Vector(1, 2) * si.voltage(1));
+};
+
+decltype(current_loop_model) *seam_current_loop_model = [](auto loop, auto i) {
+    const dq_t v = CALL(current_loop_model)(loop, i);
+    add({"v_d", "v_q"}, "V", si.voltage(v), CurrentLoop::model(plan_of(*loop), si.current(i)),
+        si.voltage(1));
+    return v;
+};
+
 // At the circle v_q = √(limit² − v_d²): an error of v_d counts |v_d/v_q| times. What the circle takes is given back to the
 // integral of q.
 decltype(current_loop_step) *seam_current_loop_step = [](auto loop, auto cfg, auto reference,
-                                                         auto measured, auto speed, auto limit) {
+                                                         auto measured, auto limit) {
     si.cfg.current_loop = *cfg;
-    twin::CurrentLoop twin(twin::current_loop_params(si));
+    CurrentLoop twin(twin::current_loop_params(si));
     twin.reset(integrals(*loop));
-    const Vector exact = twin.step(si.current(reference), si.current(measured),
-                                   si.speed_of_q15(speed), si.voltage(limit));
+    const Vector exact =
+        twin.step(plan_of(*loop), si.current(reference), si.current(measured), si.voltage(limit));
     const double lsb = si.voltage(1);
     const double steepness = std::abs(exact.y()) > lsb ? std::abs(exact.x() / exact.y()) : 1.0;
     const double cut = twin.cut() ? CURRENT_LOOP_LSB * (1.0 + steepness) + ROOT_LSB : 0.0;
     const double back = twin.cut() ? CURRENT_LOOP_LSB + cut : 0.0;
-    const dq_t v = CALL(current_loop_step)(loop, cfg, reference, measured, speed, limit);
+    const dq_t v = CALL(current_loop_step)(loop, cfg, reference, measured, limit);
     add({"v_d", "v_q"}, "V", si.voltage(v), exact,
         Vector(CURRENT_LOOP_LSB, CURRENT_LOOP_LSB + cut) * lsb);
     add({"integral d", "integral q"}, "V", integrals(*loop),
@@ -388,12 +436,12 @@ decltype(current_loop_step) *seam_current_loop_step = [](auto loop, auto cfg, au
 };
 
 // The error of the reciprocal rounded down, times the reciprocal; the step to nearest.
-decltype(modulator_track_bus) *seam_modulator_track_bus = [](auto mod, auto cfg, auto bus) {
+decltype(modulator_track_bus) *seam_modulator_track_bus = [](auto mod, auto bus) {
     const double inverse = mod->inverse_bus_q12 / Q12;
     const double next = inverse * (2.0 - inverse * (bus / Q15));
-    CALL(modulator_track_bus)(mod, cfg, bus);
+    CALL(modulator_track_bus)(mod, bus);
     add("1/bus", "pu", mod->inverse_bus_q12 / Q12,
-        std::clamp(next, 1.0, cfg->inverse_max_q12 / Q12), (inverse + 0.5) / Q12);
+        std::clamp(next, 1.0, MODULATOR_INVERSE_MAX_Q12 / Q12), (inverse + 0.5) / Q12);
 };
 
 decltype(modulator_limit) *seam_modulator_limit = [](auto cfg, auto bus) {
@@ -411,27 +459,27 @@ decltype(modulator_ratio) *seam_modulator_ratio = [](auto mod, auto voltage) {
     return ratio;
 };
 
-decltype(modulator_compare) *seam_modulator_compare = [](auto mod, auto cfg, auto ratio, auto i,
-                                                         auto out) {
+decltype(modulator_compare) *seam_modulator_compare = [](auto cfg, auto ratio, auto out) {
+    const Eigen::Vector3d exact =
+        twin::Modulator::duties(Vector(ratio.alpha, ratio.beta) / Q15, 1.0);
+    CALL(modulator_compare)(cfg, ratio, out);
+    add_duties(*cfg, *out, exact, 0.0);
+};
+
+decltype(modulator_compare_compensated) *seam_modulator_compare_compensated = [](auto mod, auto cfg,
+                                                                                 auto ratio, auto i,
+                                                                                 auto out) {
     const Vector share = Vector(ratio.alpha, ratio.beta) / Q15;
     const double bus_v = si.bases.voltage_v / (mod->inverse_bus_q12 / Q12);
-    Eigen::Vector3d exact = twin::Modulator::duties(share, 1.0);
-    double lsb = DUTY_LSB + 0.5 * Q15 / cfg->timer_counts;
-    if (i != nullptr) {
-        const twin::Modulator::Losses losses = {cfg->dead_time_q15 / Q15, si.voltage(cfg->drop_q15),
-                                                si.current(cfg->ripple_q15),
-                                                cfg->edge_slope / si.bases.current_a};
-        exact += twin::Modulator::compensation(losses, share * bus_v, bus_v, current(*i));
-        lsb += compensation_roundings(*cfg, share, losses.dead_time_share + losses.drop_v / bus_v);
-    }
-    CALL(modulator_compare)(mod, cfg, ratio, i, out);
-    const auto duty = [&](int leg, const char *name) {
-        add(name, "", static_cast<double>(out->phase[leg]) / cfg->timer_counts,
-            std::clamp(exact(leg), 0.0, 1.0), lsb / Q15);
-    };
-    duty(0, "duty_a");
-    duty(1, "duty_b");
-    duty(2, "duty_c");
+    const twin::Modulator::Losses losses = {cfg->dead_time_q15 / Q15, si.voltage(cfg->drop_q15),
+                                            si.current(cfg->ripple_q15),
+                                            cfg->edge_slope / si.bases.current_a};
+    const Eigen::Vector3d exact =
+        twin::Modulator::duties(share, 1.0) +
+        twin::Modulator::compensation(losses, share * bus_v, bus_v, current(i));
+    CALL(modulator_compare_compensated)(mod, cfg, ratio, i, out);
+    add_duties(*cfg, *out, exact,
+               compensation_roundings(*cfg, share, losses.dead_time_share + losses.drop_v / bus_v));
 };
 
 } // extern "C"

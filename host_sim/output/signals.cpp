@@ -5,6 +5,7 @@
 #include "suggest.h"
 
 extern "C" {
+#include "estimate.h"
 #include "fault_text.h"
 }
 
@@ -20,6 +21,7 @@ namespace nf
 namespace
 {
 
+constexpr double Q15 = 32768.0;
 constexpr double Q32 = 4294967296.0;
 constexpr double PI = 3.14159265358979323846;
 constexpr double RPM_PER_RAD_S = 30.0 / PI;
@@ -59,6 +61,34 @@ double lead(const Tick &t)
     const dq_t &v = drive.signals.voltage;
     const double along = drive.voltage_drive.magnitude < 0 ? -1 : 1;
     return drive.voltage_drive.active ? std::atan2(-v.d * along, v.q * along) * DEG_PER_RAD : 0.0;
+}
+
+double current_of(const Tick &t, int32_t q15)
+{
+    return q15 / Q15 * t.sim->bases().current_a;
+}
+
+double voltage_of(const Tick &t, int32_t q15)
+{
+    return q15 / Q15 * t.sim->bases().voltage_v;
+}
+
+ab_t current_ab(const Tick &t)
+{
+    const drive_signals_t &s = t.sim->drive().signals;
+    return transforms_clarke(s.phase_a, s.phase_b);
+}
+
+// What the observer is given.
+ab_t voltage_applied(const Tick &t)
+{
+    return estimate_applied_voltage(t.ratio_acted, t.bus_before, t.sim->drive().signals.bus);
+}
+
+double voltage_limit(const Tick &t)
+{
+    const drive_t &drive = t.sim->drive();
+    return voltage_of(t, modulator_limit(&drive.cfg->modulator, drive.signals.bus));
 }
 
 double duty(const Tick &t, std::size_t leg)
@@ -123,6 +153,15 @@ std::vector<SignalInfo> run_signals()
         derived("i_a_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[0]; }),
         derived("i_b_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[1]; }),
         derived("i_c_a", Q::current_a, [](const Tick &t) { return t.truth.i_abc_a[2]; }),
+        derived("i_alpha_a", Q::current_a,
+                [](const Tick &t) { return current_of(t, current_ab(t).alpha); }),
+        derived("i_beta_a", Q::current_a,
+                [](const Tick &t) { return current_of(t, current_ab(t).beta); }),
+        derived("v_alpha_applied_v", Q::voltage_v,
+                [](const Tick &t) { return voltage_of(t, voltage_applied(t).alpha); }),
+        derived("v_beta_applied_v", Q::voltage_v,
+                [](const Tick &t) { return voltage_of(t, voltage_applied(t).beta); }),
+        derived("v_limit_v", Q::voltage_v, voltage_limit),
         ALIAS("v_d_v", signals.voltage.d, voltage_q15),
         ALIAS("v_q_v", signals.voltage.q, voltage_q15),
         derived("duty_a", Q::share, [](const Tick &t) { return duty(t, 0); }),

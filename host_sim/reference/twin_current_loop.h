@@ -35,14 +35,31 @@ public:
         pi_q_.reset(integral_v.y());
     }
 
+    // What holds for a slow period: ω·L along d and q, and R·i* with the EMF of the flux along q.
+    struct Plan {
+        Vector reactance_ohm = Vector::Zero();
+        Vector constant_v = Vector::Zero();
+    };
+
+    Plan plan(const Vector &reference_a, double speed_rad_s) const
+    {
+        return {speed_rad_s * Vector(p_.inductance_d_h, p_.inductance_q_h),
+                p_.resistance_ohm * reference_a + Vector(0, speed_rad_s * p_.flux_wb)};
+    }
+
+    // The voltage that the model needs for this current, V.
+    static Vector model(const Plan &plan, const Vector &measured_a)
+    {
+        return plan.constant_v + Vector(-plan.reactance_ohm.y() * measured_a.y(),
+                                        plan.reactance_ohm.x() * measured_a.x());
+    }
+
     // One tick: the voltage to apply, V; limit_v is the radius of the circle.
-    Vector step(const Vector &reference_a, const Vector &measured_a, double speed_rad_s,
+    Vector step(const Plan &plan, const Vector &reference_a, const Vector &measured_a,
                 double limit_v)
     {
         const Vector error = reference_a - measured_a;
-        const Vector emf(-speed_rad_s * p_.inductance_q_h * measured_a.y(),
-                         speed_rad_s * (p_.inductance_d_h * measured_a.x() + p_.flux_wb));
-        const Vector known = p_.resistance_ohm * reference_a + emf;
+        const Vector known = model(plan, measured_a);
         Vector v(pi_d_.step(error.x(), known.x(), limit_v),
                  pi_q_.step(error.y(), known.y(), limit_v));
         const double room = std::sqrt(std::max(0.0, limit_v * limit_v - v.x() * v.x()));

@@ -57,7 +57,7 @@ template <typename Note> void check_measured(const drive_t &drive, Note note)
     note(Signal::phase_b, at(s.phase_b, PHASE_LIMIT));
     note(Signal::bus, s.bus >= FX_Q15_MAX);
     note(Signal::bus_reciprocal,
-         reciprocal <= RECIPROCAL_MIN_Q12 || reciprocal >= drive.cfg->modulator.inverse_max_q12);
+         reciprocal <= RECIPROCAL_MIN_Q12 || reciprocal >= MODULATOR_INVERSE_MAX_Q12);
 }
 
 template <typename Note> void check_network(const drive_t &drive, Note note)
@@ -88,10 +88,11 @@ template <typename Note> void check_loops(const drive_t &drive, Note note)
 }
 
 // v_q is cut to the root, rounded down, of what v_d leaves of the circle.
-bool on_circle(const drive_signals_t &s)
+bool on_circle(const drive_signals_t &s, const modulator_cfg_t &cfg)
 {
+    const int32_t limit = modulator_limit(&cfg, s.bus);
     const int32_t q = std::abs(s.voltage.q) + 1;
-    return s.voltage.d * s.voltage.d + q * q > s.voltage_limit * s.voltage_limit;
+    return s.voltage.d * s.voltage.d + q * q > limit * limit;
 }
 
 template <typename Note> void check_limits(const drive_t &drive, const drive_out_t &out, Note note)
@@ -102,7 +103,7 @@ template <typename Note> void check_limits(const drive_t &drive, const drive_out
         std::minmax({out.compare.phase[0], out.compare.phase[1], out.compare.phase[2]});
     note(Signal::torque, drive_current_in_force(&drive).q >= drive.torque_range.upper ||
                              drive_current_in_force(&drive).q <= drive.torque_range.lower);
-    note(Signal::voltage, on_circle(s));
+    note(Signal::voltage, on_circle(s, modulator));
     note(Signal::ratio, std::abs(s.ratio_ab.alpha) >= modulator.ratio_max_q15 ||
                             std::abs(s.ratio_ab.beta) >= modulator.ratio_max_q15);
     note(Signal::duty, lowest == 0 || highest >= modulator.timer_counts);

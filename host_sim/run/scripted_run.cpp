@@ -142,6 +142,8 @@ Tick ScriptedRun::view() const
     tick.speed_estimate = drive_speed(&sim_.drive());
     tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
     tick.observer_speed = sim_.drive().observer.speed;
+    tick.ratio_acted = sim_.drive().ratio_acting;
+    tick.bus_before = sim_.drive().bus_before;
     tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
     if (is_recorded()) {
         view_frame(tick);

@@ -67,10 +67,11 @@ public:
         hal_host_step(&hal_);
     }
 
-    // The next frame of a drive without a motor.
+    // The next frame of a drive without a motor. Its command is in force already.
     void feed(const drive_in_t &in)
     {
         hal_host_feed(&hal_, &in);
+        app_.in.command = in.command;
         command_mailbox_post(&app_.mailbox, &in.command);
     }
 

@@ -15,6 +15,8 @@ struct Tick {
     step_t speed_estimate;         // ω̂(k), from before control()
     int64_t position_estimate_q32; // θ̂(k), likewise
     step_t observer_speed;         // the weight's speed, likewise
+    ab_t ratio_acted;              // since t_k-1, Q15 of the bus, likewise
+    int32_t bus_before;            // at t_k-1, Q15 of U_b, likewise
     double time_s;                 // t_k, counted from the end of the prelude
     DriveMode mode;
     double command; // rpm, or mechanical rad in position mode

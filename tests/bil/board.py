@@ -12,6 +12,8 @@ import digital
 from core import NEVER, THREAD, Clock, Core
 from registers import Block, Register, WrongAccess
 
+SLOW_TICKS = 10  # of every tuning
+TAKING_TICK = 6  # of a slow period: its seventh tick reads the command, see schedule.h
 WATCHDOG_FLAG = 1 << 29
 PIN_FLAG = 1 << 26
 COLD_ROOM_COUNT = 4096 * 4.7 / (4.7 + 10)  # 25 °C: an NTC of 10 kΩ above 4.7 kΩ
@@ -213,6 +215,15 @@ class Board:
                 self.chip.pass_until(self.chip.timer.next_update())
             else:
                 self.core.run(self.chip.timer.next_update())
+
+    def tick_to_take(self):
+        """To where the next tick takes a command: one in each slow period does."""
+        self.tick((TAKING_TICK - self.ticks) % SLOW_TICKS)
+
+    def take(self):
+        """A command that has been typed is in force then, and answered by one tick."""
+        self.tick_to_take()
+        self.tick()
 
     def type(self, line):
         """A line at the console, as fast as its receiver takes it: a sleep ends for any reason, here for the line."""

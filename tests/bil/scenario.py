@@ -89,7 +89,7 @@ def judge_stop(board):
     """Out of full speed and load."""
     running = board.chip.timer.gates_on()
     board.type("stop")
-    board.tick()
+    board.take()
     if not running or board.chip.timer.gates_on():
         sys.exit("`stop` does not open the gates, or they were open before")
 

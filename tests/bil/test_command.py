@@ -68,6 +68,8 @@ class Command(unittest.TestCase):
         in_force, = struct.unpack("<I", self.memory(self.in_force, 4))
         self.board.core.uc.mem_write(self.slots + COMMAND.size * (1 - in_force), NOBODYS)
         self.board.chip.usart.FIFO = len(TYPED)  # both lines in one pass
+        self.board.tick_to_take()
+        self.board.tick(board.SLOW_TICKS - 1)  # one more tick, then the one that takes
         self.board.chip.usart.receive_at_once(TYPED)
         self.board.tick(background=instructions)
         slept = self.board.core.asleep

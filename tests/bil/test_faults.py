@@ -58,7 +58,8 @@ def running(**arguments):
     made.said()
     made.chip.usart.instant = True
     made.type("run")
-    made.tick(3)
+    made.take()
+    made.tick(2)
     made.said()
     return made
 
@@ -99,7 +100,7 @@ class Boots(unittest.TestCase):
         made = running()
         self.assertTrue(made.chip.timer.gates_on())
         made.type("stop")
-        made.tick()
+        made.take()
         self.assertFalse(made.chip.timer.gates_on())
 
 
@@ -156,12 +157,13 @@ class OverCurrent(unittest.TestCase):
         self.assertIn("FAULT by BREAK", made.said())
         made.type("run")
         self.assertIn("error: a fault is latched", made.said())
-        made.tick(2)
+        made.take()
+        made.tick()
         self.assertFalse(made.chip.timer.gates_on())
         made.type("clear")
         made.tick(CALIBRATION_TICKS)
         made.type("run")
-        made.tick()
+        made.take()
         self.assertTrue(made.chip.timer.gates_on())
 
 
@@ -270,7 +272,8 @@ class Console(unittest.TestCase):
         made.type("clear")
         made.tick(CALIBRATION_TICKS)
         made.type("run")
-        made.tick(3)
+        made.take()
+        made.tick(2)
         self.assertTrue(made.chip.timer.gates_on())
 
     def shown_celsius(self, made):

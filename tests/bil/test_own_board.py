@@ -82,7 +82,8 @@ class OwnBoard(unittest.TestCase):
 
     def test_the_comparators_trip_at_the_level_of_the_board_file(self):
         self.board.type("run")
-        self.board.tick(3)
+        self.board.take()
+        self.board.tick(2)
         for ampere, on in ((18.8, True), (19.2, False)):
             self.board.set_inputs(MIDDLE - round(ampere / 20 * MIDDLE), MIDDLE, self.bus)
             self.assertEqual(self.board.chip.timer.gates_on(), on, f"{ampere} A")

@@ -37,7 +37,8 @@ def ready():
 def running():
     made = ready()
     made.type("run")
-    made.tick(3)
+    made.take()
+    made.tick(2)
     made.said()
     return made
 
@@ -92,6 +93,7 @@ class Breaks(unittest.TestCase):
         """The drive asks for the gates in the very tick in which the break comes."""
         made = ready()
         made.type("run")
+        made.tick_to_take()
         once(made.chip.converters[0].register("JDR1"), lambda: spike(made))
         made.tick()
         self.assertFalse(made.chip.timer.gates_on())
@@ -115,13 +117,15 @@ class LostTicks(unittest.TestCase):
         made.type("clear")
         made.tick(CALIBRATION_TICKS)
         made.type("run")
-        made.tick(5)
+        made.take()
+        made.tick(4)
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_one_in_the_tick_that_asks_for_the_gates_keeps_them_open(self):
         """That tick hangs for longer than its guard waits, and then goes on."""
         made = ready()
         made.type("run")
+        made.tick_to_take()
         guard = made.chip.system
         once(made.chip.converters[0].register("JDR1"), lambda: made.chip.advance(guard.due - made.chip.now))
         self.assertEqual(made.handle_next(), guard.ADC1_2)

@@ -40,7 +40,8 @@ def ready(**arguments):
 def running():
     made = ready()
     made.type("run")
-    made.tick(2)
+    made.take()
+    made.tick()
     return made
 
 
@@ -118,6 +119,7 @@ class EachAccess(unittest.TestCase):
         made.chip.usart.instant = True
         made.type("run")
         made.said()
+        made.tick_to_take()
         return made
 
     def on(self):

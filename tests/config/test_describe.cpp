@@ -69,7 +69,6 @@ void settings_are_what_the_files_say_in_si_units()
                        {"current_loop.pi_d.ki", 0.101767, ""},
                        {"speed_loop.ramp", 5000, "rpm/s"},
                        {"speed_loop.speed_max", 2000, "rpm"},
-                       {"modulator.inverse_max_q12", 1 / 160.0, "1/V"},
                        {"modulator.dead_time_q15", 2e-6, "s"},
                        {"supervision.speed_error_periods", 0.5, "s"},
                        {"startup.lost_periods", 0.1, "s"},

@@ -232,12 +232,12 @@ void a_scenario_can_do_without_the_limits_of_its_base()
     TEST_ASSERT_EQUAL_size_t(1, all.limits("ideal")->flags.count("locked"));
 }
 
-// 2^8 samples and the tick before them, at 10 kHz.
+// 2^8 samples, the tick before them, and the slow period in which the command is taken, at 10 kHz.
 void without_a_prelude_the_drive_calibrates_before_t_0()
 {
     const Folder folder;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0257, load().scenario.prelude_s);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0129, load({}, {"board.offset_samples_log2=7"}).scenario.prelude_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0267, load().scenario.prelude_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0139, load({}, {"board.offset_samples_log2=7"}).scenario.prelude_s);
     TEST_ASSERT_EQUAL_DOUBLE(0.5, load({}, {"scenario.prelude_s=0.5"}).scenario.prelude_s);
 }
 

@@ -312,7 +312,6 @@ void modulator()
     TEST_ASSERT_EQUAL_INT32(17972, c.ratio_max_q15); // 0.95/√3 is 17972.7: rounded down
     const modulator_cfg_t close = motor_b({"board.duty_margin_pct=1.05"}).modulator;
     TEST_ASSERT_EQUAL_INT32(18719, close.ratio_max_q15); // 18719.97
-    expect(450 / (0.8 * 200) * 4096, c.inverse_max_q12);
     expect(310 * 1e-4 / (6 * 0.037) / 40 * 32768, c.ripple_q15);
     expect(4096.0 / 5, c.edge_slope);
     expect(0.01 * 32768, c.dead_time_q15);

@@ -214,7 +214,7 @@ void settings_that_contradict_each_other_name_both()
          "which is scenario.duration_s (scenarios/s.toml:7)"},
         {"scenarios/s.toml", "duration_s = 1", "duration_s = 1\nprelude_s = 0.02",
          "scenarios/s.toml:8: scenario.prelude_s = 0.02: ends before the drive has calibrated its "
-         "sensors; allowed: 0, which is as long as that takes, or at least 0.0257 s"},
+         "sensors; allowed: 0, which is as long as that takes, or at least 0.0267 s"},
     };
     expect_all(cases);
 }

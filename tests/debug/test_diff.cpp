@@ -39,7 +39,7 @@ static constexpr double EXACT_SHARE = 1e-9;
 static constexpr double LAST_BITS = 8 * std::numeric_limits<double>::epsilon();
 
 // Each function of a control module that the drive calls; configuration, model and state beside them.
-static constexpr std::size_t SEAMS = 18 + 3;
+static constexpr std::size_t SEAMS = 20 + 3;
 
 struct Shares {
     std::set<std::string> functions;
@@ -172,16 +172,15 @@ int32_t __wrap_phase_compensator_step(phase_compensator_t *comp, const phase_com
 }
 
 dq_t __wrap_current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
-                              dq_t measured, int32_t speed, int32_t limit)
+                              dq_t measured, int32_t limit)
 {
-    const dq_t v = __real_current_loop_step(loop, cfg, reference, measured, speed, limit);
+    const dq_t v = __real_current_loop_step(loop, cfg, reference, measured, limit);
     return {spoil("current_loop_step", v.d, 10), v.q};
 }
 
-void __wrap_modulator_compare(const modulator_t *mod, const modulator_cfg_t *cfg, ab_t ratio,
-                              const ab_t *current, compare_t *out)
+void __wrap_modulator_compare(const modulator_cfg_t *cfg, ab_t ratio, compare_t *out)
 {
-    __real_modulator_compare(mod, cfg, ratio, current, out);
+    __real_modulator_compare(cfg, ratio, out);
     out->phase[1] = spoil("modulator_compare", out->phase[1], uint16_t{400});
 }
 }
@@ -242,8 +241,9 @@ static void test_a_wrong_word_is_named()
     expect_first(running(), "drive.model.observer.volt_gain.raw = 9000", "model");
     expect_first(running(), "drive.model.run_loop.pi_q.kp.raw = 1", "model");
     expect_first(running(), "drive.signals.phase_a = 5", "state");
-    expect_first(running(), "drive.signals.current_ab.beta = 5", "state");
-    expect_first(running(), "drive.signals.voltage_applied.alpha = 100", "state");
+    expect_first(running(), "drive.current_loop.constant.d.raw = 9", "state");
+    expect_first(running(), "drive.current_loop.reactance_q14.q.raw = 9", "state");
+    expect_first(running(), "drive.observer.half_step_q15.raw = 9", "state");
     expect_first(running(), "drive.observer.alpha_q27 = 1", "state");
     expect_first(running(), "drive.observer.rotated_error.q = 1", "state");
     expect_first(running(), "drive.signals.voltage.q = 10", "state");

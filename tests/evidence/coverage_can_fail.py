@@ -77,7 +77,7 @@ class CoverageCanFail(unittest.TestCase):
         path.write_text(source.replace(text, fault), encoding="utf-8")
 
     def justify(self, text, kind):
-        self.register.write_text(f'[[justified]]\nfile = "{MODULE}"\nfunction = "pi_step"\ntext = "{text}"\n'
+        self.register.write_text(f'[[justified]]\nfile = "{MODULE}"\nfunction = "pi_limit"\ntext = "{text}"\n'
                                  f'kind = "{kind}"\nreason = "of the test"\n', encoding="utf-8")
 
     def findings(self, *of_program):
@@ -102,24 +102,24 @@ class CoverageCanFail(unittest.TestCase):
 
     def test_a_case_that_the_tests_lack_is_found(self):
         self.replace(self.test, "    sum += pi_step(&pi, &cfg, 2, -1000, 100);\n", "")
-        self.assert_found("statement not covered in pi_step: { output = -limit;",
-                          "branch not covered in pi_step: output < -limit (true)")
+        self.assert_found("statement not covered in pi_limit: { output = -limit;",
+                          "branch not covered in pi_limit: output < -limit (true)")
 
     def test_a_condition_that_decides_nothing_is_found(self):
-        self.replace(self.source, LINE, "    if ((output > limit) && (error != 12345)) {")
-        self.assert_found("mcdc not covered in pi_step: (error != 12345)",
-                          "branch not covered in pi_step: (error != 12345) (false)")
+        self.replace(self.source, LINE, "    if ((output > limit) && (u != 12345)) {")
+        self.assert_found("mcdc not covered in pi_limit: (u != 12345)",
+                          "branch not covered in pi_limit: (u != 12345) (false)")
 
     def test_a_decision_that_clang_cannot_count_is_found(self):
-        self.replace(self.source, LINE, "    if ((output > limit) && (fx_min((error > 0) && (limit > 0), 1) == 1)) {")
+        self.replace(self.source, LINE, "    if ((output > limit) && (fx_min((u > 0) && (limit > 0), 1) == 1)) {")
         self.assert_found("clang counts no MC/DC of this decision")
 
     def test_a_justified_gap_is_no_finding(self):
-        self.replace(self.source, LINE, "    if (error == 12345) {\n        output = 0;\n    }\n" + LINE)
-        self.justify("error == 12345", "branch")
+        self.replace(self.source, LINE, "    if (u == 12345) {\n        output = 0;\n    }\n" + LINE)
+        self.justify("u == 12345", "branch")
         found = self.findings()
         self.assertEqual(len(found), 1, found)  # the statement alone
-        self.assertIn("statement not covered in pi_step: { output = 0; }", found[0])
+        self.assertIn("statement not covered in pi_limit: { output = 0; }", found[0])
 
     def test_a_justification_that_nothing_needs_is_found(self):
         self.justify("output > limit", "branch")
@@ -153,8 +153,8 @@ class CoverageCanFail(unittest.TestCase):
         ran = coverage.what_ran(self.root, [ONE])["tests"]["one"]
         self.assertEqual({name: [function for function in functions if function.startswith("pi_")]
                           for name, functions in ran.items()},
-                         {"": ["pi_output", "pi_reset", "pi_step", "pi_unwind"],
-                          "test_steps": ["pi_output", "pi_reset", "pi_step"], "test_unwinds": ["pi_output", "pi_reset", "pi_unwind"]})
+                         {"": ["pi_integral", "pi_limit", "pi_output", "pi_reset", "pi_step", "pi_sum", "pi_unwind"],
+                          "test_steps": ["pi_integral", "pi_limit", "pi_output", "pi_reset", "pi_step", "pi_sum"], "test_unwinds": ["pi_output", "pi_reset", "pi_unwind"]})
 
 
 if __name__ == "__main__":

@@ -22,11 +22,11 @@ OBSERVER = "firmware/control/nn_observer.c"
 PORT = "firmware/math/port/generic/fx_port.h"
 GROUP = "limit"  # what the names of the tests that are left out have in common
 KILLED = {
-    "the sign of the gradient in (21)": (OBSERVER, "nn_observer_predict", "(obs->rotated_error.q * before.d) +"),
+    "the sign of the gradient in (21)": (OBSERVER, "nn_observer_predict", "(rotated.q * before.d) +"),
     "the sign of the weight's change in (22)": (OBSERVER, "nn_observer_train", "fx_clamp(obs->speed + weight_step"),
     "a shift by too many bits, of which the PC takes those modulo 32": (
         PORT, "fx_leading_zeros", "(rest >> (-(width)))"),
-    "a dropped saturation": (PI, "pi_step", "(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift));"),
+    "a dropped saturation": (PI, "pi_unwind", "(pi->integral_q26 - (excess * Q15_TO_Q26));"),
 }
 
 

@@ -11,7 +11,7 @@ import planted
 from register_tests import RegisterTests
 
 BUILD = part.ROOT / "build" / "host"
-FAULT = planted.Fault("a wrong sign", "drive", "firmware/control/pi.c", "error * cfg->kp,", "error * -cfg->kp,", ("test_pi",))
+FAULT = planted.Fault("a wrong sign", "drive", "firmware/control/pi.c", "excess * Q15_TO_Q26", "excess * -Q15_TO_Q26", ("test_pi",))
 HARMLESS = {"old": '#include "pi.h"\n', "new": '#include "pi.h"\n\n'}
 ROWS = {  # what is changed in a row that holds, and what is then said
     "that holds": ({}, None),
@@ -19,8 +19,8 @@ ROWS = {  # what is changed in a row that holds, and what is then said
     "that one of its tests does not find": ({"tests": ("test_pi", "test_modulator")}, "test_modulator passes"),
     "whose test runs other code": ({"tests": ("test_trig",)}, "test_trig runs nothing of firmware/control/pi.c"),
     "whose test there is not": ({"tests": ("test_pie",)}, "ctest runs no test test_pie"),
-    "that does not compile": ({"new": "cfg->none,"}, "cannot be built with it"),
-    "whose text is gone": ({"old": "cfg->gone"}, "stands there 0 times; expected once"),
+    "that does not compile": ({"new": "excess->none"}, "cannot be built with it"),
+    "whose text is gone": ({"old": "pi->gone"}, "stands there 0 times; expected once"),
     "whose text is there twice": ({"old": "int32_t"}, "times; expected once"),
     "of a new file that is there": ({"old": ""}, "is there already"),
 }

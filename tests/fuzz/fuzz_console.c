@@ -77,8 +77,11 @@ bool hal_send(hal_t *hal, uint8_t byte)
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
+    const drive_command_t command = in->command;
+
     (void)hal;
     *in = measured;
+    in->command = command;
 }
 
 void hal_apply(hal_t *hal, const drive_out_t *out)

@@ -27,6 +27,7 @@
 #include "../../firmware/drive/open_loop.c"
 #include "../../firmware/drive/run.c"
 #include "../../firmware/drive/schedule.c"
+#include "../../firmware/drive/straight.c"
 #include "../../firmware/drive/transitions.c"
 #include "../../firmware/drive/voltage_drive.c"
 #include "../../firmware/math/crc32.c"

@@ -23,7 +23,7 @@ FAULTS_OF_A_TICK = {
         "firmware/protect/supervision.c", "phase < SUPERVISION_PHASES; phase++) {\n        note_phase",
         "phase <= SUPERVISION_PHASES; phase++) {\n        note_phase", "supervision.c"),
     "a dropped saturation": (
-        "firmware/control/pi.c", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
+        "firmware/control/pi.h", "fx_sat27(pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift))",
         "pi->integral_q26 + fx_asr(error * cfg->ki, cfg->ki_shift)", "integral_q26"),
     "a missing clamp": (
         "firmware/control/nn_observer.c",

@@ -37,6 +37,7 @@ void within(int64_t value, int64_t lowest, int64_t highest);
 static void choose_tick(void)
 {
     drive.tick = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    drive.slow_count = Frama_C_unsigned_int_interval(1U, 100U);
     in = any_frame();
     out.compare.phase[0] = Frama_C_unsigned_short_interval(0, 65535);
     out.compare.phase[1] = Frama_C_unsigned_short_interval(0, 65535);

@@ -29,7 +29,7 @@ static compare_t compared(const modulator_t &mod, const modulator_cfg_t &cfg, ab
                           ab_t current)
 {
     compare_t out;
-    modulator_compare(&mod, &cfg, ratio, &current, &out);
+    modulator_compare_compensated(&mod, &cfg, ratio, current, &out);
     return out;
 }
 
@@ -67,7 +67,7 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
 
         modulator_reset(&mod);
         for (int k = 0; k < 12; k++) {
-            modulator_track_bus(&mod, &cfg, bus);
+            modulator_track_bus(&mod, bus);
         }
         for (int k = 0; k < 300; k++) {
             const double direction = seeded.in(0, 1 << 20) * TWO_PI / (1 << 20);
@@ -155,7 +155,7 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
 
     modulator_reset(&mod);
     for (int k = 0; k < 12; k++) {
-        modulator_track_bus(&mod, &cfg, bus);
+        modulator_track_bus(&mod, bus);
     }
     for (int k = 0; k < 100000; k++) {
         const double direction = seeded.in(0, 1 << 20) * TWO_PI / (1 << 20);

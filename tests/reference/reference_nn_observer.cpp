@@ -118,7 +118,7 @@ static void start_both(const Setup &s, const Vector &state, double speed, Observ
     obs.current = rounded(
         Vector(exact.x() - twin.flux_current(), exact.y() * s.cfg.observer.iq_gain_q14 / Q14) /
         s.current(1));
-    nn_observer_update_rho(&obs, &s.cfg.observer, obs.speed);
+    nn_observer_refresh(&obs, &s.cfg.observer, obs.speed);
     twin.set(exact, s.speed_of_step(step), s.speed_of_step(step));
     twin.set_rho(obs.rho_q13 / Q13);
 }
@@ -394,7 +394,7 @@ static void test_rho_stays_within_the_roundings_of_the_twin()
 
     for (int k = 0; k < 20000; k++) {
         const step_t speed = seeded.in(-c.speed_limit, c.speed_limit);
-        nn_observer_update_rho(&obs, &c, speed);
+        nn_observer_refresh(&obs, &c, speed);
         const double exact = twin.rho_at(s.speed_of_step(speed)) * Q13;
         const double units = std::max(std::abs(speed) / 1024.0 - 1.0, 1.0);
         const double bound = 1.0 + std::abs(exact) * (1024.0 / c.corner + 1.0 / units);

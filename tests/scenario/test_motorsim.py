@@ -153,7 +153,7 @@ class Limits(MotorsimTest):
 
     def test_the_table_shows_values_and_limits(self):
         done = self.assert_status(HOLDS, "run", "s1")
-        self.assertRegex(done.stdout, r"speed_error_max_pct +0\.\d+ +0\.4  ok")
+        self.assertRegex(done.stdout, r"speed_error_max_pct +0\.\d+ +0\.36  ok")
 
 
 class Notes(MotorsimTest):

@@ -22,7 +22,6 @@ drive_cfg_t make_cfg()
     cfg.observer.speed_limit = SPEED_LIMIT;
     cfg.modulator.timer_counts = COUNTS;
     cfg.modulator.ratio_max_q15 = 18000;
-    cfg.modulator.inverse_max_q12 = 8192;
     return cfg;
 }
 
@@ -40,7 +39,7 @@ Frame calm()
     frame.drive.cfg = &CFG;
     frame.drive.torque_range = {-CURRENT_MAX, CURRENT_MAX};
     frame.drive.modulator.inverse_bus_q12 = 5000;
-    frame.drive.signals.voltage_limit = 12000;
+    frame.drive.signals.bus = 21846; // two thirds of 18000 are the circle's 12000
     for (uint16_t &phase : frame.out.compare.phase) {
         phase = COUNTS / 2;
     }

@@ -57,6 +57,9 @@ void test_drive_reaches_run_on_request_only()
     run(400);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, sim.drive().state);
     TEST_ASSERT_FALSE(sim.plant().gates_on);
+    while (!drive_reads_slow_inputs(&sim.drive())) {
+        run(1);
+    }
     sim.request(DRIVE_REQUEST_RUN);
     run(1);
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, sim.drive().state);

@@ -15,7 +15,7 @@ JOBS = 2
 RULES = (
     ("speed bandwidth by the lag", "zoo:servo:33@11", ("speed_loop.bandwidth_hz=202",)),
     ("speed bandwidth by the dead time", "zoo:compressor:76@2:user", ("speed_loop.bandwidth_hz=49",)),
-    ("observer by the speed loop", "zoo:compressor:28@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
+    ("observer by the speed loop", "zoo:industrial:10@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
     ("current loop by the PWM", "zoo:hub:122@11", ("current_loop.bandwidth_hz=500",)),
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
     ("alignment above the hold", "zoo:gimbal:96@11:user", ("startup.align_current_pct=0",)),

@@ -40,8 +40,11 @@ static hal_t hardware;
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
+    const drive_command_t command = in->command;
+
     (void)hal;
     *in = measured;
+    in->command = command;
 }
 
 void hal_apply(hal_t *hal, const drive_out_t *out)
@@ -70,6 +73,12 @@ static void tick(uint32_t count)
     for (uint32_t k = 0U; k < count; k++) {
         control_isr(&app);
     }
+}
+
+/* So long that the drive has taken the command. */
+static inline void tick_period(void)
+{
+    tick(cfg.slow_ticks);
 }
 
 static void power_on(void)

@@ -153,9 +153,8 @@ static inline supervision_cfg_t example_supervision_cfg(void)
 static inline modulator_cfg_t example_modulator_cfg(void)
 {
     return (modulator_cfg_t){
-        .timer_counts = 8500,     /* 170 MHz / (2·10 kHz) */
-        .ratio_max_q15 = 17972,   /* 0.95/√3, rounded down */
-        .inverse_max_q12 = 11520, /* 450 V / 160 V */
+        .timer_counts = 8500,   /* 170 MHz / (2·10 kHz) */
+        .ratio_max_q15 = 17972, /* 0.95/√3, rounded down */
         .dead_time_q15 = 0,
         .drop_q15 = 0,
         .ripple_q15 = 182, /* 310 V·T/(12·L) = 0.2227 A */

@@ -15,7 +15,7 @@ void tearDown(void)
 
 static drive_command_t taken(void)
 {
-    tick(1U);
+    tick_period();
     return app.in.command;
 }
 
@@ -49,7 +49,7 @@ static void test_a_latched_fault_is_not_run_and_stays_until_it_is_cleared(void)
     TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
     TEST_ASSERT_NULL(commander_clear(&app));
-    tick(1U);
+    tick_period();
     TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 

@@ -49,8 +49,6 @@ static const row_t ROWS[] = {
 /* What the rules between two fields leave of a row's range in the example. */
 #define RULE(path, below, lo, hi, above) {#path, offsetof(drive_cfg_t, path), lo, hi, below, above}
 #define UP_TO(path, lo, hi) RULE(path, #path, lo, hi, #path)
-/* At observer.speed_limit, 17476 in Q15 of Ω_b: 17476·30469/2^13 = 64999.5, 30470 gives 65001.7. */
-#define DECOUPLING(path) RULE(path, #path, 0, 30469, "observer.speed_limit")
 
 static const field_t RULES[] = {
     /* With a sensor no start-up. */
@@ -67,10 +65,7 @@ static const field_t RULES[] = {
     RULE(observer.speed_limit, "speed_loop.speed_max", 28633115, (32768 * 2048) - 1,
          "observer.speed_limit"),
     RULE(speed_shift, "observer.speed_limit", 11, 16,
-         "speed_shift"), /* from where the limit fits */
-    DECOUPLING(current_loop.reactance_d_q13), DECOUPLING(current_loop.reactance_q_q13),
-    DECOUPLING(current_loop.emf_q13), DECOUPLING(hold_loop.reactance_d_q13),
-    DECOUPLING(hold_loop.reactance_q_q13), DECOUPLING(hold_loop.emf_q13),
+         "speed_shift"),                      /* from where the limit fits */
     UP_TO(speed_loop.speed_max, 1, 35791394), /* observer.speed_limit */
     /* From 0, which needs no further field; up to current_move, which is then too small. */
     RULE(startup.current_hold, "startup.current_hold", 0, 8192, "startup.current_move"),
@@ -246,39 +241,6 @@ static void test_with_a_sensor_a_trained_observer_is_named(void)
     TEST_ASSERT_NULL(config_check(&cfg));
     cfg.sampling.sensor_pole_pairs = 51U;
     TEST_ASSERT_EQUAL_STRING("sampling.sensor_pole_pairs", config_check(&cfg));
-}
-
-/* speed·gain/2^13 of each gain of both loops' decoupling, the others zero. */
-static const char *check_reach_of(int32_t speed, int32_t gain, size_t which)
-{
-    drive_cfg_t cfg = example_drive_cfg();
-    int32_t *const gains[] = {
-        &cfg.current_loop.reactance_d_q13, &cfg.current_loop.reactance_q_q13,
-        &cfg.current_loop.emf_q13,         &cfg.hold_loop.reactance_d_q13,
-        &cfg.hold_loop.reactance_q_q13,    &cfg.hold_loop.emf_q13,
-    };
-
-    for (size_t i = 0; i < COUNT(gains); i++) {
-        *gains[i] = (i == which) ? gain : 0;
-    }
-    cfg.observer.speed_limit = speed * 2048;
-    cfg.speed_loop.speed_max = 1;
-    return config_check(&cfg);
-}
-
-static void test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000(void)
-{
-    for (size_t i = 0; i < 6; i++) {
-        /* 65000 exactly, then 65001.97. */
-        TEST_ASSERT_NULL(check_reach_of(16384, 32500, i));
-        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16385, 32499, i));
-        /* Each gain may be as large as its format at a top speed for it: 64998.02, then 65002.02. */
-        TEST_ASSERT_NULL(check_reach_of(16250, 32767, i));
-        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(16251, 32767, i));
-        TEST_ASSERT_EQUAL_STRING("observer.speed_limit", check_reach_of(32767, 32767, i));
-        TEST_ASSERT_NULL(check_reach_of(32767, 16250, i));
-        TEST_ASSERT_NOT_NULL(check_reach_of(1, 32768, i));
-    }
 }
 
 /* RUN reads them too; that it does not read the currents is beyond the proof's intervals. */
@@ -474,7 +436,6 @@ int main(void)
     RUN_TEST(test_all_fields_are_accepted_at_the_lower_ends_of_their_rows);
     RUN_TEST(test_all_fields_are_accepted_at_the_upper_ends_of_their_rows);
     RUN_TEST(test_with_a_sensor_a_trained_observer_is_named);
-    RUN_TEST(test_reach_of_each_decoupling_gain_at_top_speed_is_at_most_65000);
     RUN_TEST(test_without_a_hold_current_what_run_reads_of_the_startup_is_still_checked);
     RUN_TEST(test_without_a_hold_current_the_rest_of_the_startup_may_hold_anything);
     RUN_TEST(test_without_a_voltage_drive_the_rest_of_it_may_hold_anything);

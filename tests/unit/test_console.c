@@ -77,7 +77,7 @@ static void failed(void)
 
 static uint8_t request_taken(void)
 {
-    tick(1U);
+    tick_period();
     return app.in.command.request;
 }
 
@@ -110,7 +110,7 @@ static void test_each_speed_within_the_boards_limit_reaches_the_drive(void)
     ready();
     for (uint32_t k = 0U; k < (sizeof speeds / sizeof speeds[0]); k++) {
         assert_says("ok\r\n", speeds[k].typed);
-        tick(1U);
+        tick_period();
         TEST_ASSERT_EQUAL_INT32_MESSAGE(speeds[k].target, app.in.command.target, speeds[k].typed);
     }
 }
@@ -123,12 +123,12 @@ static void test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_no
 
     ready();
     (void)said_to("speed 1000\n");
-    tick(1U);
+    tick_period();
     for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
         const int32_t before = app.in.command.target;
 
         assert_says(WRONG_SPEED, wrong[k]);
-        tick(1U);
+        tick_period();
         TEST_ASSERT_EQUAL_INT32_MESSAGE(before, app.in.command.target, wrong[k]);
     }
 }

@@ -107,16 +107,28 @@ static void test_interrupt_samples_then_steps_then_applies_once_each(void)
     TEST_ASSERT_EQUAL_UINT32(2U, hal.tick_at_apply);
 }
 
-static void test_step_gets_the_sampled_frame_with_the_command_of_the_background(void)
+static void test_step_gets_the_sampled_frame(void)
 {
     hal.next.adc_ia = 2111U;
     hal.next.flags = 0x8000U;
-    post(77, DRIVE_MODE_POSITION, DRIVE_REQUEST_RUN);
     control_isr(&app);
     TEST_ASSERT_EQUAL_UINT16(2111U, app.in.adc_ia);
     TEST_ASSERT_EQUAL_UINT16(0x8000U, app.in.flags);
-    TEST_ASSERT_EQUAL_INT32(77, app.in.command.target);
-    TEST_ASSERT_EQUAL_UINT8(1U, app.in.command.mode);
+}
+
+static void test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period(void)
+{
+    for (int32_t k = 0; k < 40; k++) {
+        const drive_command_t before = app.in.command;
+        const bool takes = drive_reads_slow_inputs(&app.drive);
+
+        TEST_ASSERT_EQUAL(takes, ((uint32_t)k % cfg.slow_ticks) ==
+                                     (cfg.slow_ticks - (uint32_t)SLOT_CHECKS - 1U));
+        post(k + 1, DRIVE_MODE_POSITION, DRIVE_REQUEST_RUN);
+        control_isr(&app);
+        TEST_ASSERT_EQUAL_INT32(takes ? (k + 1) : before.target, app.in.command.target);
+    }
+    TEST_ASSERT_EQUAL_UINT8((uint8_t)DRIVE_MODE_POSITION, app.in.command.mode);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, app.in.command.request);
 }
 
@@ -184,7 +196,8 @@ int main(void)
     RUN_TEST(test_init_leaves_empty_frames_behind);
     RUN_TEST(test_init_opens_the_gates_even_when_the_configuration_is_refused);
     RUN_TEST(test_interrupt_samples_then_steps_then_applies_once_each);
-    RUN_TEST(test_step_gets_the_sampled_frame_with_the_command_of_the_background);
+    RUN_TEST(test_step_gets_the_sampled_frame);
+    RUN_TEST(test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period);
     RUN_TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone);
     RUN_TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt);
     RUN_TEST(test_interrupt_records_each_tick_after_it_was_applied);

@@ -14,8 +14,8 @@
 
 #define ONE (32768.0)
 
-/* Decoupling in LSB: speed × reactance rounded down (carried over by |i| ≤ 1), then the product. */
-#define DECOUPLING_LSB (2.0)
+/* Decoupling in LSB: speed × reactance rounded down, times |i| ≤ 20000 / 2^14; then the product, rounded down. */
+#define DECOUPLING_LSB (2.23)
 #define EMF_LSB (1.0)
 #define DROP_LSB (1.0) /* R·i* rounded down */
 
@@ -32,6 +32,13 @@ void tearDown(void)
 {
 }
 
+/* The model's part for this reference and speed, and one tick. */
+static dq_t planned_step(dq_t reference, dq_t measured, int32_t speed_q15, int32_t limit)
+{
+    current_loop_plan(&loop, &cfg, reference, speed_q15);
+    return current_loop_step(&loop, &cfg, reference, measured, limit);
+}
+
 static void remove_regulators(void)
 {
     cfg.pi_d.kp = 0;
@@ -41,16 +48,37 @@ static void remove_regulators(void)
 
 static void test_reset_empties_both_integrals(void)
 {
-    (void)current_loop_step(&loop, &cfg, (dq_t){5000, 5000}, (dq_t){0, 0}, 0, 32767);
+    (void)planned_step((dq_t){5000, 5000}, (dq_t){0, 0}, 9000, 32767);
+    TEST_ASSERT_TRUE((loop.reactance_q14.d != 0) && (loop.reactance_q14.q != 0));
     TEST_ASSERT_TRUE((loop.pi_d.integral_q26 != 0) && (loop.pi_q.integral_q26 != 0));
     current_loop_reset(&loop);
     TEST_ASSERT_EQUAL_INT32(0, loop.pi_d.integral_q26);
     TEST_ASSERT_EQUAL_INT32(0, loop.pi_q.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(0, loop.reactance_q14.d);
+    TEST_ASSERT_EQUAL_INT32(0, loop.reactance_q14.q);
+    TEST_ASSERT_EQUAL_INT32(0, loop.constant.d);
+    TEST_ASSERT_EQUAL_INT32(0, loop.constant.q);
+}
+
+/* The square of 2^16 is 0 in 32 bits. */
+static void test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle(void)
+{
+    static const dq_t demands[] = {{65536, 0}, {-65536, 0}, {0, 65536}, {0, -65536}};
+
+    remove_regulators();
+    for (uint32_t i = 0U; i < 4U; i++) {
+        dq_t v;
+
+        loop.constant = demands[i];
+        v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 18000);
+        TEST_ASSERT_EQUAL_INT32(demands[i].d / 65536 * 18000, v.d);
+        TEST_ASSERT_EQUAL_INT32(demands[i].q / 65536 * 18000, v.q);
+    }
 }
 
 static void test_no_error_at_rest_demands_no_voltage(void)
 {
-    const dq_t v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 32767);
+    const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 32767);
 
     TEST_ASSERT_EQUAL_INT32(0, v.d);
     TEST_ASSERT_EQUAL_INT32(0, v.q);
@@ -58,12 +86,12 @@ static void test_no_error_at_rest_demands_no_voltage(void)
 
 static void test_each_axis_answers_its_own_error_only(void)
 {
-    dq_t v = current_loop_step(&loop, &cfg, (dq_t){100, 0}, (dq_t){0, 0}, 0, 32767);
+    dq_t v = planned_step((dq_t){100, 0}, (dq_t){0, 0}, 0, 32767);
 
     TEST_ASSERT_TRUE(v.d > 0);
     TEST_ASSERT_EQUAL_INT32(0, v.q);
     current_loop_reset(&loop);
-    v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 100}, 0, 32767);
+    v = planned_step((dq_t){0, 0}, (dq_t){0, 100}, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(0, v.d);
     TEST_ASSERT_TRUE(v.q < 0);
 }
@@ -81,7 +109,7 @@ static void test_decoupling_follows_the_motor_equations(void)
     for (int32_t k = 0; k < 100000; k++) {
         const dq_t i = {seeded_in(&seed, -20000, 20000), seeded_in(&seed, -20000, 20000)};
         const int32_t speed = seeded_in(&seed, -32767, 32767);
-        const dq_t v = current_loop_step(&loop, &cfg, i, i, speed, 32767);
+        const dq_t v = planned_step(i, i, speed, 32767);
         const double d = (i.d * (3000.0 / 8192.0)) - (speed * (7000.0 / 8192.0) * i.q / ONE);
         const double q = (i.q * (3000.0 / 8192.0)) + (speed * (4000.0 / 8192.0) * i.d / ONE) +
                          (speed * (2000.0 / 8192.0));
@@ -103,10 +131,10 @@ test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_cur
 
     remove_regulators();
     cfg.resistance_q13 = 4096; /* ½ */
-    v = current_loop_step(&loop, &cfg, (dq_t){1000, -2000}, (dq_t){0, 0}, 0, 32767);
+    v = planned_step((dq_t){1000, -2000}, (dq_t){0, 0}, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(500, v.d);
     TEST_ASSERT_EQUAL_INT32(-1000, v.q);
-    v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){1000, -2000}, 0, 32767);
+    v = planned_step((dq_t){0, 0}, (dq_t){1000, -2000}, 0, 32767);
     TEST_ASSERT_EQUAL_INT32(0, v.d);
     TEST_ASSERT_EQUAL_INT32(0, v.q);
 }
@@ -152,68 +180,49 @@ static void test_turn_of_integrals_at_their_ends_saturates_at_one(void)
     }
 }
 
-static void test_cross_is_the_product_rounded_down_and_limited_where_it_is_said(void)
+static void test_model_is_the_products_rounded_down_for_any_speed_gain_and_current(void)
 {
-    static const int32_t speeds[] = {-32767, -16385, -7, -1, 0, 1, 7, 16385, 32767};
-    static const int32_t reactances[] = {0, 1, 8191, 8192, 32499, 32500, 32767};
+    static const int32_t speeds[] = {-32768, -16385, -7, -1, 0, 1, 7, 16385, 32767};
+    static const int32_t gains[] = {0, 1, 8191, 8192, 32499, 32500, 32767};
     static const int32_t currents[] = {-32769, -32768, -3, -1, 0, 1, 3, 32767, 32768};
 
     for (size_t k = 0; k < (9U * 7U * 9U); k++) {
         const int32_t speed = speeds[k % 9U];
-        const int32_t reactance = reactances[(k / 9U) % 7U];
+        const int32_t gain = gains[(k / 9U) % 7U];
         const int32_t current = currents[k / 63U];
-        const int64_t reach =
-            clamp64(floor_div_pow2((int64_t)speed * reactance, 13U), -65000, 65000);
+        const int64_t reactance = floor_div_pow2((int64_t)speed * gain, 14U);
         const int64_t within = clamp64(current, -32768, 32767);
+        const int64_t emf = floor_div_pow2((int64_t)speed * gain, 13U);
+        dq_t model;
 
-        TEST_ASSERT_EQUAL_INT64(floor_div_pow2(reach * within, 15U),
-                                current_loop_cross(speed, reactance, current));
+        cfg.reactance_d_q13 = gain;
+        cfg.reactance_q_q13 = gain;
+        cfg.emf_q13 = gain;
+        cfg.resistance_q13 = gain;
+        current_loop_plan(&loop, &cfg, (dq_t){1000, -1000}, speed);
+        model = current_loop_model(&loop, (dq_t){current, current});
+        TEST_ASSERT_EQUAL_INT64(floor_div_pow2(1000 * (int64_t)gain, 13U) -
+                                    floor_div_pow2(reactance * within, 14U),
+                                model.d);
+        TEST_ASSERT_EQUAL_INT64(floor_div_pow2(-1000 * (int64_t)gain, 13U) + emf +
+                                    floor_div_pow2(reactance * within, 14U),
+                                model.q);
     }
 }
 
-/* v_d against the largest current, from an integral at its other end. */
-static int32_t voltage_at_reach(int32_t sign, int32_t speed, int32_t current)
+/* Between two plans the speed and the reference of the model stay: only the measured current is new. */
+static void test_model_keeps_speed_and_reference_of_the_last_plan(void)
 {
-    pi_reset(&loop.pi_d, sign * 32767);
-    pi_reset(&loop.pi_q, 0);
-    return current_loop_step(&loop, &cfg, (dq_t){0, current}, (dq_t){0, current}, sign * speed,
-                             32767)
-        .d;
-}
+    dq_t before;
 
-/* 16384·32500/2^13 = 65000, the largest that the configuration allows. */
-static void test_decoupling_is_exact_up_to_the_largest_reach_and_saturates_there(void)
-{
-    remove_regulators();
-    cfg.reactance_d_q13 = 0;
-    cfg.emf_q13 = 0;
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        /* 65000·32767/2^15 = 64998.02 rounded down, from ±32767. */
-        const int32_t expected = (sign > 0) ? (32767 - 64998) : (64999 - 32767);
-
-        cfg.reactance_q_q13 = 32500;
-        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 16384, 32767));
-        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 16384, 32770));
-        cfg.reactance_q_q13 = 32767;
-        TEST_ASSERT_EQUAL_INT32(expected, voltage_at_reach(sign, 32767, 32767));
-    }
-    cfg.reactance_q_q13 = 0;
-    cfg.emf_q13 = 32500;
-    for (int32_t sign = -1; sign <= 1; sign += 2) {
-        pi_reset(&loop.pi_d, 0);
-        pi_reset(&loop.pi_q, -sign * 32767);
-        TEST_ASSERT_EQUAL_INT32(
-            sign * 32233,
-            current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 32767).q);
-        /* A current of ±1 doubles the EMF or ends it. */
-        cfg.reactance_d_q13 = 32500;
-        pi_reset(&loop.pi_q, sign * 1234);
-        TEST_ASSERT_EQUAL_INT32(sign * 1234,
-                                current_loop_step(&loop, &cfg, (dq_t){-32768, 0}, (dq_t){-32768, 0},
-                                                  sign * 16384, 32767)
-                                    .q);
-        cfg.reactance_d_q13 = 0;
-    }
+    current_loop_plan(&loop, &cfg, (dq_t){100, 200}, 9000);
+    before = current_loop_model(&loop, (dq_t){300, 400});
+    (void)current_loop_step(&loop, &cfg, (dq_t){5000, 5000}, (dq_t){0, 0}, 32767);
+    TEST_ASSERT_EQUAL_INT32(before.d, current_loop_model(&loop, (dq_t){300, 400}).d);
+    TEST_ASSERT_EQUAL_INT32(before.q, current_loop_model(&loop, (dq_t){300, 400}).q);
+    current_loop_reset(&loop);
+    TEST_ASSERT_EQUAL_INT32(0, current_loop_model(&loop, (dq_t){300, 400}).d);
+    TEST_ASSERT_EQUAL_INT32(0, current_loop_model(&loop, (dq_t){300, 400}).q);
 }
 
 static void test_voltage_never_leaves_the_circle(void)
@@ -231,7 +240,7 @@ static void test_voltage_never_leaves_the_circle(void)
         cfg.pi_q.kp_shift = (uint32_t)seeded_in(&seed, 1, 16);
         cfg.pi_d.ki_shift = (uint32_t)seeded_in(&seed, 1, 16);
         cfg.pi_q.ki_shift = (uint32_t)seeded_in(&seed, 1, 16);
-        v = current_loop_step(&loop, &cfg, reference, measured, speed, limit);
+        v = planned_step(reference, measured, speed, limit);
         TEST_ASSERT_TRUE(((v.d * v.d) + (v.q * v.q)) <= (limit * limit));
     }
 }
@@ -241,14 +250,13 @@ static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
     static const int32_t ends[] = {-32768, 0, 32768};
     const pi_cfg_t largest = {.kp = 32767, .ki = 32767, .kp_shift = 1U, .ki_shift = 1U};
 
-    /* Speed times gain: 65000, the largest that the configuration allows. */
-    cfg = (current_loop_cfg_t){largest, largest, 32500, 32500, 32500, 32767};
+    cfg = (current_loop_cfg_t){largest, largest, 32767, 32767, 32767, 32767};
     for (int32_t k = 0; k < 81; k++) {
         const dq_t measured = {ends[k % 3], ends[(k / 3) % 3]};
         const dq_t reference = {ends[(k / 9) % 3] / 2, ends[k / 27] / 2};
 
         for (int32_t sign = -1; sign <= 1; sign += 2) {
-            const dq_t v = current_loop_step(&loop, &cfg, reference, measured, sign * 16384, 32767);
+            const dq_t v = planned_step(reference, measured, sign * 32767, 32767);
 
             TEST_ASSERT_TRUE(((v.d * v.d) + (v.q * v.q)) <= (32767 * 32767));
         }
@@ -261,7 +269,7 @@ static void test_d_axis_takes_the_whole_circle_first(void)
         dq_t v;
 
         current_loop_reset(&loop);
-        v = current_loop_step(&loop, &cfg, (dq_t){sign * 16384, 16384}, (dq_t){0, 0}, 0, 10000);
+        v = planned_step((dq_t){sign * 16384, 16384}, (dq_t){0, 0}, 0, 10000);
         TEST_ASSERT_EQUAL_INT32(sign * 10000, v.d);
         TEST_ASSERT_EQUAL_INT32(0, v.q);
     }
@@ -275,7 +283,7 @@ static void test_q_axis_is_cut_to_what_the_circle_leaves_beside_d(void)
 
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, 6000);
-        v = current_loop_step(&loop, &cfg, (dq_t){0, sign * 16384}, (dq_t){0, 0}, 0, 10000);
+        v = planned_step((dq_t){0, sign * 16384}, (dq_t){0, 0}, 0, 10000);
         TEST_ASSERT_EQUAL_INT32(6000, v.d);
         TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
     }
@@ -287,7 +295,7 @@ static void test_demand_exactly_on_the_circle_is_not_cut(void)
 
     pi_reset(&loop.pi_d, 6000);
     pi_reset(&loop.pi_q, 8000);
-    v = current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
+    v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
     TEST_ASSERT_EQUAL_INT32(6000, v.d);
     TEST_ASSERT_EQUAL_INT32(8000, v.q);
     TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
@@ -297,7 +305,7 @@ static void test_cut_of_the_circle_goes_back_to_the_q_integral(void)
 {
     pi_reset(&loop.pi_d, 6000);
     pi_reset(&loop.pi_q, 9000);
-    (void)current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
+    (void)planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
     TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
 }
 
@@ -309,10 +317,10 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 10000; k++) {
-            v = current_loop_step(&loop, &cfg, (dq_t){0, sign * 4000}, (dq_t){0, 0}, 0, 10000);
+            v = planned_step((dq_t){0, sign * 4000}, (dq_t){0, 0}, 0, 10000);
         }
         TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
-        v = current_loop_step(&loop, &cfg, (dq_t){0, -sign * 10}, (dq_t){0, 0}, 0, 10000);
+        v = planned_step((dq_t){0, -sign * 10}, (dq_t){0, 0}, 0, 10000);
         TEST_ASSERT_TRUE((sign * v.q) < 8000);
     }
 }
@@ -326,8 +334,7 @@ static void test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by(void)
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 2000; k++) {
-            const dq_t v =
-                current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 32000, 10000);
+            const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, sign * 32000, 10000);
 
             TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
         }
@@ -343,8 +350,7 @@ static void test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circl
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 2000; k++) {
-            const dq_t v =
-                current_loop_step(&loop, &cfg, (dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 10000);
+            const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 10000);
 
             TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
         }
@@ -371,8 +377,8 @@ static void test_current_step_on_a_motor_settles_as_designed_without_moving_the_
     pi_reset(&loop.pi_q, 0);
     for (int32_t k = 0; k < 400; k++) {
         const dq_t measured = {(int32_t)lround(d / 40.0 * ONE), (int32_t)lround(q / 40.0 * ONE)};
-        const dq_t v = current_loop_step(&loop, &cfg, (dq_t){0, demand}, measured,
-                                         (int32_t)lround(speed / 981.748 * ONE), 18000);
+        const dq_t v = planned_step((dq_t){0, demand}, measured,
+                                    (int32_t)lround(speed / 981.748 * ONE), 18000);
 
         if (k > 16) {
             TEST_ASSERT_INT32_WITHIN(demand / 10, demand, measured.q);
@@ -397,14 +403,15 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_reset_empties_both_integrals);
+    RUN_TEST(test_a_demand_of_which_the_square_wraps_is_outside_of_the_circle);
     RUN_TEST(test_no_error_at_rest_demands_no_voltage);
     RUN_TEST(test_each_axis_answers_its_own_error_only);
     RUN_TEST(test_decoupling_follows_the_motor_equations);
     RUN_TEST(test_drop_of_the_resistance_is_that_of_the_reference_and_not_of_the_measured_current);
     RUN_TEST(test_turn_of_the_frame_keeps_the_integrals_where_they_are_in_space);
     RUN_TEST(test_turn_of_integrals_at_their_ends_saturates_at_one);
-    RUN_TEST(test_cross_is_the_product_rounded_down_and_limited_where_it_is_said);
-    RUN_TEST(test_decoupling_is_exact_up_to_the_largest_reach_and_saturates_there);
+    RUN_TEST(test_model_is_the_products_rounded_down_for_any_speed_gain_and_current);
+    RUN_TEST(test_model_keeps_speed_and_reference_of_the_last_plan);
     RUN_TEST(test_voltage_never_leaves_the_circle);
     RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
     RUN_TEST(test_d_axis_takes_the_whole_circle_first);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Drive: states and faults, calibration, purity, ranges for any frame, and a closed loop. */
 #include "drive.h"
+#include "estimate.h"
 #include "example_cfg.h"
 #include "example_motor.h"
 #include "fault_frames.h"
@@ -50,9 +51,18 @@ void tearDown(void)
 {
 }
 
+static drive_t was; /* the drive before the tick */
+
 static void tick(void)
 {
+    was = drive;
     drive_step(&drive, &in, &out);
+}
+
+/* What the observer was given in this tick. */
+static ab_t applied_voltage(void)
+{
+    return estimate_applied_voltage(was.ratio_acting, was.bus_before, drive.signals.bus);
 }
 
 static void ticks(uint32_t count)
@@ -662,8 +672,8 @@ static void test_observer_sees_the_ratio_of_two_ticks_ago_times_the_mean_bus(voi
         in.adc_bus = (uint16_t)seeded_in(&seed, 2500, 3000);
         tick();
         bus = (bus_before + drive.signals.bus) >> 1;
-        TEST_ASSERT_EQUAL_INT32((ratios[0].alpha * bus) >> 15, drive.signals.voltage_applied.alpha);
-        TEST_ASSERT_EQUAL_INT32((ratios[0].beta * bus) >> 15, drive.signals.voltage_applied.beta);
+        TEST_ASSERT_EQUAL_INT32((ratios[0].alpha * bus) >> 15, applied_voltage().alpha);
+        TEST_ASSERT_EQUAL_INT32((ratios[0].beta * bus) >> 15, applied_voltage().beta);
         ratios[0] = ratios[1];
         ratios[1] = drive.signals.ratio_ab;
     }
@@ -805,6 +815,7 @@ static void test_a_copy_is_a_snapshot_from_which_the_same_future_follows(void)
 static void assert_everything_in_range(void)
 {
     const drive_signals_t *const s = &drive.signals;
+    const int32_t limit = modulator_limit(&cfg.modulator, s->bus);
 
     for (int32_t p = 0; p < 3; p++) {
         TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
@@ -818,8 +829,7 @@ static void assert_everything_in_range(void)
     TEST_ASSERT_TRUE(abs(s->current_ref.q) <= cfg.derating.current_max);
     if (drive.state == DRIVE_STATE_RUN) {
         TEST_ASSERT_TRUE(((s->voltage.d * s->voltage.d) + (s->voltage.q * s->voltage.q)) <=
-                         (s->voltage_limit * s->voltage_limit));
-        TEST_ASSERT_TRUE(abs(s->speed_q15) <= 32767);
+                         (limit * limit));
     }
 }
 
@@ -991,20 +1001,18 @@ static void test_a_late_tick_leaves_the_observer_without_voltage(void)
     in.command.request = DRIVE_REQUEST_RUN;
     in.command.target = 20000000;
     run_motor(&m, 500U, 0.0);
-    TEST_ASSERT_TRUE(drive.signals.voltage_applied.alpha != 0);
+    TEST_ASSERT_TRUE(applied_voltage().alpha != 0);
     in.flags = DRIVE_FLAG_LATE; /* of the tick before */
     tick();
     in.flags = 0U;
     tick();
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.alpha);
-    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage_applied.beta);
+    TEST_ASSERT_EQUAL_INT32(0, applied_voltage().alpha);
+    TEST_ASSERT_EQUAL_INT32(0, applied_voltage().beta);
     tick();
-    TEST_ASSERT_TRUE(drive.signals.voltage_applied.alpha != 0);
+    TEST_ASSERT_TRUE(applied_voltage().alpha != 0);
 }
 
 /* ---- one tick beside its parts, on a running motor ---- */
-
-static drive_t before; /* the drive as it was before the tick */
 
 /* Up to 1800 rpm, a tick at a time, with a bus that changes in every tick by up to 3 %. */
 static void run_beside(int32_t sign, void (*check)(void))
@@ -1020,7 +1028,6 @@ static void run_beside(int32_t sign, void (*check)(void))
     in.command.target = (int32_t)lround(sign * 1800.0 * STEPS_PER_RPM);
     for (uint32_t k = 0U; k < 4000U; k++) {
         in.adc_bus = (uint16_t)seeded_in(&seed, 2780, 2864);
-        before = drive;
         run_motor(&m, 1U, 0.0);
         check();
     }
@@ -1038,7 +1045,7 @@ static dq_t ratio_of(const modulator_t *modulator)
 /* Sampled at t_k, acting on average at t_k + 1.5·T: the rotor is that much further then. */
 static void check_angle_of_the_vector(void)
 {
-    const angle_t sampled = rotor_position_angle(&before.position);
+    const angle_t sampled = rotor_position_angle(&was.position);
     const step_t step = drive.observer.speed_out;
     const step_t other = drive.observer.speed;
     const angle_t middle = sampled + (angle_t)step + (angle_t)(step >> 1);
@@ -1065,16 +1072,15 @@ static void test_vector_is_turned_for_the_middle_of_the_period_in_which_it_acts(
 static void check_bus(void)
 {
     const int32_t bus = (int32_t)in.adc_bus * 8; /* 15 − 12 bits */
-    const angle_t sampled = rotor_position_angle(&before.position);
+    const angle_t sampled = rotor_position_angle(&was.position);
     const step_t step = drive.observer.speed_out;
-    modulator_t modulator = before.modulator;
+    modulator_t modulator = was.modulator;
     ab_t ratio;
 
-    modulator_track_bus(&modulator, &cfg.modulator, bus);
+    modulator_track_bus(&modulator, bus);
     ratio = transforms_park_inverse(ratio_of(&modulator),
                                     trig_sincos(sampled + (angle_t)step + (angle_t)(step >> 1)));
     TEST_ASSERT_EQUAL_INT32(bus, drive.signals.bus);
-    TEST_ASSERT_EQUAL_INT32((bus * cfg.modulator.ratio_max_q15) >> 15, drive.signals.voltage_limit);
     TEST_ASSERT_EQUAL_INT32(modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
     TEST_ASSERT_EQUAL_INT32(ratio.alpha, drive.signals.ratio_ab.alpha);
     TEST_ASSERT_EQUAL_INT32(ratio.beta, drive.signals.ratio_ab.beta);
@@ -1091,10 +1097,9 @@ static void test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates(voi
 
     for (uint32_t k = 0U; k < 600U; k++) {
         in.adc_bus = (uint16_t)seeded_in(&seed, 1000, 3600);
-        before = drive;
         tick();
-        modulator_track_bus(&before.modulator, &cfg.modulator, (int32_t)in.adc_bus * 8);
-        TEST_ASSERT_EQUAL_INT32(before.modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
+        modulator_track_bus(&was.modulator, (int32_t)in.adc_bus * 8);
+        TEST_ASSERT_EQUAL_INT32(was.modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
         TEST_ASSERT_FALSE(out.gate_enable);
     }
 }
@@ -1103,18 +1108,17 @@ static void test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates(voi
 static void check_speed_and_demand(void)
 {
     const step_t speed = drive.observer.speed;
-    speed_loop_t loop = before.speed_loop;
-    speed_loop_t unlike = before.speed_loop;
-    int32_t demand = before.signals.current_ref.q;
+    speed_loop_t loop = was.speed_loop;
+    speed_loop_t unlike = was.speed_loop;
+    int32_t demand = was.signals.current_ref.q;
     int32_t other = demand;
 
-    if (before.slow_count == 1U) { /* its last tick */
-        demand = speed_loop_step(&loop, &cfg.speed_loop, before.speed_reference, speed,
-                                 drive.torque_range);
-        other = speed_loop_step(&unlike, &cfg.speed_loop, before.speed_reference,
+    if (was.slow_count == 1U) { /* its last tick */
+        demand =
+            speed_loop_step(&loop, &cfg.speed_loop, was.speed_reference, speed, drive.torque_range);
+        other = speed_loop_step(&unlike, &cfg.speed_loop, was.speed_reference,
                                 drive.observer.speed_out, drive.torque_range);
     }
-    TEST_ASSERT_EQUAL_INT32(speed >> cfg.speed_shift, drive.signals.speed_q15);
     TEST_ASSERT_EQUAL_INT32(demand, drive.signals.current_ref.q);
     TEST_ASSERT_EQUAL_INT32(loop.pi.integral_q26, drive.speed_loop.pi.integral_q26);
     telling += (other != demand) ? 1U : 0U;
@@ -1133,11 +1137,15 @@ static void check_voltage(void)
 {
     const drive_signals_t *const s = &drive.signals;
     const dq_t reference = {.d = 0, .q = s->current_ref.q};
-    current_loop_t loop = before.current_loop;
-    const dq_t voltage =
-        current_loop_step(&loop, &cfg.current_loop, reference, s->current,
-                          drive.observer.speed >> cfg.speed_shift, s->voltage_limit);
+    current_loop_t loop = was.current_loop;
+    dq_t voltage;
 
+    if (was.slow_count == 1U) { /* the plan is made with the reference */
+        current_loop_plan(&loop, &cfg.current_loop, reference,
+                          drive.observer.speed >> cfg.speed_shift);
+    }
+    voltage = current_loop_step(&loop, &cfg.current_loop, reference, s->current,
+                                modulator_limit(&cfg.modulator, s->bus));
     TEST_ASSERT_EQUAL_INT32(voltage.d, s->voltage.d);
     TEST_ASSERT_EQUAL_INT32(voltage.q, s->voltage.q);
 }
@@ -1169,6 +1177,23 @@ static void test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_
     TEST_ASSERT_INT_WITHIN(1, DROP_COUNTS, out.compare.phase[0] - without.compare.phase[0]);
     TEST_ASSERT_INT_WITHIN(1, 0, out.compare.phase[1] - without.compare.phase[1]);
     TEST_ASSERT_INT_WITHIN(1, -DROP_COUNTS, out.compare.phase[2] - without.compare.phase[2]);
+}
+
+/* As if nothing were planned before: what RUN begins with fits its own reference, speed and model. */
+static void test_run_begins_with_a_plan_of_its_current_control(void)
+{
+    current_loop_t fresh;
+
+    go_to(DRIVE_STATE_READY);
+    in.command.request = DRIVE_REQUEST_RUN;
+    while (drive.state != DRIVE_STATE_RUN) {
+        drive.current_loop.constant = (dq_t){77, 77};
+        tick();
+    }
+    fresh = drive.current_loop;
+    current_loop_plan(&fresh, &drive.model.run_loop, drive.signals.current_ref,
+                      drive_speed_q15(&drive, drive.observer.speed));
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.current_loop, sizeof fresh);
 }
 
 int main(void)
@@ -1227,5 +1252,6 @@ int main(void)
     RUN_TEST(test_speed_signal_and_current_demand_come_from_the_integral_of_the_observer);
     RUN_TEST(test_voltage_demand_is_that_of_the_current_loop_with_no_current_along_the_flux);
     RUN_TEST(test_a_device_drop_without_dead_time_is_given_back_to_the_legs_with_current);
+    RUN_TEST(test_run_begins_with_a_plan_of_its_current_control);
     return UNITY_END();
 }

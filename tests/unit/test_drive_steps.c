@@ -448,7 +448,6 @@ static void offer_voltage_drive(void)
     drive.signals.current = (dq_t){0, 1000};
     drive.signals.current_ref = (dq_t){0, 1000};
     drive.signals.voltage = (dq_t){0, 8000};
-    drive.signals.voltage_limit = 12000;
 }
 
 static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(void)

@@ -265,15 +265,16 @@ static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
 static void test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pulled_in(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        const double rpm = sign * 150.0; /* of 180 */
+        const double rpm = sign * 75.0; /* of 90, from where the observer runs free */
 
         begin();
         motor = example_motor_at(1.0, rpm * RAD_S_PER_RPM);
         run_at(sign * FAST_RPM);
         tick();
         expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
-        /* The pulses are to say which way and roughly how fast: noise is a factor of two off. */
-        TEST_ASSERT_DOUBLE_WITHIN(0.2 * 150.0, rpm, drive.flying_start.speed / STEPS_PER_RPM);
+        /* The pulses say which way, and that it is slow. */
+        TEST_ASSERT_TRUE((sign * drive.flying_start.speed) > 0);
+        TEST_ASSERT_TRUE(abs(drive.flying_start.speed) < cfg.startup.track_speed);
         expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
     }
 }
@@ -729,7 +730,6 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.run.current_floor = 16384;
         cfg.run.current_slope = 16384;
         cfg.startup.current_slope = 16384;
-        cfg.modulator.inverse_max_q12 = 32767;
         cfg.modulator.dead_time_q15 = 8192;
         cfg.modulator.drop_q15 = 2048;
         cfg.modulator.edge_slope = 32767;

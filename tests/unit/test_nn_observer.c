@@ -29,6 +29,7 @@
 #define CURRENT_LIMIT (16383)
 #define WEIGHT_STEP_LIMIT (0x1FFFFFFF)
 #define LARGEST_SPEED_LIMIT (0x20000000)
+#define SLOW_TICKS (10)
 #define LARGEST_CORNER (0x8000000)
 #define LARGEST_GRADIENT (32768) /* (8192·32768 + 8192·32768) >> 12, saturated */
 
@@ -192,6 +193,9 @@ static run_t run_beside_motor(double speed, double current_q, int32_t ticks)
         if (k > (ticks / 2)) {
             run.angle_error = fmax(run.angle_error, fabs(angle_error));
         }
+        if ((k % SLOW_TICKS) == 0) {
+            nn_observer_refresh(&obs, &cfg, 0);
+        }
         step(quantised(motor.current * turn_by(-angle), CURRENT_BASE_A),
              quantised_ab(voltage, VOLTAGE_BASE_V));
         if (k > (ticks / 2)) {
@@ -338,7 +342,9 @@ static void test_resistance_acts_in_the_middle_of_the_turn(void)
         begin();
         set_state(cfg.flux_q27, 0);
         obs.current = (dq_t){16000, 4000};
-        obs.speed_out = (step_t)lround(delta / TWO_PI * TURN);
+        obs.speed = (step_t)lround(delta / TWO_PI * TURN);
+        nn_observer_refresh(&obs, &cfg, 0);
+        obs.speed_out = obs.speed;
         predict((dq_t){0, 0}, (ab_t){0, 0});
         TEST_ASSERT_DOUBLE_WITHIN(bound, cfg.flux_q27 - (share * creal(middle)), obs.alpha_q27);
         TEST_ASSERT_DOUBLE_WITHIN(bound, -share * cimag(middle), obs.beta_q27);
@@ -700,7 +706,7 @@ static void test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_w
             } else {
                 nn_observer_train(&obs, &cfg);
             }
-            nn_observer_update_rho(&obs, &cfg, extreme(&seed, 0x40000000));
+            nn_observer_refresh(&obs, &cfg, extreme(&seed, 0x40000000));
             assert_ranges();
         }
     }
@@ -902,7 +908,7 @@ static void test_start_with_a_current_beyond_16_bits_ends_at_28_bits_of_the_stat
 
 static int32_t rho_at(step_t speed)
 {
-    nn_observer_update_rho(&obs, &cfg, speed);
+    nn_observer_refresh(&obs, &cfg, speed);
     return obs.rho_q13;
 }
 
@@ -993,10 +999,46 @@ static void test_error_is_turned_by_rho_and_stretched_by_the_saliency(void)
         turned = cartesian(1.0, -rho / 8192.0) * cartesian(e.d, e.q * (cfg.saliency_q13 / 8192.0));
         begin();
         obs.rho_q13 = rho;
+        obs.rotates = true;
         show_error(e);
         TEST_ASSERT_DOUBLE_WITHIN(3.0, creal(turned), obs.rotated_error.d);
         TEST_ASSERT_DOUBLE_WITHIN(2.0, cimag(turned), obs.rotated_error.q);
     }
+}
+
+static void test_an_error_that_nothing_rotates_is_taken_as_it_is(void)
+{
+    seeded_t seed = {0x7024EEU};
+
+    for (int32_t k = 0; k < 2000; k++) {
+        const dq_t e = {seeded_in(&seed, -1000, 1000), seeded_in(&seed, -1000, 1000)};
+
+        cfg.saliency_q13 = 8192;
+        cfg.corner = 0;
+        begin();
+        TEST_ASSERT_FALSE(obs.rotates);
+        nn_observer_refresh(&obs, &cfg, 1000000);
+        TEST_ASSERT_FALSE(obs.rotates);
+        show_error(e);
+        TEST_ASSERT_EQUAL_INT32(obs.error.d, obs.rotated_error.d);
+        TEST_ASSERT_EQUAL_INT32(obs.error.q, obs.rotated_error.q);
+    }
+}
+
+static void test_rho_or_saliency_alone_rotate_the_error(void)
+{
+    cfg.saliency_q13 = 8193;
+    cfg.corner = 0;
+    begin();
+    TEST_ASSERT_TRUE(obs.rotates);
+    nn_observer_refresh(&obs, &cfg, 1000000);
+    TEST_ASSERT_TRUE(obs.rotates);
+    cfg.saliency_q13 = 8192;
+    cfg.corner = LARGEST_CORNER;
+    cfg.rho_max_q13 = 32767;
+    cfg.rho_speed_min = 1;
+    nn_observer_refresh(&obs, &cfg, 1000000);
+    TEST_ASSERT_TRUE(obs.rotates);
 }
 
 static void test_without_rho_and_saliency_the_turned_error_is_the_error_itself(void)
@@ -1154,6 +1196,8 @@ int main(void)
     RUN_TEST(test_rho_is_limited_and_zero_below_the_least_speed);
     RUN_TEST(test_rho_exists_at_every_speed_that_the_configuration_allows);
     RUN_TEST(test_error_is_turned_by_rho_and_stretched_by_the_saliency);
+    RUN_TEST(test_an_error_that_nothing_rotates_is_taken_as_it_is);
+    RUN_TEST(test_rho_or_saliency_alone_rotate_the_error);
     RUN_TEST(test_without_rho_and_saliency_the_turned_error_is_the_error_itself);
     RUN_TEST(test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed);
     RUN_TEST(test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not);

@@ -341,6 +341,32 @@ static void test_output_is_what_reset_was_given(void)
     }
 }
 
+/* The sum is rounded down twice, in its proportional part and in the integral. */
+static void test_a_step_is_made_of_its_three_parts(void)
+{
+    seeded_t seed = {0x9A27U};
+
+    for (int32_t k = 0; k < 2000; k++) {
+        const int32_t error = seeded_in(&seed, -65535, 65535);
+        const int32_t forward = seeded_in(&seed, -30000, 30000);
+        const int32_t limit = seeded_in(&seed, 0, 32767);
+        int32_t integral = 0;
+        int32_t sum = 0;
+        pi_t parts;
+
+        pi_reset(&pi, ((k % 4) == 0) ? 32767 : seeded_in(&seed, -32768, 32767));
+        parts = pi;
+        integral = pi_integral(&parts, &PLAIN, error);
+        TEST_ASSERT_EQUAL_INT32(fx_sat27(pi.integral_q26 + fx_asr(error * 16384, 13U)), integral);
+        TEST_ASSERT_TRUE((integral >= INTEGRAL_MIN) && (integral <= INTEGRAL_MAX));
+        sum = pi_sum(&PLAIN, error, integral);
+        TEST_ASSERT_EQUAL_INT32(fx_asr(error * 16384, 15U) + fx_asr(integral, 11U), sum);
+        TEST_ASSERT_EQUAL_INT32(pi_step(&pi, &PLAIN, error, forward, limit),
+                                pi_limit(&parts, integral, sum + forward, limit));
+        TEST_ASSERT_EQUAL_INT32(pi.integral_q26, parts.integral_q26);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -367,5 +393,6 @@ int main(void)
     RUN_TEST(test_seeded_steps_follow_the_law_from_any_state);
     RUN_TEST(test_output_without_error_is_what_the_next_step_gives_and_changes_nothing);
     RUN_TEST(test_output_is_what_reset_was_given);
+    RUN_TEST(test_a_step_is_made_of_its_three_parts);
     return UNITY_END();
 }

@@ -96,16 +96,12 @@ static void test_currents_and_a_low_bus_are_not_watched_at_rest(void)
     }
 }
 
-static void test_too_high_a_bus_and_the_break_are_watched_at_rest_too(void)
+static void test_too_high_a_bus_is_watched_at_rest_too(void)
 {
     in.bus = cfg.bus_max + 1;
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
     in.bus = 32767;
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(AT_REST));
-    in.break_input = true;
-    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(AT_REST));
-    in.bus = 0;
-    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(AT_REST));
 }
 
 static void test_smallest_current_limit_allows_one_and_no_more(void)
@@ -138,11 +134,8 @@ static void test_undervoltage_begins_one_below_the_limit_and_only_while_running(
 
 static void test_faults_are_found_in_the_order_of_their_numbers(void)
 {
-    in.break_input = true;
     in.phase_a = 16383;
     in.bus = cfg.bus_max + 1;
-    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, check(RUNNING));
-    in.break_input = false;
     TEST_ASSERT_EQUAL_INT(FAULT_OVERCURRENT, check(RUNNING));
     in.phase_a = 0;
     TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, check(RUNNING));
@@ -153,6 +146,22 @@ static void test_faults_are_found_in_the_order_of_their_numbers(void)
     TEST_ASSERT_EQUAL_INT(FAULT_UNDERVOLTAGE, check(RUNNING));
     TEST_ASSERT_TRUE((FAULT_BREAK < FAULT_OVERCURRENT) && (FAULT_OVERCURRENT < FAULT_OVERVOLTAGE) &&
                      (FAULT_OVERVOLTAGE < FAULT_UNDERVOLTAGE));
+}
+
+static void test_limits_hold_exactly_where_no_fault_is_found(void)
+{
+    static const int32_t currents[] = {-16384, -8193, -8192, -1, 0, 1, 8192, 8193, 16383};
+    const int32_t buses[] = {0, cfg.bus_min - 1, cfg.bus_min, cfg.bus_max, cfg.bus_max + 1};
+    const protection_limits_t limits = protection_limits(&cfg, RUNNING);
+    fault_t fault;
+
+    for (size_t k = 0U; k < (COUNT(currents) * COUNT(currents) * COUNT(buses)); k++) {
+        in.phase_a = currents[k % COUNT(currents)];
+        in.phase_b = currents[(k / COUNT(currents)) % COUNT(currents)];
+        in.bus = buses[k / (COUNT(currents) * COUNT(currents))];
+        TEST_ASSERT_EQUAL_INT(protection_check(&limits, &in, &fault) == FAULT_NONE,
+                              protection_holds(&limits, &in));
+    }
 }
 
 static void assert_record(fault_id_t id, int32_t value, int32_t limit)
@@ -168,11 +177,14 @@ static void assert_record(fault_id_t id, int32_t value, int32_t limit)
 
 static void test_record_holds_the_measured_value_and_its_limit(void)
 {
+    fault_t opened;
+
     in.phase_a = -9000;
     in.phase_b = -8000;
-    in.break_input = true;
-    assert_record(FAULT_BREAK, 17000, 0);
-    in.break_input = false;
+    opened = protection_break(&in);
+    TEST_ASSERT_EQUAL_INT(FAULT_BREAK, opened.id);
+    TEST_ASSERT_EQUAL_INT32(17000, opened.value);
+    TEST_ASSERT_EQUAL_INT32(0, opened.limit);
     assert_record(FAULT_OVERCURRENT, 17000, cfg.current_max);
     in.phase_a = 0;
     in.phase_b = 0;
@@ -229,11 +241,12 @@ int main(void)
     RUN_TEST(test_overcurrent_begins_one_above_the_limit_in_each_phase_and_direction);
     RUN_TEST(test_a_saturated_current_sample_always_exceeds_the_largest_limit);
     RUN_TEST(test_currents_and_a_low_bus_are_not_watched_at_rest);
-    RUN_TEST(test_too_high_a_bus_and_the_break_are_watched_at_rest_too);
+    RUN_TEST(test_too_high_a_bus_is_watched_at_rest_too);
     RUN_TEST(test_smallest_current_limit_allows_one_and_no_more);
     RUN_TEST(test_overvoltage_begins_one_above_the_limit);
     RUN_TEST(test_undervoltage_begins_one_below_the_limit_and_only_while_running);
     RUN_TEST(test_faults_are_found_in_the_order_of_their_numbers);
+    RUN_TEST(test_limits_hold_exactly_where_no_fault_is_found);
     RUN_TEST(test_record_holds_the_measured_value_and_its_limit);
     RUN_TEST(test_record_of_an_overcurrent_holds_the_phase_that_carries_most);
     RUN_TEST(test_offset_fault_begins_one_above_the_limit_for_either_sensor_and_sign);

@@ -205,6 +205,14 @@ static void test_park_and_back_returns_the_vector_within_the_bound(void)
     figure_check("Park and back, LSB", worst, ROUND_TRIP_BOUND_LSB, ROUND_TRIP_SHARE);
 }
 
+static void test_square_of_a_length_is_exact_to_the_largest_vectors(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0U, transforms_square((dq_t){0, 0}));
+    TEST_ASSERT_EQUAL_HEX32(25U, transforms_square((dq_t){3, -4}));
+    TEST_ASSERT_EQUAL_HEX32(0x7FFE0002U, transforms_square((dq_t){32767, -32767}));
+    TEST_ASSERT_EQUAL_HEX32(0x80000000U, transforms_square((dq_t){-32768, -32768}));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -220,5 +228,6 @@ int main(void)
     RUN_TEST(test_park_rounds_ties_up);
     RUN_TEST(test_rotations_hold_the_largest_vectors_without_overflow);
     RUN_TEST(test_park_and_back_returns_the_vector_within_the_bound);
+    RUN_TEST(test_square_of_a_length_is_exact_to_the_largest_vectors);
     return UNITY_END();
 }

@@ -403,8 +403,8 @@ static void test_the_voltage_stays_within_the_circle_whatever_the_frame(void)
             in.command.request = DRIVE_REQUEST_RUN;
             drive_step(&drive, &in, &out);
             if (drive.voltage_drive.active && (drive.state == DRIVE_STATE_RUN)) {
-                const int32_t limit =
-                    drive.signals.voltage_limit + 1; /* rounded down, so by one longer */
+                /* rounded down, so by one longer */
+                const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus) + 1;
 
                 TEST_ASSERT_TRUE(((v->d * v->d) + (v->q * v->q)) <= (limit * limit * 2));
                 TEST_ASSERT_TRUE((abs(v->d) <= limit) && (abs(v->q) <= limit));
