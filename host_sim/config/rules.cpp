@@ -233,13 +233,11 @@ double floor_pct(const Drive &drive)
 void fill_motion(Filled &f, const Drive &drive)
 {
     const double lag = estimate_lag_s(f.tuning, drive.period_s);
-    // Gains that are written are taken to suit the loop that the torque allows.
-    double bandwidth = lag > 0 && f.is_open(&T::observer_kappa)
-                           ? quiet_speed_rate(drive, f.tuning.handover_speed_pct)
-                           : speed_rate(drive);
+    double bandwidth = speed_rate(drive);
     double ramp = RAMP_TORQUE * drive.acceleration;
-    if (lag > 0) {
-        bandwidth = std::min(bandwidth, LAG_PHASE / lag);
+    // Gains that are written are taken to suit the loop that the torque allows.
+    if (lag > 0 && f.is_open(&T::observer_kappa)) {
+        bandwidth = std::min(quiet_speed_rate(drive, f.tuning.handover_speed_pct), LAG_PHASE / lag);
         ramp = std::min(ramp, LAG_RAMP * drive.rated / lag);
     }
     f.fill(&T::speed_bandwidth_hz, bandwidth / TWO_PI);
