@@ -7,8 +7,8 @@
  * either the old command or the whole new one, never a mixture.
  *
  * One background posts and one interrupt on the same core takes. The background must not interrupt the interrupt.
- * No function waits or fails. The interrupt takes once a slow period.
- * Of two commands posted between two takes, the later one counts.
+ * No function waits or fails. The interrupt takes once a slow period. Of two commands posted between two takes, the later
+ * one counts.
  */
 #ifndef COMMAND_MAILBOX_H
 #define COMMAND_MAILBOX_H

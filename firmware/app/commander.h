@@ -3,8 +3,8 @@
  * Whoever commands the drive while it runs: a console or another link of the background. Each function changes what it names
  * of the command in force, and leaves the rest of it. The last one asked for counts, whoever asked.
  *
- * Context: background. No function waits. The drive sees a change within a slow period; of two
- * changes within one it sees the later, and a request to clear stays in force to the end of its period.
+ * Context: background. No function waits. The drive takes the command once a slow period. Of two changes between two takes
+ * it sees the later one. A request to clear stays in force until the next take.
  */
 #ifndef COMMANDER_H
 #define COMMANDER_H

@@ -3,8 +3,8 @@
 
 #include <stdbool.h>
 
-#define REACTANCE_BITS \
-    (14U) /* one more than the gains: with 16 bits of current a product fits 32 bits */
+/* One more than the gains have: a product with 16 bits of current then fits into 32 bits. */
+#define REACTANCE_BITS (14U)
 
 void current_loop_reset(current_loop_t *loop)
 {
@@ -64,7 +64,7 @@ static bool lies_in_circle(dq_t v, int32_t limit)
     return transforms_square(v) <= (uint32_t)square;
 }
 
-/* The demand lies outside of the circle, each axis by itself may be inside. */
+/* The demand lies outside of the circle. Each axis by itself may lie within the limit. */
 static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit)
 {
     const dq_t wanted = {

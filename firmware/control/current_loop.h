@@ -35,9 +35,8 @@ typedef struct {
 typedef struct {
     pi_t pi_d;
     pi_t pi_q;
-    dq_t reactance_q14; /* ω·L_d, ω·L_q of the last plan, ±65534 */
-    /* R·i_d* and R·i_q* + ω·φ of the last plan, Q15 of U_b, ±92681 and ±223749 */
-    dq_t constant;
+    dq_t reactance_q14; /* ω·L_d, ω·L_q of the last plan, Q14 of U_b/I_b */
+    dq_t constant;      /* R·i_d* and R·i_q* + ω·φ of the last plan, Q15 of U_b */
 } current_loop_t;
 
 /* Set both integrals and the plan to zero. */
@@ -64,8 +63,9 @@ dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 
 /*
  * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364. limit 0…32766: a demand
- * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals take over. Outside, each axis is limited first, as pi_limit() does. Then v_q is cut to the circle
- * with a square root, and the q integral is reduced by what was cut off.
+ * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals move freely. Outside, each
+ * axis is limited first, as by pi_limit(). Then a square root cuts v_q to the circle, and the q integral loses what was cut
+ * off.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t limit);

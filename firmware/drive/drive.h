@@ -47,10 +47,16 @@ static inline bool drive_reads_slow_inputs(const drive_t *drive)
     return drive->slow_count == ((uint32_t)SLOT_CHECKS + 1U);
 }
 
+/* The same after drive_step(), of the tick that has ended. */
+static inline bool drive_has_read_slow_inputs(const drive_t *drive)
+{
+    return drive->slow_count == (uint32_t)SLOT_CHECKS;
+}
+
 /* One control tick. Total: every input frame is allowed. Context: control interrupt only. */
 void drive_step(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
-/* The same results without the shorter way that drive_step() takes through an ordinary tick of RUN. For tests. */
+/* One control tick without the straight way through an ordinary tick of RUN. The results are the same. For tests. */
 void drive_step_general(drive_t *drive, const drive_in_t *in, drive_out_t *out);
 
 #endif

@@ -41,7 +41,7 @@ void estimate_step(drive_t *drive, bool trained);
 /* Last in such a tick: θ̂ of the next instant (23). Untrained, it also closes in on the angle of the vector. */
 void estimate_advance(drive_t *drive, bool trained);
 
-/* Once per slow period: residual, flux correction and ρ of the observer. */
+/* Once per slow period: residual, flux correction, and what nn_observer_refresh() computes. */
 void estimate_refine(drive_t *drive);
 
 #endif

@@ -11,7 +11,7 @@
  *     PLAN     open_loop_plan, in RUN run_plan                     HOLD to RUN         each period
  *     SPEED    open_loop_drag, in RUN run_control_speed            HOLD to RUN         each period
  *
- * Part of the drive; called from drive_step only.
+ * Part of the drive; schedule_step() is called from drive_step only. control_isr() and the recorder know its slot CHECKS by drive.h.
  */
 #ifndef SCHEDULE_H
 #define SCHEDULE_H

@@ -124,7 +124,7 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
         at = turn_over(recorder, drive->tick - 1U, in);
     }
     if (at != NULL) {
-        if ((drive->slow_count == (uint32_t)SLOT_CHECKS) && has_changed(recorder, in)) {
+        if (drive_has_read_slow_inputs(drive) && has_changed(recorder, in)) {
             at = put_change(recorder, at, in);
         }
         recorder->at = put_frame(at, in, out);

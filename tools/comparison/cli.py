@@ -10,6 +10,7 @@ from docs import generated
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+from robustness.arguments import whole
 from robustness.campaign import CampaignError
 
 from . import runs, search, table
@@ -34,15 +35,6 @@ A cell of S1 to S3 is the largest speed error in % of rated speed and the larges
 included. Of the zoo the shares of motors are shown that are locked, that swing, that end in a fault and that are lost without one,
 and the median of the largest speed errors of the motors that all estimators of the table lock.
 """
-
-
-def whole(low):
-    def parse(text):
-        value = int(text) if text.isascii() and text.isdigit() else -1
-        if value < low:
-            raise argparse.ArgumentTypeError(f"{text}; allowed: a whole number, {low} or more")
-        return value
-    return parse
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from . import campaign as campaigns
 from . import files, progress, results, simulator, summary, tables, zoo_summary
+from .arguments import whole
 from .campaign import ROOT, CampaignError
 from .zoo import Zoo
 
@@ -81,15 +82,6 @@ One over the zoo has zoo and classes in place of scenario, with and [vary]:
   zoo = "exact"                    # each motor is as its file says; "user": off it as a user's is
   classes = ["servo", "hub"]       # build/host/nfconfig list names them
 """
-
-
-def whole(low):
-    def parse(text):
-        value = int(text) if text.isascii() and text.isdigit() else -1
-        if value < low:
-            raise argparse.ArgumentTypeError(f"{text}; allowed: a whole number, {low} or more")
-        return value
-    return parse
 
 
 def classes(text):
