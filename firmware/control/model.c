@@ -7,6 +7,7 @@
 #define Q14_TO_Q30 (16U)
 #define FLUX_MAX_Q27 (0x7FFFFFF)
 #define CORNER_MAX (0x8000000)
+#define HALF_Q15 (0x4000)
 
 static int32_t limited(int32_t ratio_q14, int32_t limit_q14)
 {
@@ -30,6 +31,12 @@ static int32_t inverse_q14(int32_t ratio_q14)
     return fx_min((MODEL_RATIO_ONE * MODEL_RATIO_ONE) / ratio_q14, FX_Q15_MAX);
 }
 
+/* part/whole rounded to nearest, 0 ≤ part ≤ whole ≤ 32767, whole > 0. */
+static int32_t share_q15(int32_t part, int32_t whole)
+{
+    return fx_min(((part * 32768) + (whole / 2)) / fx_max(whole, 1), FX_Q15_MAX);
+}
+
 static void apply_flux(model_t *model, const model_nominal_t *nominal)
 {
     const int32_t flux_q14 = fx_asr(model->flux_q30, Q14_TO_Q30);
@@ -42,6 +49,29 @@ static void apply_flux(model_t *model, const model_nominal_t *nominal)
 }
 
 /*
+ * D = T·R/L + f and its corner: R and L scale the winding's share, the feedback's stays. Its mantissa is rounded to
+ * nearest, and so is its share of the new D, so that ratios of 1 change no bit. fx_max tells the proof that a share is not
+ * more than the whole.
+ */
+static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
+{
+    nn_observer_cfg_t *const to = &model->observer;
+    const int32_t r = model->resistance_q14;
+    const int32_t inverse = model->inductance_inverse_q14;
+    const int32_t feedback = fx_asr((from->decay * from->feedback_q15) + HALF_Q15, 15U);
+    const int32_t winding = times(times(fx_max(from->decay - feedback, 0), r), inverse);
+    const int32_t corner = fx_mul_32x16(from->corner, from->feedback_q15) * 2;
+    const int32_t winding_corner =
+        times_wide(times_wide(fx_max(from->corner - corner, 0), r), inverse);
+
+    to->decay = fx_min(winding + feedback, FX_Q15_MAX);
+    if (feedback != 0) {
+        to->feedback_q15 = share_q15(feedback, to->decay);
+    }
+    to->corner = fx_min(winding_corner + corner, CORNER_MAX);
+}
+
+/*
  * W1, W3 and η of paper A for the corrected R and L: T·R/L, T/L, and η such that κ = η·(φ/L)² stays. The ratios are applied
  * one after the other, because their product may be above 2.
  */
@@ -51,13 +81,11 @@ static void apply_weights(model_t *model, const model_nominal_t *nominal)
     nn_observer_cfg_t *const to = &model->observer;
     const int32_t r = model->resistance_q14;
     const int32_t l = model->inductance_q14;
-    const int32_t inverse = model->inductance_inverse_q14;
 
-    to->decay = times(times(from->decay, r), inverse);
-    to->volt_gain = times(from->volt_gain, inverse);
+    apply_decay(model, from);
+    to->volt_gain = times(from->volt_gain, model->inductance_inverse_q14);
     to->eta = times(times(from->eta, l), l);
     to->kappa_p = times(times(from->kappa_p, l), l);
-    to->corner = fx_min(times_wide(times_wide(from->corner, r), inverse), CORNER_MAX);
     model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, r);
     model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;
 }

@@ -4,8 +4,8 @@
  * the drive's measurements.
  *
  * A correction is a ratio to the configured value, limited to 1 ± limit_q14. A limit of 0 switches it off. All three act
- * on the weights of the observer; resistance and flux also on the feed-forward of both current loops. Corrected numbers
- * are rounded down and saturate at the ends of their formats.
+ * on the weights of the observer, but not on its feedback f; resistance and flux also on the feed-forward of both current
+ * loops. Corrected numbers are rounded down and saturate at the ends of their formats.
  *
  * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An integrator removes it.
  */
@@ -49,7 +49,7 @@ void model_reset(model_t *model, const model_nominal_t *nominal);
 
 /*
  * Take over a measured resistance (U_b/I_b, Q13) and inductance (ratio, Q14), both 1…32767. The corrections are limited
- * as configured. Two divisions, so not in every tick.
+ * as configured. Three divisions, so not in every tick.
  */
 void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                int32_t resistance_q13, int32_t inductance_q14);

@@ -34,14 +34,33 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
     };
 }
 
+/* î − m·(î + e) lies between î and −e, so it fits where î does. */
+static int32_t observer_less_measured(int32_t current, int32_t error, int32_t feedback_q15)
+{
+    return fx_sat15(current - fx_asr(feedback_q15 * (current + error), 15U));
+}
+
+/* What the decay acts on, in the rotor frame of k−1. */
+static dq_t observer_decaying_current(const nn_observer_t *obs, int32_t feedback_q15)
+{
+    dq_t i = obs->current;
+
+    if (feedback_q15 != 0) {
+        i.d = observer_less_measured(i.d, obs->error.d, feedback_q15);
+        i.q = observer_less_measured(i.q, obs->error.q, feedback_q15);
+    }
+    return i;
+}
+
 /*
- * The current in the middle of the period that has just ended, stationary frame. In the rotor frame the current hardly
+ * The same in the middle of the period that has just ended, stationary frame. In the rotor frame the current hardly
  * changes within a period, so the current of k−1 is used. The rotor frame of k−1 is half a step behind the middle.
  */
-static ab_t observer_middle_current(const nn_observer_t *obs, sincos_t angle)
+static ab_t observer_middle_current(const nn_observer_t *obs, const nn_observer_cfg_t *cfg,
+                                    sincos_t angle)
 {
     const int32_t half_q15 = obs->half_step_q15;
-    const dq_t i = obs->current;
+    const dq_t i = observer_decaying_current(obs, cfg->feedback_q15);
     const dq_t turned = {
         .d = i.d + fx_asr(half_q15 * i.q, 15U),
         .q = i.q - fx_asr(half_q15 * i.d, 15U),
@@ -50,7 +69,7 @@ static ab_t observer_middle_current(const nn_observer_t *obs, sincos_t angle)
     return transforms_park_inverse(turned, angle);
 }
 
-/* W3·v less the voltage across the resistance. */
+/* W3·v less what decays. */
 static int32_t observer_flux_step(const nn_observer_cfg_t *cfg, int32_t voltage, int32_t current)
 {
     return fx_asr((cfg->volt_gain * voltage) - (cfg->decay * current), cfg->weight_shift);
@@ -60,7 +79,7 @@ static int32_t observer_flux_step(const nn_observer_cfg_t *cfg, int32_t voltage,
 static dq_t observer_predict_state(nn_observer_t *obs, const nn_observer_cfg_t *cfg, ab_t voltage,
                                    sincos_t angle)
 {
-    const ab_t current = observer_middle_current(obs, angle);
+    const ab_t current = observer_middle_current(obs, cfg, angle);
     const int32_t alpha =
         fx_sat28(obs->alpha_q27 + observer_flux_step(cfg, voltage.alpha, current.alpha));
     const int32_t beta =
@@ -107,9 +126,9 @@ static dq_t observer_compare(nn_observer_t *obs, const nn_observer_cfg_t *cfg, d
 void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t measured,
                          ab_t voltage, sincos_t angle)
 {
-    const dq_t before = obs->state;
     const dq_t state_q26 = observer_predict_state(obs, cfg, voltage, angle);
     const dq_t rotated = observer_compare(obs, cfg, state_q26, measured);
+    const dq_t before = obs->state;
 
     obs->rotated_error = rotated;
     obs->gradient =

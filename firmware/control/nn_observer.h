@@ -4,13 +4,14 @@
  *
  * A two-layer linear network predicts the stator current in the estimated rotor frame. Only the weight
  * W2 = −T·ω̂ is trained, on line, by back-propagation of the current error. So the weight is the speed estimate. The
- * network runs in parallel to the motor: its input is its own last output, not the measured current.
+ * network runs in parallel to the motor: its input is its own last output, not the measured current, but for a small
+ * share f of the error.
  *
  *     x = i_d + φ/L_d,  y = (L_q/L_d)·i_q                     (7), y scaled so that saliency needs no weight
  *     v_x = (v_d + R·φ/L_d)/L_d,  v_y = v_q/L_d               (8)
  * With these the motor's (3), (4) become (5), (6), (9), and in the estimated frame (12), (13); sampled as (10), (11):
- *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1)             (14)–(16)
- *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1)
+ *     x̂(k) = W1·x̂(k−1) − W2·ŷ(k−1) + W3·v_x(k−1) + f·e_d(k−1)  (14)–(16); f = 0 in the paper
+ *     ŷ(k) = W1'·ŷ(k−1) + W2·x̂(k−1) + W3·v_y(k−1) + f·e_q(k−1)
  *     W1 = 1 − T·R/L_d,  W1' = 1 − T·R/L_q,  W2 = −T·ω̂_out,  W3 = T
  *                                                              the rotation by W2 is exact, see below
  *     e_d = i_d − î_d,  e_q = i_q − î_q                        (17)
@@ -35,10 +36,18 @@
  * inverter is constant in the stationary frame, and the current of k−1 is turned by half a step. To first order in ωT
  * these are the weights of the paper.
  *
- * Static part. A constant voltage error ε causes a constant current error e, ε = (R + jωL)·e. A wrong angle causes a
+ * Feedback. Without it an error of the network turns with −ω̂ and decays with R/L only. Changes of speed and what is
+ * unknown of the voltage excite this mode. Where T·R/L is small the rotor is lost in it. f damps it as a resistance
+ * f·L_d/T in series with R does, in the error only: for e = 0 the network is that of the paper. For L_d = L_q
+ *     e(k) = (1 − D)·exp(−jω̂T)·e(k−1) + …,  D = T·R/L_d + f,  R_v = R + f·L_d/T = D·L_d/T
+ * The decay acts in the middle of the period on î − m·(î + e), m = f/D: D times that is T·R/L_d·î − f·e. î + e is the
+ * measured current. With f = 1 the state would follow the measurement: the error then is that of one tick, and the rotor is
+ * lost. So f stays small.
+ *
+ * Static part. A constant voltage error ε causes a constant current error e, ε = (R_v + jωL)·e. A wrong angle causes a
  * back-EMF error along d, so Re ε shows the angle. The paper trains with Im e. At low speed Im e shows the speed error,
- * and the angle only with the share ωτ. A resistance error ΔR then turns the estimate by ΔR·i_q/(ωφ)/(ωτ). Turning e by
- * the impedance angle of the motor, ρ = R/(ωL), gives e' = ε/(jωL), in which ΔR·i_q does not turn the angle. ρ is
+ * and the angle only with the share ωτ, τ = L/R_v. A resistance error ΔR then turns the estimate by ΔR·i_q/(ωφ)/(ωτ). Turning
+ * e by the impedance angle of the network, ρ = R_v/(ωL) = D/(ωT), gives e' = ε/(jωL), in which ΔR·i_q does not turn the angle. ρ is
  * limited, because it amplifies noise.
  *
  * Formats. Measured values and errors are Q15 of the current base I_b, voltages Q15 of U_b. States are
@@ -59,9 +68,10 @@
 
 /* A weight is mantissa / 2^shift; mantissas are 0…32767. */
 typedef struct {
-    int32_t decay;           /* 1 − W1 = T·R/L_d; scale: I_b/I_x·2^(12 + weight_shift) */
+    int32_t decay;           /* D = 1 − W1 + f; scale: I_b/I_x·2^(12 + weight_shift) */
     int32_t volt_gain;       /* W3/L_d; scale: U_b/I_x·2^(12 + weight_shift) */
     uint32_t weight_shift;   /* 2…15 */
+    int32_t feedback_q15;    /* m = f/D, 0…32767; 0: none */
     int32_t flux_q27;        /* (φ/L_d)/I_x, the offset of x in (7), 1…2^27 − 1 */
     int32_t iq_gain_q14;     /* L_d/L_q: i_q = y·L_d/L_q, 1…32767 */
     int32_t saliency_q13;    /* L_q/L_d: converts an error of i_q to one of y, 1…32767 */
@@ -74,9 +84,10 @@ typedef struct {
     uint32_t kappa_p_shift; /* 0…30 */
     int32_t momentum_q15;   /* α */
     step_t speed_limit;     /* limit of |ω̂|, 1…2^29 */
-    step_t corner;          /* R/L_d as a speed, for ρ = corner/ω̂, 0…2^27 */
-    int32_t rho_max_q13;    /* limit of |ρ|, 0…32767; 0: off */
-    step_t rho_speed_min;   /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
+    step_t
+        corner; /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: D ≤ 0.196, a larger one ends there */
+    int32_t rho_max_q13;  /* limit of |ρ|, 0…32767; 0: off */
+    step_t rho_speed_min; /* below this speed ρ = 0, the back-EMF is too small, 1…2^29 */
 } nn_observer_cfg_t;
 
 typedef struct {

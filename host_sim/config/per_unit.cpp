@@ -326,13 +326,20 @@ int observer_shift(const MotorSettings &motor, const BoardSettings &board, doubl
     return shift;
 }
 
-// The network's weights W1, W3 and the shift of (7). A faster PWM makes all of the former smaller.
+// D: what an error of the network loses in a period.
+double error_decay(const TuningSettings &tuning, const Model &m, const Bases &b)
+{
+    return b.control_period_s * m.resistance / m.inductance_d + tuning.observer_feedback;
+}
+
+// D, W3, f/D and the shift of (7). A faster PWM makes the winding's decay and W3 smaller.
 void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSettings &board,
-                 const ModelHeadroom &headroom, const Model &m, const Bases &b)
+                 const TuningSettings &tuning, const ModelHeadroom &headroom, const Model &m,
+                 const Bases &b)
 {
     const double period = b.control_period_s;
     const double base_x = std::ldexp(b.current_a, static_cast<int>(c.current_shift));
-    const double decay = period * m.resistance / m.inductance_d * b.current_a / base_x;
+    const double decay = error_decay(tuning, m, b) * b.current_a / base_x;
     const double volt_gain = period / m.inductance_d * b.voltage_v / base_x;
     const Source frequency = {"board.pwm_frequency_hz", board.pwm_frequency_hz, -1};
     const Mantissa largest =
@@ -342,6 +349,9 @@ void set_network(nn_observer_cfg_t &c, const MotorSettings &motor, const BoardSe
     const double weight = std::ldexp(1.0, 12 + static_cast<int>(largest.shift));
     c.decay = static_cast<int32_t>(std::lround(decay * weight));
     c.volt_gain = static_cast<int32_t>(std::lround(volt_gain * weight));
+    // As whole units of the decay: the model in force takes them apart again, firmware/control/model.c.
+    const double feedback = std::round(tuning.observer_feedback * b.current_a / base_x * weight);
+    keep(c.feedback_q15, feedback / std::max(c.decay, 1) * Q15, 0, MANTISSA_MAX);
     store(c.flux_q27, m.flux_current / base_x * Q27, 1, Q27 - 1,
           {"motor.flux_linkage_wb", motor.flux_linkage_wb}, "φ/L_d in the observer's numbers");
     store(c.iq_gain_q14, m.inductance_d / m.inductance_q * Q14, 1, MANTISSA_MAX,
@@ -391,7 +401,7 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
     c.kappa_p = kappa_p.value;
     c.kappa_p_shift = kappa_p.shift;
     c.momentum_q15 = static_cast<int32_t>(std::lround(tuning.observer_momentum * Q15));
-    const double corner = m.resistance / m.inductance_d * b.control_period_s / TWO_PI;
+    const double corner = error_decay(tuning, m, b) / TWO_PI;
     c.corner = static_cast<step_t>(std::lround(std::min(corner * STEPS_PER_TURN, Q27)));
     c.rho_max_q13 = static_cast<int32_t>(std::lround(tuning.observer_rho_max * Q13));
 }
@@ -402,7 +412,7 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings 
     const ModelHeadroom headroom = model_headroom(tuning);
     nn_observer_cfg_t c{};
     c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, headroom.flux, m, b));
-    set_network(c, motor, board, headroom, m, b);
+    set_network(c, motor, board, tuning, headroom, m, b);
     set_adaptation(c, tuning, headroom.rate, m, b);
     c.speed_limit = b.speed_limit;
     keep(c.rho_speed_min, b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200,

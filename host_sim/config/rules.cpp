@@ -47,6 +47,10 @@ constexpr double RHO_PER_RATE = 0.1;
 constexpr double RHO_LEAST = 1;
 constexpr double RHO_MOST = 1.25;
 
+// What an error of the network loses in a sample at least. R/L alone damps too little on a fast PWM; much more hides the
+// error that the speed is found by.
+constexpr double DECAY_LEAST = 0.1;
+
 // The current loop has 20 samples in a period of its bandwidth: π/10 rad in one, and as much again in the delay.
 constexpr double CURRENT_SAMPLES = 20;
 
@@ -90,6 +94,7 @@ constexpr Rule RULES[] = {
     {"observer.kappa", &T::observer_kappa, "motor.inertia_kg_m2"},
     {"observer.kappa_p", &T::observer_kappa_p, "motor.inertia_kg_m2", Open::below_zero},
     {"observer.rho_max", &T::observer_rho_max, "motor.inertia_kg_m2", Open::below_zero},
+    {"observer.feedback", &T::observer_feedback, "motor.resistance_ohm", Open::below_zero},
     {"current_loop.bandwidth_hz", &T::current_bandwidth_hz, "board.pwm_frequency_hz"},
     {"current_loop.floor_pct", &T::current_floor_pct, "board.dead_time_s", Open::below_zero},
     {"speed_loop.bandwidth_hz", &T::speed_bandwidth_hz, "motor.inertia_kg_m2"},
@@ -214,6 +219,8 @@ void fill_observer(Filled &f, const Drive &drive)
     f.fill(&T::observer_kappa, kappa_of(f.tuning.observer_kappa_p, drive));
     const double turns = f.tuning.observer_kappa_p / drive.period_s / drive.rated_el;
     f.fill(&T::observer_rho_max, std::clamp(RHO_PER_RATE * turns, RHO_LEAST, RHO_MOST));
+    const double winding = drive.period_s * drive.motor.resistance_ohm / drive.motor.inductance_d_h;
+    f.fill(&T::observer_feedback, std::max(0.0, DECAY_LEAST - winding));
 }
 
 // The share of the continuous current that dead time asks for, as far as the voltage reaches.

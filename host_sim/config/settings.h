@@ -86,6 +86,8 @@ struct TuningSettings {
     double observer_momentum = 0; // alpha of paper A (19)
     double observer_rho_max =
         0; // largest R/(ωL) by which the error is rotated; 0 is the published law
+    double observer_feedback =
+        0; // share of the current error that the network takes over; 0 is the published law
     double startup_current_pct =
         0; // imposed below the hand-over speed, of the continuous current; 0: no
            // start-up, RUN begins with the rotor taken to be at angle 0

@@ -22,6 +22,7 @@ namespace
 using Rows = std::vector<Comparison>;
 
 constexpr double Q14 = 16384.0;
+constexpr double Q15 = 32768.0;
 constexpr double Q30 = 1073741824.0;
 constexpr double LARGEST_MANTISSA = 32767.0;
 constexpr double LARGEST_WORD = 134217728.0; // Q27
@@ -70,6 +71,26 @@ void compare_configuration(Rows &rows, const drive_cfg_t &own, const drive_cfg_t
         {"configuration", "bytes as built", "", static_cast<double>(same), sizeof built, 0});
 }
 
+// D: the winding's share times R/L, 3 as below, and the feedback's, whose mantissa is rounded to nearest, that of the corner
+// down to an even number. f/D of the new D is rounded to nearest too.
+template <typename Word>
+void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_observer_cfg_t &from,
+                   double ratio)
+{
+    const double share = from.feedback_q15 / Q15;
+    const double scale = 1 - share + share / ratio;
+    const double change = std::abs(ratio - 1);
+    const bool is_fed = from.feedback_q15 != 0;
+    const double of_decay = 3 + (is_fed ? change / 2 : 0);
+    const double decay = from.decay * ratio * scale;
+    word("observer.decay", own.decay, decay, of_decay);
+    word("observer.corner", own.corner, from.corner * ratio * scale, 3 + (is_fed ? 2 * change : 0),
+         LARGEST_WORD);
+    word("observer.feedback_q15", own.feedback_q15,
+         from.decay * share / std::max(own.decay, 1) * Q15,
+         is_fed ? 0.5 + 0.5 / std::max(own.decay, 1) * Q15 : 0);
+}
+
 // Configured values times what the drive has found out of R, L and φ; each ratio that is applied rounds down, and the
 // ratio after it, below 2, doubles that: 1 for one, 3 for two.
 void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
@@ -84,13 +105,12 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
         rows.push_back({"model", name, "", static_cast<double>(drive), std::min(reference, largest),
                         tolerance});
     };
-    word("observer.decay", m.observer.decay, from.decay * r * inverse, 3);
+    compare_decay(word, m.observer, from, r * inverse);
     word("observer.volt_gain", m.observer.volt_gain, from.volt_gain * inverse, 1);
     word("observer.flux_q27", m.observer.flux_q27, from.flux_q27 * flux * inverse, 3,
          LARGEST_WORD - 1);
     word("observer.eta", m.observer.eta, from.eta * l * l, 3);
     word("observer.kappa_p", m.observer.kappa_p, from.kappa_p * l * l, 3);
-    word("observer.corner", m.observer.corner, from.corner * r * inverse, 3, LARGEST_WORD);
     const auto loop = [&](const std::string &name, const current_loop_cfg_t &own,
                           const current_loop_cfg_t &nominal) {
         word(name + ".resistance_q13", own.resistance_q13, nominal.resistance_q13 * r, 1);

@@ -135,6 +135,7 @@ NnObserver observer_twin(const nn_observer_t &obs, const nn_observer_cfg_t &cfg,
     NnObserver twin(twin::observer_params(si));
     twin.set(state, si.speed_of_step(obs.speed), si.speed_of_step(obs.speed_out),
              si.speed_of_step(obs.weight_step) * si.bases.control_period_s);
+    twin.set_error(si.current(obs.error));
     twin.set_rho(obs.rho_q13 / Q13);
     return twin;
 }
@@ -157,14 +158,16 @@ void compare_network(const nn_observer_t &before, const nn_observer_t &after,
     const double advance = radians(before.speed_out);
     const Vector state = network_state(before, angle - advance);
     NnObserver twin = observer_twin(before, cfg, state);
-    // The resistance takes its drop from the current as it was stored: rounded, and a little turned where θ̂ was pulled. It
-    // is turned by half a step of the speed at the last refresh.
+    // What decays is taken from the current as it was stored: rounded, and a little turned where θ̂ was pulled. It is turned
+    // by half a step of the speed at the last refresh.
+    const Vector error = twin.error();
     const double turned = std::abs(before.half_step_q15 / Q15 - advance / 2);
-    const double restored = (twin.current() - si.current(before.current)).cwiseAbs().sum() +
-                            turned * twin.current().norm();
-    const Vector network = twin::network_roundings(si, twin, twin.speed_out(), state).array() +
-                           twin::half_turn_error(si, twin, twin.speed_out(), state) +
-                           twin.decay().diagonal().maxCoeff() * restored;
+    const double restored = twin.decay().diagonal().maxCoeff() *
+                                (twin.current() - si.current(before.current)).cwiseAbs().sum() +
+                            turned * twin.drop(state, error).norm();
+    const Vector network =
+        twin::network_roundings(si, twin, twin.speed_out(), state, error).array() +
+        twin::half_turn_error(si, twin, twin.speed_out(), state, error) + restored;
 
     twin.step(measured, twin::park(voltage, angle - advance / 2));
     const Vector output = network + twin::output_roundings(si, twin.state());

@@ -9,10 +9,10 @@ namespace nf::peers
 namespace
 {
 
-double rho_at(const Model &m, double speed_rad_s, double limit)
+double rho_at(const Model &m, double speed_rad_s, double limit, double feedback)
 {
     const bool slow = std::abs(speed_rad_s) < m.speed_min_rad_s;
-    const double corner = m.resistance_ohm / m.inductance_d_h;
+    const double corner = m.resistance_ohm / m.inductance_d_h + feedback / m.period_s;
     return slow ? 0.0 : std::clamp(corner / speed_rad_s, -limit, limit);
 }
 
@@ -34,6 +34,7 @@ void Neural::start(const Model &model, const Estimate &known, Complex current_a)
     now_ = known;
     speed_out_ = known.speed_rad_s;
     angle_before_ = known.angle_rad - known.speed_rad_s * model.period_s;
+    error_ = 0;
     const Complex current = current_a * turn(-angle_before_);
     const double saliency = model.inductance_q_h / model.inductance_d_h;
     state_ =
@@ -46,14 +47,16 @@ Estimate Neural::step(const Model &model, const Sample &sample)
     const double period = model.period_s;
     const double shift = model.flux_wb / model.inductance_d_h;
     const Complex before = state_ * turn(-angle_before_);
-    const Complex drop = model.resistance_ohm * current_of(model, before) *
-                         turn(angle_before_ + speed_out_ * period / 2);
-    state_ += period / model.inductance_d_h * (sample.voltage_v - drop); // (14)–(16)
+    const Complex middle = turn(angle_before_ + speed_out_ * period / 2);
+    const Complex drop = model.resistance_ohm * current_of(model, before) * middle;
+    state_ += period / model.inductance_d_h * (sample.voltage_v - drop) + // (14)–(16)
+              gains_.feedback * error_ * middle;
     const Complex frame = turn(-now_.angle_rad);
     const Complex error = sample.current_a * frame - current_of(model, state_ * frame); // (17)
+    error_ = error;
     const Complex flux_error(error.real(),
                              error.imag() * model.inductance_q_h / model.inductance_d_h);
-    const double rho = rho_at(model, sample.course_rad_s, gains_.rho_max);
+    const double rho = rho_at(model, sample.course_rad_s, gains_.rho_max, gains_.feedback);
     const Complex turned = flux_error * Complex(1, -rho);
     const double gradient =
         (turned.imag() * before.real() - turned.real() * before.imag()) / (shift * shift);

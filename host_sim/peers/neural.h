@@ -15,6 +15,7 @@ public:
         double kappa;
         double kappa_p;
         double rho_max;
+        double feedback = 0; // f, share of the current error that the network takes over
     };
 
     explicit Neural(const Gains &gains);
@@ -26,6 +27,7 @@ public:
 private:
     Gains gains_;
     Complex state_;  // (x̂ + jŷ)·exp(jθ̂), A, of the last sample
+    Complex error_;  // of the last sample, in its frame
     Estimate now_{}; // θ̂ of the next instant, ω̂
     double speed_out_ = 0;
     double angle_before_ = 0; // θ̂ of the last sample

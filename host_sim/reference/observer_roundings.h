@@ -21,26 +21,26 @@ inline Vector output_roundings(const PerUnit &s, const Vector &state)
     return Vector(s.current(1) + turned, 2 * s.current(1) + turned);
 }
 
-// Roundings of one tick of the network, A of x and y. The change of a state is rounded down, 1 unit of Q27 in each
-// stationary axis. The resistance's drop has the roundings of î, of its turn by h = Δ/2 (h in Q15 from speeds in 2^14
-// steps, the products rounded down) and of its turn into the stationary frame.
+// Roundings of one tick of the network, A of x and y, given the error before it. The change of a state is rounded down, 1
+// unit of Q27 in each stationary axis. What decays has the roundings of î, of the share of the measured current, of its turn
+// by h = Δ/2 (h in Q15 from speeds in 2^14 steps, the products rounded down) and of its turn into the stationary frame.
 inline Vector network_roundings(const PerUnit &s, const NnObserver &twin, double speed,
-                                const Vector &state)
+                                const Vector &state, const Vector &error)
 {
     const double h = std::abs(speed) * s.bases.control_period_s / 2;
-    const Vector current(state.x() - twin.flux_current(), state.y());
-    const double drop = output_roundings(s, state).sum() + current.norm() * 2 / Q15 +
-                        (2 + h) * s.current(1) + turn_error(current);
-    return Vector::Constant(twin.decay()(0, 0) * drop + 1.4143 * s.state_base() / Q27);
+    const Vector drop = twin.drop(state, error);
+    const double of_measured = s.cfg.observer.feedback_q15 == 0 ? 0 : 2;
+    const double taken = output_roundings(s, state).sum() + (2 + h + of_measured) * s.current(1);
+    return Vector::Constant(twin.error_decay()(0, 0) * taken + drop.norm() * 2 / Q15 +
+                            turn_error(drop) + 1.4143 * s.state_base() / Q27);
 }
 
 // The drop's turn by half a step, 1 − jh, is h²/2 longer than the exact one and h³/3 off: A in each tick.
 inline double half_turn_error(const PerUnit &s, const NnObserver &twin, double speed,
-                              const Vector &state)
+                              const Vector &state, const Vector &error)
 {
     const double h = std::abs(speed) * s.bases.control_period_s / 2;
-    const Vector current(state.x() - twin.flux_current(), state.y());
-    return twin.decay()(0, 0) * current.norm() * (h * h / 2 + h * h * h / 3);
+    return twin.drop(state, error).norm() * (h * h / 2 + h * h * h / 3);
 }
 
 // b = e'_q·x − e'_d·y as a function of e around a steady state, where e is small.

@@ -23,7 +23,8 @@ public:
         double eta;           // learning rate of (19)
         double alpha;         // momentum of (19)
         double kappa_p;       // proportional path; 0 is the paper
-        double corner_rad_s;  // R/L_d, for ρ
+        double feedback;      // f, share of the error that the state takes over; 0 is the paper
+        double corner_rad_s;  // D/T, for ρ
         double rho_max;       // 0 is the paper
         double rho_speed_min; // rad/s; below it ρ = 0
     };
@@ -53,11 +54,18 @@ public:
             .asDiagonal();
     }
 
-    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v, the weights at speed ω: the state turned through −ω·T, what the resistance
-    // takes acts in the middle of the turn, and so does v.
+    // D, the decay of an error: f acts on currents, and i_q = ŷ·L_d/L_q.
+    Eigen::Matrix2d error_decay() const
+    {
+        const Vector of_state(p_.feedback, p_.feedback * p_.inductance_d_h / p_.inductance_q_h);
+        return decay() + Eigen::Matrix2d(of_state.asDiagonal());
+    }
+
+    // (14)–(16) as ẑ(k) = W·ẑ(k−1) + W3·v + f·i, the weights at speed ω: the state turned through −ω·T, what decays is taken
+    // in the middle of the turn, and there act v and the measured current.
     Eigen::Matrix2d weights(double speed_rad_s) const
     {
-        return rotation(speed_rad_s, 1.0) - rotation(speed_rad_s, 0.5) * decay();
+        return rotation(speed_rad_s, 1.0) - rotation(speed_rad_s, 0.5) * error_decay();
     }
 
     // The same as printed: W1 = 1 − T/τ, W2 = −T·ω.
@@ -82,10 +90,18 @@ public:
         return drive(voltage_v) - decay() * state;
     }
 
-    // The network's next state from any other, and as printed.
-    Vector predicted(const Vector &state, const Vector &voltage_v, double speed_rad_s) const
+    // T·R/L_d·î − f·e: what a period takes from a state's current, given the error of that instant.
+    Vector drop(const Vector &state, const Vector &error) const
     {
-        return weights(speed_rad_s) * state + rotation(speed_rad_s, 0.5) * drive(voltage_v);
+        return decay()(0, 0) * current(state) - p_.feedback * error;
+    }
+
+    // The network's next state from any other and its error, and as printed.
+    Vector predicted(const Vector &state, const Vector &error, const Vector &voltage_v,
+                     double speed_rad_s) const
+    {
+        return rotation(speed_rad_s, 1.0) * state +
+               rotation(speed_rad_s, 0.5) * (change(state, voltage_v) + p_.feedback * error);
     }
     Vector paper_predicted(const Vector &state, const Vector &voltage_v, double speed_rad_s) const
     {
@@ -97,7 +113,7 @@ public:
     {
         const Vector before = state_;
 
-        state_ = predicted(before, voltage_v, speed_out_);
+        state_ = predicted(before, error_, voltage_v, speed_out_);
         error_ = current_a - current();
         const double flux_error_q = p_.saliency * error_.y();
         rotated_error_ = {error_.x() + rho_ * flux_error_q, flux_error_q - rho_ * error_.x()};
@@ -113,7 +129,7 @@ public:
             speed_ - p_.kappa_p / p_.period_s * gradient / (flux_current() * flux_current());
     }
 
-    // ρ = R/(ω·L_d), limited; nothing at low speed.
+    // ρ = D/(ω·T), limited; nothing at low speed.
     double rho_at(double speed_rad_s) const
     {
         const bool slow = std::abs(speed_rad_s) < p_.rho_speed_min;
@@ -126,9 +142,13 @@ public:
     }
 
     // î_d, î_q: the shift of (7) and the scale of y undone.
+    Vector current(const Vector &state) const
+    {
+        return {state.x() - flux_current(), state.y() * p_.inductance_d_h / p_.inductance_q_h};
+    }
     Vector current() const
     {
-        return {state_.x() - flux_current(), state_.y() * p_.inductance_d_h / p_.inductance_q_h};
+        return current(state_);
     }
 
     const Vector &error() const
@@ -168,6 +188,12 @@ public:
         speed_ = speed_rad_s;
         speed_out_ = speed_out_rad_s;
         weight_change_ = weight_change;
+    }
+
+    // Of the last tick, for the feedback.
+    void set_error(const Vector &error)
+    {
+        error_ = error;
     }
 
 private:

@@ -96,7 +96,9 @@ inline NnObserver::Params observer_params(const PerUnit &s)
     p.period_s = period;
     p.inductance_d_h = ld;
     p.inductance_q_h = ld * Q14 / c.iq_gain_q14;
-    p.resistance_ohm = c.decay * weight * base_x / s.bases.current_a / period * ld;
+    const double error_decay = c.decay * weight * base_x / s.bases.current_a;
+    p.feedback = error_decay * c.feedback_q15 / Q15;
+    p.resistance_ohm = (error_decay - p.feedback) / period * ld;
     p.flux_wb = flux_current * ld;
     p.eta = std::ldexp(c.eta, -static_cast<int>(c.eta_shift)) * gradient;
     p.saliency = c.saliency_q13 / Q13;

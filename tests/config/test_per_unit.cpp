@@ -226,6 +226,19 @@ void observer_base_and_weights()
     expect(60 * STEPS_PER_RPM, c.rho_speed_min); // half of a tenth of 1200 rpm
 }
 
+// D = T·R/L_d + f, of which the network's mantissa, the share f/D and the corner of ρ are made.
+void observer_feedback()
+{
+    const nn_observer_cfg_t c = motor_b({"observer.feedback=0.08"}).observer;
+    const double winding = 1e-4 * 0.405 / 0.0135;
+    expect(std::ldexp((winding + 0.08) / 2 * 4096, static_cast<int>(c.weight_shift)), c.decay);
+    // f is rounded to a unit of the decay.
+    TEST_ASSERT_DOUBLE_WITHIN(0.5 + 0.5 / c.decay * 32768, 0.08 / (winding + 0.08) * 32768,
+                              c.feedback_q15);
+    expect((winding + 0.08) / 6.283185307 * 4294967296.0, c.corner);
+    TEST_ASSERT_EQUAL_INT32(0, motor_b().observer.feedback_q15);
+}
+
 // κ·I_b·I_x/(φ/L_d)²·4/2π·2^12 steps.
 void observer_gains()
 {
@@ -609,6 +622,7 @@ int main()
     RUN_TEST(bus_currents);
     RUN_TEST(supervision);
     RUN_TEST(observer_base_and_weights);
+    RUN_TEST(observer_feedback);
     RUN_TEST(observer_gains);
     RUN_TEST(loops);
     RUN_TEST(a_slow_current_loop_integrates_as_fast_as_the_winding);

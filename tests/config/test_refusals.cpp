@@ -375,6 +375,8 @@ void the_optional_settings_are_refused_outside_their_ranges()
     expect_override("motor.continuous_current_a=-1",
                     "--set: motor.continuous_current_a = -1: is too "
                     "small; allowed: 0 to 1000 A");
+    expect_override("observer.feedback=0.31",
+                    "--set: observer.feedback = 0.31: is too large; allowed: -1 to 0.3");
     expect_override("observer.rho_max=4",
                     "--set: observer.rho_max = 4: is too large; allowed: -1 to 3.9");
     expect_override("startup.current_pct=201",
@@ -460,7 +462,8 @@ void no_rule_breaks_what_another_key_allows()
 void what_is_neither_a_value_nor_left_to_a_rule_is_refused()
 {
     const Folder folder;
-    for (const char *key : {"observer.kappa_p", "observer.rho_max", "current_loop.floor_pct"}) {
+    for (const char *key :
+         {"observer.kappa_p", "observer.rho_max", "observer.feedback", "current_loop.floor_pct"}) {
         TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {std::string(key) + "=-1"}).c_str());
         const std::string line = "--set: " + std::string(key) +
                                  " = -0.5: does not fit the firmware; allowed: at least 0";

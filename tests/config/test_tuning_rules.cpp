@@ -106,6 +106,15 @@ void rho_is_smaller_where_the_observer_is_slow()
     expect(1.25, ruled({"motor.rated_speed_rpm=500"}).observer_rho_max);
 }
 
+// T·R/L of motor A is 0.01832 at 10 kHz and a fifth of it at 50 kHz; with 2 kHz it is 0.0916, with R six times as large 0.11.
+void an_error_of_the_network_loses_a_tenth_in_a_sample()
+{
+    const double winding = PERIOD_S * 2.125 / 0.0116;
+    expect(0.1 - winding, ruled().observer_feedback);
+    expect(0.1 - winding / 5, ruled({"board.pwm_frequency_hz=50000"}).observer_feedback);
+    expect(0, ruled({"motor.resistance_ohm=12.75"}).observer_feedback);
+}
+
 void the_current_loop_has_twenty_samples_in_its_period()
 {
     expect(500, ruled().current_bandwidth_hz);
@@ -153,14 +162,15 @@ void the_alignment_imposes_more_than_the_hold()
 
 void what_is_written_is_not_changed()
 {
-    const nf::TuningSettings t =
-        ruled({"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
-               "current_loop.bandwidth_hz=321", "current_loop.floor_pct=11",
-               "speed_loop.bandwidth_hz=3", "speed_loop.ramp_rpm_s=999"},
-              {"deadtime"});
+    const nf::TuningSettings t = ruled(
+        {"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
+         "observer.feedback=0.02", "current_loop.bandwidth_hz=321", "current_loop.floor_pct=11",
+         "speed_loop.bandwidth_hz=3", "speed_loop.ramp_rpm_s=999"},
+        {"deadtime"});
     TEST_ASSERT_EQUAL_DOUBLE(0.02, t.observer_kappa);
     TEST_ASSERT_EQUAL_DOUBLE(0.3, t.observer_kappa_p);
     TEST_ASSERT_EQUAL_DOUBLE(0.7, t.observer_rho_max);
+    TEST_ASSERT_EQUAL_DOUBLE(0.02, t.observer_feedback);
     TEST_ASSERT_EQUAL_DOUBLE(321, t.current_bandwidth_hz);
     TEST_ASSERT_EQUAL_DOUBLE(11, t.current_floor_pct);
     TEST_ASSERT_EQUAL_DOUBLE(3, t.speed_bandwidth_hz);
@@ -196,6 +206,7 @@ int main()
     RUN_TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast);
     RUN_TEST(the_published_law_is_damped_at_the_highest_speed);
     RUN_TEST(rho_is_smaller_where_the_observer_is_slow);
+    RUN_TEST(an_error_of_the_network_loses_a_tenth_in_a_sample);
     RUN_TEST(the_current_loop_has_twenty_samples_in_its_period);
     RUN_TEST(dead_time_raises_the_least_current);
     RUN_TEST(the_least_current_leaves_voltage_at_rated_speed);

@@ -173,9 +173,10 @@ Figures figures_of(const nf::Config &config, std::unique_ptr<nf::peers::Estimato
 
 std::unique_ptr<nf::peers::Estimator> as_the_drive(const nf::Config &config)
 {
+    const nf::TuningSettings &tuning = config.tuning;
     return std::make_unique<nf::peers::Neural>(
-        nf::peers::Neural::Gains{config.tuning.observer_kappa, config.tuning.observer_kappa_p,
-                                 config.tuning.observer_rho_max});
+        nf::peers::Neural::Gains{tuning.observer_kappa, tuning.observer_kappa_p,
+                                 tuning.observer_rho_max, tuning.observer_feedback});
 }
 
 double bandwidth_hz(const nf::Config &config)
@@ -189,9 +190,12 @@ double bandwidth_hz(const nf::Config &config)
 void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
 {
     constexpr int BITS = 14;
-    for (const char *name : {"s1_robust", "s2_robust"}) {
-        const nf::Config config =
-            nf::load_scenario(name, {}, {"board.adc_bits=" + std::to_string(BITS)});
+    const std::pair<const char *, const char *> runs[] = {
+        {"s1_robust", "0"}, {"s2_robust", "0"}, {"s2_robust", "0.08"}};
+    for (const auto &[name, feedback] : runs) {
+        const nf::Config config = nf::load_scenario(name, {},
+                                                    {"board.adc_bits=" + std::to_string(BITS),
+                                                     std::string("observer.feedback=") + feedback});
         const nf::reference::MeasuringSteps steps(config.board.current_full_scale_a, BITS);
         const Errors noise =
             largest_errors(*as_the_drive(config), MOTOR_A,

@@ -32,6 +32,8 @@ using nf::twin::Vector;
 
 // Each rounding at its worst with the worst sign in every tick is far from what happens.
 static constexpr double LEAST_SHARE = 0.02;
+// Without feedback the error of the tick before is not taken.
+static const Vector NO_ERROR = Vector::Zero();
 void setUp()
 {
 }
@@ -153,18 +155,17 @@ static double compare_network(const Setup &base, double speed, double *bound)
         largest = largest.cwiseMax(twin.state().cwiseAbs());
         worst = std::max(worst, (own.state(s) - twin.state()).cwiseAbs().maxCoeff());
     }
-    const Vector sum = worst_sum(Eigen::Matrix2d(twin.weights(exact_speed)),
-                                 Eigen::Matrix2d(Eigen::Matrix2d::Identity()),
-                                 Vector(network_roundings(s, twin, exact_speed, largest).array() +
-                                        half_turn_error(s, twin, exact_speed, largest)));
+    const Vector error = -twin.current(largest); // nothing is measured
+    const Vector sum = worst_sum(
+        Eigen::Matrix2d(twin.weights(exact_speed)), Eigen::Matrix2d(Eigen::Matrix2d::Identity()),
+        Vector(network_roundings(s, twin, exact_speed, largest, error).array() +
+               half_turn_error(s, twin, exact_speed, largest, error)));
     *bound = sum.maxCoeff();
     return worst;
 }
 
-static void check_network(const char *name, const nf::MotorSettings &motor, double top_speed,
-                          double pwm_hz)
+static void check_network(const char *name, const Setup &s, double top_speed)
 {
-    const Setup s(motor, nf::reference::board(pwm_hz), nf::reference::tuning());
     double share = 0;
 
     for (const double speed : {0.0, 0.1, -0.1, 0.5, -0.5, 1.0, -1.0}) {
@@ -178,9 +179,11 @@ static void check_network(const char *name, const nf::MotorSettings &motor, doub
 static void test_network_stays_within_the_contracted_roundings_of_the_twin()
 {
     check_network("network of motor A beside its twin, share of the bound",
-                  nf::reference::motor_a(), 410.0, 10000);
+                  {nf::reference::motor_a(), nf::reference::board(), nf::reference::tuning()},
+                  410.0);
     check_network("network of motor B beside its twin, share of the bound",
-                  nf::reference::motor_b(), 280.0, 20000);
+                  {nf::reference::motor_b(), nf::reference::board(20000), nf::reference::tuning()},
+                  280.0);
 }
 
 // A motor of constant speed in its own frame, with exactly the observer's parameters.
@@ -306,6 +309,7 @@ static Comparison compare_running(const Setup &s, double speed, double current_q
     Motor motor{p, speed};
     const Vector state(twin.flux_current(), current_q * p.inductance_q_h / p.inductance_d_h);
     double largest_error = 0;
+    Vector largest_unturned = Vector::Zero();
     Vector worst_state = Vector::Zero();
     double worst_speed = 0;
     double worst_out = 0;
@@ -324,10 +328,13 @@ static Comparison compare_running(const Setup &s, double speed, double current_q
         worst_out =
             std::max(worst_out, std::abs(s.speed_of_step(own.obs.speed_out) - twin.speed_out()));
         largest_error = std::max(largest_error, twin.rotated_error().cwiseAbs().maxCoeff());
+        largest_unturned = largest_unturned.cwiseMax(twin.error().cwiseAbs());
     }
     const double rho = own.obs.rho_q13 / Q13;
     Eigen::Matrix<double, 7, 1> r;
-    r << network_roundings(s, twin, speed, state).array() + half_turn_error(s, twin, speed, state),
+    const Vector error = -largest_unturned; // adds to i_q ≥ 0
+    r << network_roundings(s, twin, speed, state, error).array() +
+             half_turn_error(s, twin, speed, state, error),
         training_roundings(s, p, rho, state, largest_error);
     const Difference d = difference_system(twin, p, rho, speed, state);
     const auto bound = worst_sum(d.f, d.g, r);
@@ -369,6 +376,18 @@ static void test_momentum_stays_within_the_contracted_roundings_of_the_twin()
 
     tuning.observer_momentum = 0.5;
     check_running("motor A with momentum", nf::reference::motor_a(), tuning, 377.0, 10000);
+}
+
+static void test_fed_back_error_stays_within_the_contracted_roundings_of_the_twin()
+{
+    nf::TuningSettings tuning = nf::reference::tuning();
+
+    tuning.observer_feedback = 0.08;
+    tuning.observer_rho_max = 1.25;
+    const Setup a(nf::reference::motor_a(), nf::reference::board(), tuning);
+    check_network("fed-back network beside its twin, share of the bound", a, 410.0);
+    check_running("motor A with feedback", nf::reference::motor_a(), tuning, 377.0, 10000);
+    check_running("motor B with feedback", nf::reference::motor_b(), tuning, 251.0, 20000);
 }
 
 static void test_turned_error_stays_within_the_contracted_roundings_of_the_twin()
@@ -431,8 +450,9 @@ static void test_paper_weights_are_those_of_the_network_to_first_order()
             const double start_rounding = twin.decay()(0, 0) * s.current(1);
             const double bound = turn * turn / 2 * before.norm() +
                                  std::abs(turn) / 2 * twin.change(before, acting).norm() +
-                                 network_roundings(s, twin, exact_speed, before).norm() +
-                                 half_turn_error(s, twin, exact_speed, before) + start_rounding;
+                                 network_roundings(s, twin, exact_speed, before, NO_ERROR).norm() +
+                                 half_turn_error(s, twin, exact_speed, before, NO_ERROR) +
+                                 start_rounding;
             const Vector after = own.state(s);
             worst = std::max(worst, (after - printed).norm() / bound);
         }
@@ -552,14 +572,14 @@ static void test_state_is_kept_at_the_largest_turn_in_a_period_and_euler_diverge
     const Vector state = motor.current + Vector(twin.flux_current(), 0);
     const ClosedLoop loop = closed_loop(twin, p, speed, state, motor.current, voltage);
     const double constant = unknown_to_the_network(twin, p, turn, motor.current, voltage) +
-                            half_turn_error(s, twin, speed, state);
+                            half_turn_error(s, twin, speed, state, NO_ERROR);
     const auto steady =
         ((Eigen::Matrix<double, 5, 5>::Identity() - loop.f).inverse() * loop.g.leftCols<2>())
             .eval();
     const double of_voltage = p.period_s / p.inductance_d_h * s.voltage(1);
     Eigen::Matrix<double, 7, 1> r;
     // Samples are rounded to nearest, ½ LSB; the voltage in both axes, which turn into each other.
-    r << network_roundings(s, twin, speed, state) + Vector::Constant(of_voltage),
+    r << network_roundings(s, twin, speed, state, NO_ERROR) + Vector::Constant(of_voltage),
         training_roundings(s, p, 0.0, state, largest_error);
     r.segment<2>(2).array() += 0.5 * s.current(1);
     const auto noise = worst_sum(loop.f, loop.g, r);
@@ -575,6 +595,7 @@ int main()
     RUN_TEST(test_network_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_trained_network_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_momentum_stays_within_the_contracted_roundings_of_the_twin);
+    RUN_TEST(test_fed_back_error_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_turned_error_stays_within_the_contracted_roundings_of_the_twin);
     RUN_TEST(test_rho_stays_within_the_roundings_of_the_twin);
     RUN_TEST(test_paper_weights_are_those_of_the_network_to_first_order);

@@ -99,6 +99,7 @@ static void assert_rest_untouched(void)
     o.volt_gain = observer.volt_gain;
     o.eta = observer.eta;
     o.kappa_p = observer.kappa_p;
+    o.feedback_q15 = observer.feedback_q15;
     o.corner = observer.corner;
     o.flux_q27 = observer.flux_q27;
     run.resistance_q13 = run_loop.resistance_q13;
@@ -143,6 +144,56 @@ static void test_what_was_configured_is_measured_as_no_change(void)
 
     set(1.0, 1.0);
     TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+}
+
+/* f of this decay, as whole units of it: what per_unit.cpp writes. */
+static void feed_back(int32_t decay, int32_t units)
+{
+    observer.decay = decay;
+    observer.feedback_q15 = (int32_t)lround(fmin(units * 32768.0 / decay, FX_Q15_MAX));
+    model_reset(&model, &NOMINAL);
+}
+
+static void test_with_feedback_too_what_was_configured_is_measured_as_no_change(void)
+{
+    seeded_t seed = {0xFEEDU};
+
+    for (int32_t k = 0; k < 2000; k++) {
+        const int32_t decay = seeded_in(&seed, 2, 32767);
+        model_t before;
+
+        observer.corner = seeded_in(&seed, 1, 1 << 27);
+        feed_back(decay, seeded_in(&seed, 1, decay - 1));
+        before = model;
+        set(1.0, 1.0);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+    }
+}
+
+static void test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback(void)
+{
+    static const double resistances[] = {0.5, 1.3, 1.55};
+    static const double inductances[] = {0.65, 1.0, 1.35};
+    const double winding = 2401.0;
+    const double feedback = 10706.0;
+
+    feed_back(2401 + 10706, 10706);
+    observer.corner = 68000000;
+    for (uint32_t i = 0U; i < 9U; i++) {
+        const double r = resistance_of(resistances[i % 3U]) / (double)run_loop.resistance_q13;
+        const double ratio = r / inductances[i / 3U];
+        const double scale = ((winding * ratio) + feedback) / (winding + feedback);
+        const double bound = ROUNDING + (winding * ratio * RATIO_TOLERANCE);
+
+        model_reset(&model, &NOMINAL);
+        set(resistances[i % 3U], inductances[i / 3U]);
+        TEST_ASSERT_DOUBLE_WITHIN(bound, (winding * ratio) + feedback, model.observer.decay);
+        /* f of it stays: as a mantissa within the half that its share is rounded to. */
+        TEST_ASSERT_DOUBLE_WITHIN(0.5 * model.observer.decay / 32768.0, feedback,
+                                  model.observer.decay * model.observer.feedback_q15 / 32768.0);
+        TEST_ASSERT_DOUBLE_WITHIN(observer.corner * bound / (winding + feedback),
+                                  observer.corner * scale, model.observer.corner);
+    }
 }
 
 static void test_a_new_measurement_replaces_the_last_one(void)
@@ -297,6 +348,12 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
     model_set(&model, &cfg, &NOMINAL, 32767, 32767);
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.eta);
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.kappa_p);
+    /* 16384 units of it are fed back, and stay: 16384.5/2^15 of 32767, rounded up. */
+    observer.feedback_q15 = 16384;
+    model_reset(&model, &NOMINAL);
+    model_set(&model, &cfg, &NOMINAL, 32767, 1);
+    TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay);
+    TEST_ASSERT_EQUAL_INT32(16385, model.observer.feedback_q15);
 }
 
 static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
@@ -314,6 +371,8 @@ int main(void)
     RUN_TEST(test_reset_takes_the_configured_values_bit_by_bit);
     RUN_TEST(test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else);
     RUN_TEST(test_what_was_configured_is_measured_as_no_change);
+    RUN_TEST(test_with_feedback_too_what_was_configured_is_measured_as_no_change);
+    RUN_TEST(test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback);
     RUN_TEST(test_a_new_measurement_replaces_the_last_one);
     RUN_TEST(test_ratios_end_at_their_limits);
     RUN_TEST(test_with_the_corrections_off_no_measurement_changes_anything);

@@ -656,6 +656,7 @@ static nn_observer_cfg_t largest_cfg(seeded_t *seed)
         .decay = 32767,
         .volt_gain = 32767,
         .weight_shift = (uint32_t)seeded_in(seed, 2, 15),
+        .feedback_q15 = ((seeded_u32(seed) & 1U) != 0U) ? seeded_in(seed, 0, 32767) : 0,
         .flux_q27 = ((seeded_u32(seed) & 1U) != 0U) ? STATE_LIMIT : 1,
         .iq_gain_q14 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 1,
         .saliency_q13 = ((seeded_u32(seed) & 1U) != 0U) ? 32767 : 1,
@@ -789,6 +790,115 @@ static void test_resistance_makes_the_network_forget_at_the_largest_speed(void)
     }
     /* e^-36 is left; a LSB of the current, 2048, rounded in both runs against each other. */
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2048.0, 0.0, cabs(settled[1] - settled[0]));
+}
+
+/* ---- feedback ---- */
+
+/* T·R/L + f in the weights; returns what the integers stand for. */
+static double use_feedback(double feedback)
+{
+    const double decay = (PERIOD_S * RESISTANCE / INDUCTANCE) + feedback;
+
+    cfg.decay = (int32_t)lround(decay / 2.0 * 524288.0); /* I_b/I_x, 2^19 */
+    cfg.feedback_q15 = (int32_t)lround(feedback / decay * ONE);
+    cfg.corner = (step_t)lround(decay / TWO_PI * TURN);
+    return cfg.decay * 2.0 / 524288.0;
+}
+
+/* The network alone at a given turn in a tick, with the motor's EMF and a voltage error: the error's shadow in the state. */
+static double complex state_after(double turn, double complex start, double complex excess,
+                                  int32_t ticks)
+{
+    const double complex voltage = cartesian(0.0, turn / PERIOD_S * FLUX) + excess;
+
+    begin();
+    set_state(cfg.flux_q27 + (int32_t)lround(creal(start)), (int32_t)lround(cimag(start)));
+    obs.current =
+        (dq_t){(int32_t)lround(creal(start) / 2048.0), (int32_t)lround(cimag(start) / 2048.0)};
+    obs.error = (dq_t){-obs.current.d, -obs.current.q};
+    nn_observer_follow(&obs, step_of(turn));
+    nn_observer_refresh(&obs, &cfg, step_of(turn));
+    for (int32_t k = 0; k < ticks; k++) {
+        const double middle = ((double)frame / TURN * TWO_PI) + (turn / 2.0);
+
+        predict((dq_t){0, 0}, quantised_ab(voltage * turn_by(middle), VOLTAGE_BASE_V));
+        nn_observer_follow(&obs, step_of(turn));
+    }
+    return state();
+}
+
+/* Two networks beside the same motor, one 5 A off: what is left between them after 20 ticks. */
+#define APART_Q27 (8388608.0)
+/*
+ * Of each tick in each: î rounded, its share of the measured current, its turn and the voltage, 6 LSB of 2048 times D; the
+ * state and the sine's 2^-15 of what is apart. All decays with D.
+ */
+static double apart_bound(double decay)
+{
+    return 2.0 * ((6.0 * 2048.0) + ((2.0 + (4.0 * APART_Q27 / ONE)) / decay * 0.1));
+}
+
+static void test_an_error_of_the_network_turns_with_the_speed_and_decays_with_the_feedback(void)
+{
+    static const double feedbacks[] = {0.0, 0.03, 0.1 - 0.01832};
+    static const double turns[] = {0.0, 0.0377, -0.0377};
+
+    for (uint32_t i = 0U; i < 9U; i++) {
+        const double turn = turns[i / 3U];
+        const double decay = use_feedback(feedbacks[i % 3U]);
+        /* The current of k − 1, turned by half a step as 1 − jh. */
+        const double complex kept = turn_by(-turn) - (decay * cartesian(1.0, -turn / 2.0));
+        const double complex apart =
+            state_after(turn, APART_Q27, 0.0, 20) - state_after(turn, 0.0, 0.0, 20);
+        const double complex expected = APART_Q27 * cpow(kept, 20.0);
+
+        TEST_ASSERT_DOUBLE_WITHIN(apart_bound(decay), 0.0, cabs(apart - expected));
+        TEST_ASSERT_TRUE(cabs(apart) < (APART_Q27 * pow(1.001 - decay, 20.0)));
+    }
+}
+
+static void test_without_feedback_no_measured_current_reaches_the_network(void)
+{
+    seeded_t seed = {0xF33DU};
+    nn_observer_t other;
+
+    for (int32_t k = 0; k < 2000; k++) {
+        const dq_t measured = {seeded_in(&seed, -8000, 8000), seeded_in(&seed, -8000, 8000)};
+        const ab_t voltage = {seeded_in(&seed, -9000, 9000), seeded_in(&seed, -9000, 9000)};
+
+        obs.error = (dq_t){0, 0};
+        other = obs;
+        other.error = (dq_t){seeded_in(&seed, -8192, 8191), seeded_in(&seed, -8192, 8191)};
+        frame += (angle_t)obs.speed_out;
+        nn_observer_predict(&obs, &cfg, measured, voltage, trig_sincos(frame));
+        nn_observer_predict(&other, &cfg, measured, voltage, trig_sincos(frame));
+        TEST_ASSERT_EQUAL_MEMORY(&obs, &other, sizeof obs);
+        nn_observer_follow(&obs, seeded_in(&seed, -20000000, 20000000));
+    }
+}
+
+/* e = −ε/(R_v + jωL) of 30 V, and e' = −ε/(jωL): ρ turns by the same corner. */
+static void test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns_it_back(void)
+{
+    static const double speeds[] = {300.0, -300.0, 377.0, -377.0};
+    const double volts_to_lsb = ONE / CURRENT_BASE_A;
+
+    cfg.rho_max_q13 = 32767;
+    for (uint32_t i = 0U; i < 8U; i++) {
+        const double speed = speeds[i / 2U];
+        const double decay = use_feedback(0.1 - 0.01832);
+        const double complex error = ((i % 2U) == 0U) ? 30.0 : cartesian(0.0, 30.0);
+        const double complex e =
+            -error * volts_to_lsb / cartesian(decay * INDUCTANCE / PERIOD_S, speed * INDUCTANCE);
+        const double complex turned = -error * volts_to_lsb / cartesian(0.0, speed * INDUCTANCE);
+        const double rho = fabs(decay / (speed * PERIOD_S));
+
+        (void)state_after(speed * PERIOD_S, 0.0, error, 400);
+        TEST_ASSERT_DOUBLE_WITHIN(MODEL_BIAS_LSB, creal(e), obs.error.d);
+        TEST_ASSERT_DOUBLE_WITHIN(MODEL_BIAS_LSB, cimag(e), obs.error.q);
+        TEST_ASSERT_DOUBLE_WITHIN(MODEL_BIAS_LSB * (1.0 + rho), creal(turned), obs.rotated_error.d);
+        TEST_ASSERT_DOUBLE_WITHIN(MODEL_BIAS_LSB * (1.0 + rho), cimag(turned), obs.rotated_error.q);
+    }
 }
 
 /* ---- a given speed, a start ---- */
@@ -1185,6 +1295,9 @@ int main(void)
     RUN_TEST(test_states_speeds_and_errors_stay_in_range_for_extreme_inputs_and_weights);
     RUN_TEST(test_without_weights_the_state_stays_bit_by_bit_at_any_speed);
     RUN_TEST(test_resistance_makes_the_network_forget_at_the_largest_speed);
+    RUN_TEST(test_an_error_of_the_network_turns_with_the_speed_and_decays_with_the_feedback);
+    RUN_TEST(test_without_feedback_no_measured_current_reaches_the_network);
+    RUN_TEST(test_a_voltage_error_stands_over_the_virtual_impedance_and_rho_turns_it_back);
     RUN_TEST(test_a_given_speed_is_taken_over_whole_and_trains_nothing);
     RUN_TEST(test_with_speed_and_angle_given_the_network_reproduces_the_current);
     RUN_TEST(test_start_begins_with_the_given_speed_current_and_angle);
