@@ -21,12 +21,14 @@ typedef struct {
      * a start is caught. 1…handover_speed */
     step_t track_speed;
     step_t handover_speed; /* the observer takes over from this speed on, 1…2^29 … */
-    step_t hold_speed;     /* … and hands back below this one, 1…handover_speed − 1 */
+    /* below this one RUN fades the imposed current in, and hands back at half of it, 1…handover_speed − 1 */
+    step_t hold_speed;
     /* the observer takes over only with a residual (filtered |e'_q|) below this, Q15 of I_b, 1…16384 */
     int32_t residual_max;
     /* a residual above this means that the rotor does not follow the vector, residual_max…16384 … */
     int32_t residual_lost;
-    uint32_t lost_periods; /* … for this many slow periods: the start is repeated, 1…60000 */
+    /* … in so many slow periods more than without: the start is repeated, 1…60000 */
+    uint32_t lost_periods;
     uint32_t
         handover_periods; /* slow periods that HANDOVER may take, else the start is repeated, 1…60000 */
     uint32_t attempts; /* failed starts until FAULT_STARTUP, 1…100 */

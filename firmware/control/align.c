@@ -7,6 +7,12 @@
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
 #define ONE_Q14 (16384)
+#define REST_SHARE (5) /* a rotor rests while |i_q| stays below 1/5 of the current */
+/* For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of both points. */
+#define LOST_BITS (3U)
+#define DISTANCE_ONE_Q10 (1024)
+#define DISTANCE_MAX_Q10 (4095)
+#define LOST_MAX (16384)
 
 void align_reset(align_t *align, bool backwards)
 {
@@ -41,10 +47,11 @@ static int32_t added(int32_t sum, int32_t sample)
     return fx_clamp(sum, -SUM_MAX, SUM_MAX) + sample;
 }
 
-static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point, int32_t current,
+static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point, dq_t current,
                     int32_t voltage)
 {
-    point->current = added(point->current, current);
+    align->swing = fx_max(align->swing, fx_abs(current.q));
+    point->current = added(point->current, current.d);
     point->voltage = added(point->voltage, voltage);
     if (align->tick >= (1UL << cfg->measure_log2)) {
         point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
@@ -68,7 +75,7 @@ static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
     }
 }
 
-void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t voltage)
+void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage)
 {
     align->tick++;
     switch (align->phase) {
@@ -79,7 +86,7 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
         measure(align, cfg, &align->high, current, voltage);
         break;
     case ALIGN_STEP:
-        step_down(align, cfg, current);
+        step_down(align, cfg, current.d);
         break;
     case ALIGN_SETTLE:
         if (align->tick >= cfg->settle_ticks) {
@@ -97,6 +104,16 @@ void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t
 bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
 {
     return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
+}
+
+int32_t align_swing_max(const align_cfg_t *cfg)
+{
+    return cfg->current_high / REST_SHARE;
+}
+
+bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg)
+{
+    return align->swing <= align_swing_max(cfg);
 }
 
 /* 64 times the mean of the samples. */
@@ -127,4 +144,21 @@ int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg)
         result = (ratio > 0) ? fx_min(ratio, FX_Q15_MAX) : ALIGN_UNKNOWN;
     }
     return result;
+}
+
+int32_t align_lost_voltage(const align_t *align)
+{
+    const int32_t current = mean_of(align->high.current);
+    const int32_t apart = current - mean_of(align->low.current);
+    const int32_t voltage = mean_of(align->high.voltage);
+    int32_t lost = 0;
+
+    if ((current > 0) && (apart > 0)) {
+        const int32_t change = fx_asr(voltage - mean_of(align->low.voltage), LOST_BITS);
+        const int32_t distance_q10 = fx_min((current * DISTANCE_ONE_Q10) / apart, DISTANCE_MAX_Q10);
+        const int32_t left = fx_asr(voltage, LOST_BITS) - fx_asr(change * distance_q10, 10U);
+
+        lost = fx_clamp(fx_asr(left, MEAN_BITS - LOST_BITS), -LOST_MAX, LOST_MAX);
+    }
+    return lost;
 }

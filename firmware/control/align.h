@@ -8,10 +8,15 @@
  *   STEP          a voltage step for a few ticks lowers the current; the change of the current gives L_d
  *   SETTLE        wait at the lower current
  *   MEASURE_LOW   mean of voltage and current. The difference to the first mean gives R; the offset of dead time and
- *                 device drop cancels
+ *                 device drop cancels. What is left of the voltage at zero current is that offset
  *
  * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before that angle would
  * swing back by half a turn, and more under load. A vector that turns in the wanted direction reaches every rotor angle.
+ *
+ * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a current across it. Measured
+ * values are worth nothing then. While the vector rests, that current is 1.4·(angle of the swing) of the imposed one, by
+ * the damping of the current control. A rotor at rest has a few percent of current_high, a slipping one a quarter or
+ * more. Single samples are looked at, so noise counts too.
  *
  * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure, total. One step per
  * control tick.
@@ -60,8 +65,10 @@ typedef struct {
     align_phase_t phase;
     uint32_t tick;       /* of the phase */
     bool backwards;      /* the vector turns from β towards α */
+    bool repeated;       /* the rotor did not rest in the measurement before this one */
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
+    int32_t swing;      /* largest |i_q| of both measurements, 0…34400 */
     int32_t step_start; /* i_d before the step acts */
     int32_t step_fall;  /* measured fall of i_d by the step */
     align_point_t high;
@@ -71,14 +78,23 @@ typedef struct {
 /* Begin. backwards: the drive is going to turn backwards. */
 void align_reset(align_t *align, bool backwards);
 
-/* Begin with MEASURE_HIGH: the rotor already rests on a vector of current_ref. */
+/*
+ * Begin with the rest of PULL after the half turn: a vector of current_ref holds the rotor already. A rotor that still
+ * swings has that time to come to rest.
+ */
 void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref);
 
 /*
- * One tick. current: measured i_d. voltage: v_d demanded in the last tick. Both Q15, ±32767. Sets current_ref and
+ * One tick. current: measured i_d, i_q. voltage: v_d demanded in the last tick. All Q15, ±32767. Sets current_ref and
  * frame_speed for this tick.
  */
-void align_step(align_t *align, const align_cfg_t *cfg, int32_t current, int32_t voltage);
+void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage);
+
+/* When DONE: the rotor rested while it was measured, |i_q| ≤ align_swing_max(). */
+bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
+
+/* The largest |i_q| of a rotor that rests, Q15 of I_b. */
+int32_t align_swing_max(const align_cfg_t *cfg);
 
 #define ALIGN_UNKNOWN (-1)
 
@@ -95,5 +111,12 @@ bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg);
  */
 int32_t align_resistance_q13(const align_t *align);
 int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg);
+
+/*
+ * The voltage that R·i does not explain, extrapolated to zero current: what dead time and device drop take beyond their
+ * compensation. Q15 of U_b, ±16384, rounded down; 0 when there is no valid measurement. Both currents must be more than a
+ * quarter of current_high apart: the distance to zero counts as at most four times theirs. One division.
+ */
+int32_t align_lost_voltage(const align_t *align);
 
 #endif

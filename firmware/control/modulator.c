@@ -5,10 +5,27 @@
 #define ONE_Q27 (0x8000000)
 #define HALF_Q15 (0x4000)
 #define HALF_SQRT3_Q15 (28378)
+#define CERTAIN_SHIFT (6U) /* the measurement repeats within 1/64 of the dead time */
 
-void modulator_reset(modulator_t *mod)
+void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg)
 {
+    mod->dead_time_q15 = cfg->dead_time_q15;
     mod->inverse_bus_q12 = ONE_Q12;
+}
+
+void modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost)
+{
+    const int32_t ratio_q15 = fx_asr(lost * mod->inverse_bus_q12, 12U);
+    const int32_t change = fx_asr(3 * ratio_q15, 2U);
+    const int32_t certain = fx_asr(mod->dead_time_q15, CERTAIN_SHIFT);
+
+    if (fx_abs(change) > certain) {
+        const int32_t band = cfg->dead_time_band_q15;
+        const int32_t lowest = fx_max(cfg->dead_time_q15 - band, 0);
+
+        mod->dead_time_q15 =
+            fx_clamp(mod->dead_time_q15 + change, lowest, cfg->dead_time_q15 + band);
+    }
 }
 
 void modulator_track_bus(modulator_t *mod, int32_t bus)
@@ -58,7 +75,7 @@ static abc_t phases(ab_t v)
 /* The duty that dead time and drop take from a leg whose current is above the ripple. */
 static int32_t leg_loss(const modulator_t *mod, const modulator_cfg_t *cfg)
 {
-    return cfg->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
+    return mod->dead_time_q15 + fx_asr(cfg->drop_q15 * mod->inverse_bus_q12, 12U);
 }
 
 /* The duty that compensates the loss of a leg. span: largest less smallest ratio. */

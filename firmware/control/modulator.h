@@ -32,9 +32,10 @@ typedef struct {
     int32_t timer_counts; /* compare value of duty 1, 1…32767 */
     /* largest |v| / bus: 1/√3 less the share that dead time and sampling need, ≤ 18918 */
     int32_t ratio_max_q15;
-    int32_t dead_time_q15; /* t_d/T, 0…8192 */
-    int32_t drop_q15;      /* v_d, Q15 of U_b, 0…2048 */
-    int32_t ripple_q15;    /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
+    int32_t dead_time_q15;      /* t_d/T, 0…8192 */
+    int32_t dead_time_band_q15; /* a measurement may correct t_d/T by so much, 0…4096; 0: not */
+    int32_t drop_q15;           /* v_d, Q15 of U_b, 0…2048 */
+    int32_t ripple_q15;         /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
     /* the compensation rises from zero to complete over a current of 1 / edge_slope of I_b, 1…32767 */
     int32_t edge_slope;
 } modulator_cfg_t;
@@ -42,6 +43,7 @@ typedef struct {
 #define MODULATOR_INVERSE_MAX_Q12 (36863) /* the bus voltage is compensated down to 1/9 of U_b */
 
 typedef struct {
+    int32_t dead_time_q15;   /* in force: the configured t_d/T or the measured one, 0…12288 */
     int32_t inverse_bus_q12; /* 1 / bus voltage, 4096…MODULATOR_INVERSE_MAX_Q12 */
 } modulator_t;
 
@@ -49,8 +51,19 @@ typedef struct {
     uint16_t phase[3]; /* 0…timer_counts */
 } compare_t;
 
-/* Set the reciprocal to its lower bound. From there it converges for every bus voltage. */
-void modulator_reset(modulator_t *mod);
+/*
+ * The configured dead time, and the reciprocal at its lower bound. From there it converges for every bus voltage.
+ */
+void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
+
+/*
+ * Correct the dead time by a measurement. lost: the voltage that the legs took in excess of the compensation in force,
+ * along a current vector on the axis of phase a, Q15 of U_b, ±16384. There the legs b and c carry half of the current of
+ * leg a, so that lost = 4/3·Δt_d/T·u_bus. Both currents have to be well above ripple and knee. Device drop that the
+ * configuration does not know counts as dead time. A change by up to 1/64 of the dead time in force is none: the
+ * measurement repeats within that. Rounded down, limited as configured. Once, when an alignment ends. Once after a measurement.
+ */
+void modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 
 /*
  * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal has settled to

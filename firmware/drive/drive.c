@@ -273,7 +273,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     model_reset(&drive->model, &nominal);
     drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
-    modulator_reset(&drive->modulator);
+    modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
     bad = config_check(cfg);
@@ -338,14 +338,23 @@ static void act(drive_t *drive, bool trained, drive_out_t *out)
     }
 }
 
+/* The imposed current of this tick. */
+static void control_vector(drive_t *drive)
+{
+    fault_t fault;
+
+    fault_clear(&fault);
+    frame_measure(drive);
+    follow_or_fail(drive, open_loop_step(drive, &fault), &fault);
+}
+
 static void control_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
     const bool trained = estimate_is_trained(drive);
 
     estimate_step(drive, trained);
     if (drive->state != DRIVE_STATE_RUN) {
-        frame_measure(drive);
-        follow(drive, open_loop_step(drive));
+        control_vector(drive);
     }
     slow_step(drive, in, left, true);
     act(drive, trained, out);

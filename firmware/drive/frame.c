@@ -49,13 +49,23 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
 /*
  * The current in the period to come. In RUN it is the reference plus a quarter of the difference to the measurement. The
  * reference alone has the wrong sign for a leg whose current has not changed yet; the measurement alone has noise and
- * ripple. An imposed current is controlled softly, so its mean is expected.
+ * ripple.
+ *
+ * An imposed current is controlled softly, so half of it is what was measured: a swinging rotor adds a current of its own.
+ * The other half is the reference. Without it a compensation that has no current to go by would wait for one, while the
+ * dead time waits for the compensation. The integral would then rise by the whole dead time, and both together drive
+ * far too much current.
  */
 static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {
-    dq_t expected = drive->vector.current_mean;
+    dq_t expected;
 
-    if (!frame->imposed) {
+    if (frame->imposed) {
+        const dq_t wanted = drive->signals.current_ref;
+
+        expected.d = fx_asr(wanted.d + drive->vector.current_mean.d, 1U);
+        expected.q = fx_asr(wanted.q + drive->vector.current_mean.q, 1U);
+    } else {
         const dq_t wanted = drive_current_in_force(drive);
 
         expected.d = fx_approach(wanted.d, frame->current.d, LACKING_SHIFT);

@@ -7,6 +7,7 @@
 #include "trig.h"
 
 #define SIXTH_TURN (0x2AAAAAAAU)
+#define NEAR_ZERO (0x02000000U) /* 1/128 of a turn */
 
 drive_event_t open_loop_start(drive_t *drive)
 {
@@ -20,11 +21,15 @@ static bool runs_backwards(const drive_command_t *command)
     return (command->mode != (uint8_t)DRIVE_MODE_POSITION) && (command->target < 0);
 }
 
-/* The start angle of the vector: from there its sweep ends at angle 0. */
+/*
+ * The start angle of the vector: from there its sweep ends at angle 0. Every other attempt sweeps the other way: a load
+ * that turns the rotor against the vector turns it with the vector then.
+ */
 static drive_event_t start_alignment(drive_t *drive, const drive_command_t *command)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
-    const bool backwards = runs_backwards(command);
+    const bool reversed = (drive->attempts & 1U) != 0U;
+    const bool backwards = runs_backwards(command) != reversed;
     const angle_t sweep = (angle_t)cfg->sweep_speed * cfg->sweep_ticks;
 
     align_reset(&drive->align, backwards);
@@ -82,7 +87,27 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive
     return event;
 }
 
-static void finish_alignment(drive_t *drive)
+/* value: the current that has exceeded its limit, Q15 of I_b. */
+static drive_event_t repeat_start(drive_t *drive, int32_t value, int32_t limit, fault_t *fault)
+{
+    drive_event_t event = DRIVE_EVENT_FAULT;
+
+    drive->attempts++;
+    if (drive->attempts < drive->cfg->startup.attempts) {
+        event = open_loop_start(drive);
+    } else {
+        *fault = (fault_t){.id = FAULT_STARTUP, .value = value, .limit = limit};
+    }
+    return event;
+}
+
+/* After a sweep, but for roundings. A vector that was handed back lies anywhere. */
+static bool lies_along_phase_a(const drive_t *drive)
+{
+    return (rotor_position_angle(&drive->vector.position) + NEAR_ZERO) < (2U * NEAR_ZERO);
+}
+
+static drive_event_t finish_alignment(drive_t *drive)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
     const model_nominal_t nominal = drive_nominal(drive);
@@ -91,24 +116,46 @@ static void finish_alignment(drive_t *drive)
 
     if ((resistance > 0) && (inductance > 0)) {
         model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
+        if (lies_along_phase_a(drive)) {
+            modulator_correct(&drive->modulator, &drive->cfg->modulator,
+                              align_lost_voltage(&drive->align));
+        }
         estimate_start(drive, 0, drive->signals.current);
     }
     drive->identified = true; /* a measurement that fails is not repeated */
     drive->vector.step = 0;
     speed_loop_reset(&drive->speed_loop, 0);
+    return DRIVE_EVENT_HELD;
 }
 
-static drive_event_t align(drive_t *drive)
+/* A rotor that swings gets more time. One that does not rest then either slips. */
+static drive_event_t judge_alignment(drive_t *drive, fault_t *fault)
+{
+    const align_cfg_t *const cfg = &drive->cfg->startup.align;
+    align_t *const align = &drive->align;
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if (align_is_at_rest(align, cfg)) {
+        event = finish_alignment(drive);
+    } else if (!align->repeated) {
+        align_reset_held(align, cfg, align->current_ref);
+        align->repeated = true;
+    } else {
+        event = repeat_start(drive, align->swing, align_swing_max(cfg), fault);
+    }
+    return event;
+}
+
+static drive_event_t align(drive_t *drive, fault_t *fault)
 {
     drive_signals_t *const s = &drive->signals;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    align_step(&drive->align, &drive->cfg->startup.align, s->current_frame.d, s->voltage.d);
+    align_step(&drive->align, &drive->cfg->startup.align, s->current_frame, s->voltage.d);
     s->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
     drive->vector.step = drive->align.frame_speed;
     if (drive->align.phase == ALIGN_DONE) {
-        finish_alignment(drive);
-        event = DRIVE_EVENT_HELD;
+        event = judge_alignment(drive, fault);
     }
     return event;
 }
@@ -138,21 +185,6 @@ static bool has_found_rotor(const drive_t *drive)
     return near && (drive->residual < drive->cfg->startup.residual_max);
 }
 
-static drive_event_t repeat_start(drive_t *drive, fault_t *fault)
-{
-    drive_event_t event = DRIVE_EVENT_FAULT;
-
-    drive->attempts++;
-    if (drive->attempts < drive->cfg->startup.attempts) {
-        event = open_loop_start(drive);
-    } else {
-        *fault = (fault_t){.id = FAULT_STARTUP,
-                           .value = drive->residual,
-                           .limit = drive->cfg->startup.residual_max};
-    }
-    return event;
-}
-
 /* From the frame of the vector to that of the rotor. */
 static drive_event_t hand_over(drive_t *drive)
 {
@@ -170,7 +202,7 @@ static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
     if (has_found_rotor(drive)) {
         event = hand_over(drive);
     } else if (drive->handover_periods >= drive->cfg->startup.handover_periods) {
-        event = repeat_start(drive, fault);
+        event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_max, fault);
     } else {
         /* wait */
     }
@@ -178,8 +210,8 @@ static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 }
 
 /*
- * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it, and it persists. A swing
- * passes through zero. While the model follows the vector untrained, a load angle looks like an error, so there is no
+ * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it, and it persists. It passes
+ * through zero twice in each turn of the slip, so periods without it count back. While the model follows the vector untrained, a load angle looks like an error, so there is no
  * check then.
  */
 static bool has_lost_rotor(drive_t *drive)
@@ -188,7 +220,13 @@ static bool has_lost_rotor(drive_t *drive)
     const bool judges = (drive->vector.step == 0) || estimate_is_trained(drive);
     const bool wrong = judges && (drive->residual > cfg->residual_lost);
 
-    drive->lost_periods = wrong ? (drive->lost_periods + 1U) : 0U;
+    if (wrong) {
+        drive->lost_periods++;
+    } else if (drive->lost_periods > 0U) {
+        drive->lost_periods--;
+    } else {
+        /* as it should be */
+    }
     return drive->lost_periods >= cfg->lost_periods;
 }
 
@@ -213,7 +251,7 @@ static drive_event_t judge_speed(drive_t *drive, fault_t *fault)
     drive_event_t event;
 
     if (has_lost_rotor(drive)) {
-        event = repeat_start(drive, fault);
+        event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_lost, fault);
     } else if (speed == 0) {
         event = hold(drive);
     } else if (speed < handover_speed) {
@@ -238,12 +276,12 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
     }
 }
 
-drive_event_t open_loop_step(drive_t *drive)
+drive_event_t open_loop_step(drive_t *drive, fault_t *fault)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (drive->state == DRIVE_STATE_ALIGN) {
-        event = align(drive);
+        event = align(drive, fault);
     } else {
         drive->signals.current_ref.d = next_imposed_current(drive);
     }

@@ -23,8 +23,11 @@ drive_event_t open_loop_start(drive_t *drive);
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
                                      fault_t *fault);
 
-/* Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. HELD at the end of ALIGN. */
-drive_event_t open_loop_step(drive_t *drive);
+/*
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. At the end of ALIGN: HELD. When the rotor did not
+ * rest: NONE the first time, it is measured again; then SEARCH; FAULT with the last attempt.
+ */
+drive_event_t open_loop_step(drive_t *drive, fault_t *fault);
 
 /* The speed reference of the next slow period; not in ALIGN. */
 void open_loop_plan(drive_t *drive, const drive_command_t *command);

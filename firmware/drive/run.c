@@ -7,6 +7,7 @@
 #include "voltage_drive.h"
 
 #define Q16_TO_Q32 (65536)
+#define SETTLE_SHARE (2) /* above 1/2 of hold_speed the drive does not hand back */
 
 void run_reset(drive_t *drive)
 {
@@ -45,6 +46,22 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }
 
+/*
+ * Speed mode: below hold_speed, RUN follows the ramp of an imposed vector, either way. A position profile is soft there. Whatever torque acts at the hand-back stays as the load
+ * angle of the vector: the torque of a steeper ramp would throw the rotor out of its field.
+ */
+static step_t gentle(const drive_t *drive, step_t wanted)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const step_t present = drive->speed_loop.reference;
+    step_t next = wanted;
+
+    if ((cfg->current_hold != 0) && (fx_abs(present) < cfg->hold_speed)) {
+        next = fx_towards(present, wanted, cfg->ramp);
+    }
+    return next;
+}
+
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
 {
     const drive_cfg_t *const cfg = drive->cfg;
@@ -58,7 +75,7 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
                                                     position->turns_q32, cfg->slow_ticks);
     } else {
         drive->speed_reference =
-            speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target);
+            gentle(drive, speed_loop_ramp(&drive->speed_loop, &cfg->speed_loop, command->target));
     }
 }
 
@@ -124,10 +141,21 @@ static void wait_at_limit(drive_t *drive, step_t before)
     }
 }
 
-/* The torque current, and i_d*. HELD when i_d* has risen to the imposed current at low speed. */
+/*
+ * i_d* has risen to the imposed current. Until half of hold_speed, its voltage and the torque have settled: the voltage
+ * that made i_d rise is not the one that holds it.
+ */
+static bool is_to_be_held(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const bool settled = fx_abs(drive->speed_reference) <= (cfg->hold_speed / SETTLE_SHARE);
+
+    return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
+}
+
+/* The torque current, and i_d*. HELD when the current is to be imposed. */
 static drive_event_t control_torque(drive_t *drive)
 {
-    const int32_t current_hold = drive->cfg->startup.current_hold;
     const step_t before = drive->speed_loop.reference;
     drive_event_t event = DRIVE_EVENT_NONE;
 
@@ -136,7 +164,7 @@ static drive_event_t control_torque(drive_t *drive)
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
     wait_at_limit(drive, before);
-    if ((current_hold != 0) && (drive->signals.current_ref.d >= current_hold) && is_slow(drive)) {
+    if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);
         event = DRIVE_EVENT_HELD;
     }

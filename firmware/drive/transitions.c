@@ -21,8 +21,9 @@ drive_state_t transitions_next(drive_state_t state, drive_event_t event)
                                    IN(DRIVE_STATE_INIT) | IN(DRIVE_STATE_FAULT)},
         [DRIVE_EVENT_CALIBRATED] = {DRIVE_STATE_READY, IN(DRIVE_STATE_OFFSET_CAL)},
         [DRIVE_EVENT_STOP] = {DRIVE_STATE_READY, DRIVING},
-        [DRIVE_EVENT_SEARCH] = {DRIVE_STATE_FLYING_START,
-                                IN(DRIVE_STATE_READY) | FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_SEARCH] = {DRIVE_STATE_FLYING_START, IN(DRIVE_STATE_READY) |
+                                                              IN(DRIVE_STATE_ALIGN) |
+                                                              FROM_HOLD_TO_HANDOVER},
         [DRIVE_EVENT_STANDS] = {DRIVE_STATE_ALIGN,
                                 IN(DRIVE_STATE_FLYING_START) | IN(DRIVE_STATE_HOLD)},
         [DRIVE_EVENT_HELD] = {DRIVE_STATE_HOLD,

@@ -586,21 +586,23 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
 // Current from which on a leg's sign is certain: so many counts of the converter.
 constexpr double EDGE_LSB = 5;
 
-void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const ModelScales &model,
-                   const Model &m, const Bases &b)
+void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const TuningSettings &tuning,
+                   const ModelScales &model, const Model &m, const Bases &b)
 {
     const double ripple =
         board.bus_nominal_v * b.control_period_s / (6 * (m.inductance_d + m.inductance_q));
     store(c.dead_time_q15, model.dead_time_s / b.control_period_s * Q15, 0, Q13,
           {"model.dead_time_s", model.dead_time_s}, "a quarter of the PWM period");
+    c.dead_time_band_q15 =
+        static_cast<int32_t>(std::lround(c.dead_time_q15 * tuning.adapt_dead_time_pct / 100));
     store(c.drop_q15, model.device_drop_v / b.voltage_v * Q15, 0, Q15 / 16,
           {"model.device_drop_v", model.device_drop_v}, "a sixteenth of board.bus_full_scale_v");
     c.ripple_q15 = static_cast<int32_t>(std::lround(std::min(ripple / b.current_a * Q15, Q14)));
     c.edge_slope = static_cast<int32_t>(std::lround(std::ldexp(1.0, board.adc_bits) / EDGE_LSB));
 }
 
-modulator_cfg_t make_modulator(const BoardSettings &board, const ModelScales &model, const Model &m,
-                               const Bases &b)
+modulator_cfg_t make_modulator(const BoardSettings &board, const TuningSettings &tuning,
+                               const ModelScales &model, const Model &m, const Bases &b)
 {
     modulator_cfg_t c{};
     store(c.timer_counts, board.timer_clock_hz / (2 * board.pwm_frequency_hz), 1, MANTISSA_MAX,
@@ -610,7 +612,7 @@ modulator_cfg_t make_modulator(const BoardSettings &board, const ModelScales &mo
     require(b.voltage_v / (board.bus_min_v * BUS_FLOOR), 0, Q15 / Q12,
             {"board.bus_min_v", board.bus_min_v, -1},
             "the modulator divides by no less than 0.8 of it, an eighth of board.bus_full_scale_v");
-    set_dead_time(c, board, model, m, b);
+    set_dead_time(c, board, tuning, model, m, b);
     return c;
 }
 
@@ -704,7 +706,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.current_loop = make_current_loop(motor, tuning, m, b);
     c.speed_loop = make_speed_loop(motor, tuning, m, b);
     c.position_loop = make_position_loop(motor, tuning, b);
-    c.modulator = make_modulator(board, scales, m, b);
+    c.modulator = make_modulator(board, tuning, scales, m, b);
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, m, b);
     check_imposed_power(c.startup, board, m, b);

@@ -50,6 +50,9 @@ constexpr double RHO_MOST = 1.25;
 // What an error of the network loses in a sample at least. R/L alone damps too little on a fast PWM; much more hides the
 // error that the speed is found by.
 constexpr double DECAY_LEAST = 0.1;
+// And not more than so many times the rotor's turn at rated speed: the current that shows an angle error is then still a third
+// of what it is without feedback.
+constexpr double DECAY_PER_RADIAN = 3;
 
 // The current loop has 20 samples in a period of its bandwidth: π/10 rad in one, and as much again in the delay.
 constexpr double CURRENT_SAMPLES = 20;
@@ -220,7 +223,8 @@ void fill_observer(Filled &f, const Drive &drive)
     const double turns = f.tuning.observer_kappa_p / drive.period_s / drive.rated_el;
     f.fill(&T::observer_rho_max, std::clamp(RHO_PER_RATE * turns, RHO_LEAST, RHO_MOST));
     const double winding = drive.period_s * drive.motor.resistance_ohm / drive.motor.inductance_d_h;
-    f.fill(&T::observer_feedback, std::max(0.0, DECAY_LEAST - winding));
+    const double least = std::min(DECAY_LEAST, DECAY_PER_RADIAN * drive.rated_el * drive.period_s);
+    f.fill(&T::observer_feedback, std::max(0.0, least - winding));
 }
 
 // The share of the continuous current that dead time asks for, as far as the voltage reaches.

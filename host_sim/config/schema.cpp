@@ -116,6 +116,7 @@ const std::vector<Field> FIELDS = {
     {"adaptation", "resistance_pct", "%", 0, 90, OPTIONAL, tuning<&T::adapt_resistance_pct>, "how far R may be corrected by what is measured; 0: not at all", WITH_STARTUP},
     {"adaptation", "inductance_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_inductance_pct>, "likewise L", WITH_STARTUP},
     {"adaptation", "flux_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_flux_pct>, "likewise φ"},
+    {"adaptation", "dead_time_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_dead_time_pct>, "likewise the dead time that is compensated", WITH_DEAD_TIME},
     {"current_loop", "bandwidth_hz", "Hz", 0, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop; 0: by the PWM frequency"},
     {"current_loop", "floor_pct", "%", -1, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a; -1: by the dead time", WITH_DEAD_TIME},
     {"speed_loop", "bandwidth_hz", "Hz", 0, 1000, OPTIONAL, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop; 0: by the motor"},

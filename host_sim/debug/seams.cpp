@@ -474,7 +474,7 @@ decltype(modulator_compare_compensated) *seam_modulator_compare_compensated = []
                                                                                  auto out) {
     const Vector share = Vector(ratio.alpha, ratio.beta) / Q15;
     const double bus_v = si.bases.voltage_v / (mod->inverse_bus_q12 / Q12);
-    const twin::Modulator::Losses losses = {cfg->dead_time_q15 / Q15, si.voltage(cfg->drop_q15),
+    const twin::Modulator::Losses losses = {mod->dead_time_q15 / Q15, si.voltage(cfg->drop_q15),
                                             si.current(cfg->ripple_q15),
                                             cfg->edge_slope / si.bases.current_a};
     const Eigen::Vector3d exact =

@@ -65,7 +65,7 @@ static void test_duties_of_a_settled_bus_stay_within_the_roundings_of_the_twin()
         const int32_t limit = modulator_limit(&cfg, bus);
         modulator_t mod;
 
-        modulator_reset(&mod);
+        modulator_reset(&mod, &cfg);
         for (int k = 0; k < 12; k++) {
             modulator_track_bus(&mod, bus);
         }
@@ -104,7 +104,7 @@ static void test_too_long_vectors_are_cut_like_the_twin()
     modulator_t mod;
     double worst = 0;
 
-    modulator_reset(&mod);
+    modulator_reset(&mod, &s.cfg.modulator);
     for (int k = 0; k < 100000; k++) {
         const ab_t ratio = {seeded.in(-32767, 32767), seeded.in(-32767, 32767)};
         const compare_t c = compared(mod, s.cfg.modulator, ratio, ab_t{0, 0});
@@ -153,7 +153,7 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
     modulator_t mod;
     double worst = 0;
 
-    modulator_reset(&mod);
+    modulator_reset(&mod, &cfg);
     for (int k = 0; k < 12; k++) {
         modulator_track_bus(&mod, bus);
     }

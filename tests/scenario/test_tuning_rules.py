@@ -16,11 +16,11 @@ RULES = (
     ("speed bandwidth by the lag", "zoo:servo:33@11", ("speed_loop.bandwidth_hz=202",)),
     ("speed bandwidth by the dead time", "zoo:compressor:76@2:user", ("speed_loop.bandwidth_hz=49",)),
     ("observer by the speed loop", "zoo:industrial:29@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
-    ("feedback by T·R/L", "zoo:hub:116@3:user", ("observer.feedback=0",)),
+    ("feedback by T·R/L", "zoo:industrial:23@11:user", ("observer.feedback=0",)),
     ("current loop by the PWM", "zoo:hub:122@11", ("current_loop.bandwidth_hz=500",),
      ("observer.feedback=0",)),  # which holds this motor too
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
-    ("alignment above the hold", "zoo:gimbal:96@11:user", ("startup.align_current_pct=0",)),
+    ("alignment above the hold", "zoo:gimbal:18@11:user", ("startup.align_current_pct=0",)),
 )
 
 

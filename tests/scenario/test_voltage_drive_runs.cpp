@@ -274,7 +274,7 @@ void a_reversal_under_load_passes_through_braking()
             run(scenario, {"adc"},
                 {"scenario.command=[{time_s=-2.9, speed_rpm=1200}, {time_s=-1, "
                  "speed_rpm=-1200}]",
-                 "scenario.load=[{time_s=-1.2, torque_nm=3}]", "scenario.duration_s=3.5"});
+                 "scenario.load=[{time_s=-1.2, torque_nm=3}]", "scenario.duration_s=4"});
         TEST_ASSERT_TRUE(one.result.faults.empty());
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1200, -1200, one.settled.rpm());
     }

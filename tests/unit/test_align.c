@@ -31,6 +31,12 @@ void tearDown(void)
 {
 }
 
+/* A tick of a rotor that rests: no current across the vector. */
+static void step(int32_t current, int32_t voltage)
+{
+    align_step(&align, &cfg, (dq_t){current, 0}, voltage);
+}
+
 /* Ticks until the phase has changed, with nothing measured. */
 static uint32_t ticks_of(align_phase_t phase)
 {
@@ -38,7 +44,7 @@ static uint32_t ticks_of(align_phase_t phase)
 
     TEST_ASSERT_EQUAL_INT(phase, align.phase);
     while (align.phase == phase) {
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
         count++;
     }
     return count;
@@ -47,7 +53,7 @@ static uint32_t ticks_of(align_phase_t phase)
 static void go_to(align_phase_t phase)
 {
     while (align.phase != phase) {
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
     }
 }
 
@@ -63,7 +69,7 @@ static void test_phases_follow_each_other_and_take_their_ticks(void)
     TEST_ASSERT_EQUAL_UINT32(512U, ticks_of(ALIGN_MEASURE_LOW));
     for (int32_t k = 0; k < 1000; k++) {
         TEST_ASSERT_EQUAL_INT(ALIGN_DONE, align.phase);
-        align_step(&align, &cfg, 1000, 1000);
+        step(1000, 1000);
     }
 }
 
@@ -102,7 +108,7 @@ test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_s
     while (align.phase == ALIGN_PULL) {
         const int32_t expected = before + cfg.slope;
 
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
         TEST_ASSERT_EQUAL_INT32((expected < cfg.current_high) ? expected : cfg.current_high,
                                 align.current_ref);
         before = align.current_ref;
@@ -111,7 +117,7 @@ test_current_rises_by_its_slope_to_its_level_and_falls_to_the_lower_one_in_the_s
     while (align.phase != ALIGN_DONE) {
         const bool control = !align_steps_voltage(&align, &cfg);
 
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
         if (control && (align.phase > ALIGN_STEP)) {
             TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
         } else if (align.phase == ALIGN_MEASURE_HIGH) {
@@ -126,7 +132,7 @@ static void test_control_takes_the_lower_level_as_soon_as_it_acts_again(void)
 {
     go_to(ALIGN_STEP);
     while (align_steps_voltage(&align, &cfg)) {
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
     }
     TEST_ASSERT_EQUAL_INT(ALIGN_STEP, align.phase);
     TEST_ASSERT_EQUAL_INT32(cfg.current_low, align.current_ref);
@@ -137,7 +143,7 @@ static void test_control_rests_from_the_end_of_the_first_mean_for_the_ticks_of_t
     uint32_t rests = 0U;
 
     while (align.phase != ALIGN_DONE) {
-        align_step(&align, &cfg, 0, 0);
+        step(0, 0);
         if (align_steps_voltage(&align, &cfg)) {
             TEST_ASSERT_EQUAL_INT(ALIGN_STEP, align.phase);
             TEST_ASSERT_EQUAL_UINT32(rests, align.tick); /* 0 in the tick that ends the mean */
@@ -157,7 +163,7 @@ static void test_vector_turns_by_half_a_turn_in_the_wanted_direction_and_then_re
 
         align_reset(&align, sign < 0);
         while (align.phase != ALIGN_DONE) {
-            align_step(&align, &cfg, 0, 0);
+            step(0, 0);
             turned += align.frame_speed;
             tick++;
             TEST_ASSERT_EQUAL_INT32((tick <= cfg.sweep_ticks) ? (sign * cfg.sweep_speed) : 0,
@@ -177,7 +183,7 @@ static void test_a_rotor_already_held_is_not_swept_and_rests_for_the_remaining_p
             const int32_t before = align.current_ref;
 
             TEST_ASSERT_EQUAL_INT(ALIGN_PULL, align.phase);
-            align_step(&align, &cfg, 0, 0);
+            step(0, 0);
             TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
             TEST_ASSERT_TRUE(abs(align.current_ref - before) <= cfg.slope);
             TEST_ASSERT_TRUE(abs(align.current_ref - cfg.current_high) <=
@@ -205,7 +211,7 @@ static void test_means_are_64_times_what_was_measured_for_every_length(void)
             cfg.measure_log2 = log2;
             align_reset(&align, false);
             while (align.phase != ALIGN_DONE) {
-                align_step(&align, &cfg, current, voltage);
+                step(current, voltage);
             }
             TEST_ASSERT_EQUAL_INT32(64 * current, align.high.current);
             TEST_ASSERT_EQUAL_INT32(64 * voltage, align.high.voltage);
@@ -220,7 +226,7 @@ static void test_each_mean_holds_its_own_phase_and_no_other(void)
     static const int32_t of_phase[] = {9999, 300, -7777, 8888, 100, 5555};
 
     while (align.phase != ALIGN_DONE) {
-        align_step(&align, &cfg, of_phase[align.phase], 2 * of_phase[align.phase]);
+        step(of_phase[align.phase], 2 * of_phase[align.phase]);
     }
     TEST_ASSERT_EQUAL_INT32(64 * 300, align.high.current);
     TEST_ASSERT_EQUAL_INT32(64 * 600, align.high.voltage);
@@ -250,7 +256,7 @@ static void measure(const circuit_t *circuit)
         const double drop_v = (current_a > 0.0) ? circuit->offset_v : 0.0;
         const double final_a = ((asked * VOLTAGE_LSB_V) - drop_v) / circuit->resistance;
 
-        align_step(&align, &cfg, measured, asked);
+        step(measured, asked);
         if (!align_steps_voltage(&align, &cfg)) {
             const double error = align.current_ref - measured;
 
@@ -288,6 +294,85 @@ static void test_resistance_is_measured_whatever_the_offset_voltage_and_the_indu
         TEST_ASSERT_DOUBLE_WITHIN(R_TOLERANCE * RESISTANCE_Q13 * fmax(ratio, 1.0),
                                   ratio * RESISTANCE_Q13, align_resistance_q13(&align));
     }
+}
+
+/*
+ * V0 = v_high − 2.5·(v_high − v_low), R·i apart: the means of the voltage are off by up to ½ LSB each, 0.5 + 2.5·1, and
+ * those of the current by ½ at 0.19 LSB of voltage per LSB of current, 0.19·(0.5 + 2.5·1). What the regulator has left
+ * of the settling is e^-4 of the step of current, 0.0005 of 495 LSB, 2.5 times. The distance is rounded down by 1/1024
+ * of the change, 495/1024. 1 for the result, rounded down.
+ */
+#define LOST_TOLERANCE (3.0 + (0.19 * 3.0) + (2.5 * 0.0005 * 495.0) + (495.0 / 1024.0) + 1.0)
+
+static void test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current(void)
+{
+    static const double offsets_v[] = {-8.0, 0.0, 1.0, 6.2, 15.0};
+    static const double resistances[] = {0.7, 1.0, 1.3, 1.8};
+
+    for (uint32_t i = 0U; i < 20U; i++) {
+        const double ratio = resistances[i / 5U];
+        const circuit_t circuit = {ratio * RESISTANCE, INDUCTANCE, offsets_v[i % 5U]};
+
+        align_reset(&align, false);
+        measure(&circuit);
+        TEST_ASSERT_DOUBLE_WITHIN(LOST_TOLERANCE * fmax(ratio, 1.0),
+                                  circuit.offset_v / VOLTAGE_LSB_V, align_lost_voltage(&align));
+    }
+}
+
+static void test_no_lost_voltage_without_two_currents(void)
+{
+    align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 500};
+    align.low = align.high;
+    TEST_ASSERT_EQUAL_INT32(0, align_lost_voltage(&align));
+    align.low.current = 64 * 600;
+    TEST_ASSERT_EQUAL_INT32(0, align_lost_voltage(&align));
+    align.high.current = -64;
+    align.low.current = -128;
+    TEST_ASSERT_EQUAL_INT32(0, align_lost_voltage(&align));
+}
+
+/* Two currents so close to each other say nothing about zero: the voltage at four times their distance counts. */
+static void
+test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times(void)
+{
+    align.high = (align_point_t){.voltage = 64 * 1000, .current = 64 * 1000};
+    align.low = (align_point_t){.voltage = 64 * 900, .current = 64 * 999};
+    TEST_ASSERT_INT32_WITHIN(1, 1000 - (4 * 100), align_lost_voltage(&align));
+}
+
+/* ---- whether the rotor rests ---- */
+
+/* The largest |i_q| of `phase` alone. */
+static bool rests_with(align_phase_t phase, int32_t current_q)
+{
+    align_reset(&align, false);
+    while (align.phase != ALIGN_DONE) {
+        const int32_t q = (align.phase == phase) ? current_q : 0;
+
+        align_step(&align, &cfg, (dq_t){cfg.current_high, q}, 0);
+    }
+    return align_is_at_rest(&align, &cfg);
+}
+
+static void test_rotor_rests_while_the_current_across_stays_within_a_fifth(void)
+{
+    const int32_t most = cfg.current_high / 5;
+
+    TEST_ASSERT_EQUAL_INT32(most, align_swing_max(&cfg));
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_TRUE(rests_with(ALIGN_MEASURE_HIGH, sign * most));
+        TEST_ASSERT_TRUE(rests_with(ALIGN_MEASURE_LOW, sign * most));
+        TEST_ASSERT_FALSE(rests_with(ALIGN_MEASURE_HIGH, sign * (most + 1)));
+        TEST_ASSERT_FALSE(rests_with(ALIGN_MEASURE_LOW, sign * (most + 1)));
+    }
+}
+
+static void test_swing_while_the_rotor_is_pulled_in_does_not_count(void)
+{
+    TEST_ASSERT_TRUE(rests_with(ALIGN_PULL, cfg.current_high));
+    TEST_ASSERT_TRUE(rests_with(ALIGN_STEP, cfg.current_high));
+    TEST_ASSERT_TRUE(rests_with(ALIGN_SETTLE, cfg.current_high));
 }
 
 /*
@@ -400,8 +485,9 @@ static void test_any_measurement_keeps_the_reference_in_range_and_ends(void)
 
         align_reset(&align, (run % 2) != 0);
         while ((align.phase != ALIGN_DONE) && (ticks < 1000)) {
-            align_step(&align, &cfg, seeded_in(&seed, -1, 1) * 32767,
-                       seeded_in(&seed, -1, 1) * 32767);
+            const dq_t current = {seeded_in(&seed, -1, 1) * 32767, seeded_in(&seed, -1, 1) * 32767};
+
+            align_step(&align, &cfg, current, seeded_in(&seed, -1, 1) * 32767);
             TEST_ASSERT_TRUE((align.current_ref >= 0) && (align.current_ref <= 16384));
             ticks++;
         }
@@ -411,6 +497,7 @@ static void test_any_measurement_keeps_the_reference_in_range_and_ends(void)
         TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) != 0);
         TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) >= ALIGN_UNKNOWN);
         TEST_ASSERT_TRUE(align_inductance_q14(&align, &cfg) <= 32767);
+        TEST_ASSERT_TRUE(abs(align_lost_voltage(&align)) <= 16384);
     }
 }
 
@@ -428,6 +515,11 @@ int main(void)
     RUN_TEST(test_means_are_64_times_what_was_measured_for_every_length);
     RUN_TEST(test_each_mean_holds_its_own_phase_and_no_other);
     RUN_TEST(test_resistance_is_measured_whatever_the_offset_voltage_and_the_inductance);
+    RUN_TEST(test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current);
+    RUN_TEST(test_no_lost_voltage_without_two_currents);
+    RUN_TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times);
+    RUN_TEST(test_rotor_rests_while_the_current_across_stays_within_a_fifth);
+    RUN_TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count);
     RUN_TEST(test_inductance_is_measured_to_first_order_of_the_nominal_resistance);
     RUN_TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage);
     RUN_TEST(test_resistance_saturates_to_15_bits);

@@ -6,6 +6,7 @@
 #include "drive.h"
 #include "estimate.h"
 #include "example_cfg.h"
+#include "frame.h"
 #include "open_loop.h"
 #include "run.h"
 #include "schedule.h"
@@ -199,7 +200,7 @@ static void assert_imposed(int32_t expected, int32_t thermal, step_t reference)
     for (int32_t k = 0; k <= (cfg.startup.current_move / cfg.startup.current_slope); k++) {
         const int32_t before = drive.signals.current_ref.d;
 
-        (void)open_loop_step(&drive);
+        (void)open_loop_step(&drive, &fault);
         TEST_ASSERT_INT32_WITHIN(cfg.startup.current_slope, before, drive.signals.current_ref.d);
     }
     TEST_ASSERT_EQUAL_INT32(expected, drive.signals.current_ref.d);
@@ -286,21 +287,23 @@ static void test_the_last_attempt_that_fails_is_a_fault(void)
     TEST_ASSERT_EQUAL_INT32(cfg.startup.residual_max, drive.fault.limit);
 }
 
-static void test_a_rotor_is_lost_after_its_periods_in_a_row_only(void)
+static void test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below(void)
 {
     enter(DRIVE_STATE_HOLD);
     drive.identified = true;
-    for (uint32_t round = 0U; round < 2U; round++) {
-        drive.residual = cfg.startup.residual_lost + 1;
-        for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
-            drag(0);
-            TEST_ASSERT_EQUAL_UINT32(k, drive.lost_periods);
-        }
-        drive.residual = cfg.startup.residual_lost;
+    drive.residual = cfg.startup.residual_lost + 1;
+    for (uint32_t k = 1U; k < cfg.startup.lost_periods; k++) {
         drag(0);
-        TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
+        TEST_ASSERT_EQUAL_UINT32(k, drive.lost_periods);
+    }
+    drive.residual = cfg.startup.residual_lost;
+    for (uint32_t k = cfg.startup.lost_periods - 1U; k > 0U; k--) {
+        drag(0);
+        TEST_ASSERT_EQUAL_UINT32(k - 1U, drive.lost_periods);
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     }
+    drag(0);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.lost_periods);
     drive.residual = cfg.startup.residual_lost + 1;
     for (uint32_t k = 0U; k < cfg.startup.lost_periods; k++) {
         TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
@@ -432,6 +435,184 @@ static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_
     assert_goes_on(whole, beyond);
     assert_goes_on(whole, -beyond);
     TEST_ASSERT_EQUAL_INT32(-full, drive.signals.current_ref.q);
+}
+
+/* ---- the alignment ---- */
+
+/* The tick that ends the alignment, with a largest current across the vector. */
+static void end_alignment(bool repeated, int32_t swing)
+{
+    fault_clear(&fault);
+    enter(DRIVE_STATE_ALIGN);
+    drive.align = (align_t){.phase = ALIGN_DONE,
+                            .repeated = repeated,
+                            .swing = swing,
+                            .current_ref = 3000,
+                            .step_fall = 2000,
+                            .high = {.voltage = 64 * 1000, .current = 64 * 2500},
+                            .low = {.voltage = 64 * 800, .current = 64 * 1500}};
+    enter(transitions_next(drive.state, open_loop_step(&drive, &fault)));
+}
+
+static void test_an_alignment_is_believed_when_the_rotor_rested(void)
+{
+    end_alignment(false, align_swing_max(&cfg.startup.align));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_TRUE(drive.identified);
+}
+
+static void test_a_rotor_that_swings_is_given_time_once_and_measured_again(void)
+{
+    end_alignment(false, align_swing_max(&cfg.startup.align) + 1);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
+    TEST_ASSERT_EQUAL(ALIGN_PULL, drive.align.phase);
+    TEST_ASSERT_TRUE(drive.align.repeated);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    TEST_ASSERT_FALSE(drive.identified);
+}
+
+static void test_a_rotor_that_does_not_rest_then_is_looked_for_again(void)
+{
+    end_alignment(true, align_swing_max(&cfg.startup.align) + 1);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+    TEST_ASSERT_FALSE(drive.identified);
+}
+
+static void test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across(void)
+{
+    drive.attempts = cfg.startup.attempts - 1U;
+    end_alignment(true, align_swing_max(&cfg.startup.align) + 1);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_STARTUP, fault.id);
+    TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align) + 1, fault.value);
+    TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align), fault.limit);
+}
+
+/* R = 512·(v_h − v_l)/(i_h − i_l) says 800 − 0.2·1500 = 500 of 1000 at zero current: far above the compensation. */
+static void test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits(void)
+{
+    cfg.modulator = example_modulator_cfg_with_dead_time();
+    cfg.modulator.dead_time_band_q15 = 245;
+    drive.modulator.dead_time_q15 = 655;
+    end_alignment(false, 0);
+    TEST_ASSERT_EQUAL_INT32(900, drive.modulator.dead_time_q15);
+}
+
+/* A vector elsewhere loads the legs otherwise: after a catch the rotor is held where it came to rest. */
+static void test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time(void)
+{
+    cfg.modulator = example_modulator_cfg_with_dead_time();
+    cfg.modulator.dead_time_band_q15 = 245;
+    drive.modulator.dead_time_q15 = 655;
+    drive.vector.position.turns_q32 = QUARTER;
+    end_alignment(false, 0);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_EQUAL_INT32(655, drive.modulator.dead_time_q15);
+}
+
+/* A standing rotor is found by the second pulse without a current. */
+static bool sweeps_backwards(uint32_t attempts)
+{
+    enter(DRIVE_STATE_FLYING_START);
+    flying_start_reset(&drive.flying_start);
+    drive.attempts = attempts;
+    drive.align.backwards = false;
+    for (int32_t k = 0; (k < 100000) && (drive.state == DRIVE_STATE_FLYING_START); k++) {
+        enter(transitions_next(drive.state, open_loop_flying_start(&drive, &in, &out, &fault)));
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
+    return drive.align.backwards;
+}
+
+static void test_each_further_attempt_sweeps_the_other_way(void)
+{
+    in.command.target = 1000;
+    TEST_ASSERT_FALSE(sweeps_backwards(0U));
+    TEST_ASSERT_TRUE(sweeps_backwards(1U));
+    TEST_ASSERT_FALSE(sweeps_backwards(2U));
+    in.command.target = -1000;
+    TEST_ASSERT_TRUE(sweeps_backwards(0U));
+    TEST_ASSERT_FALSE(sweeps_backwards(1U));
+}
+
+/* ---- the compensation of an imposed current ---- */
+
+/* Counts by which the leg of phase a is driven longer, without a voltage. Half a period is timer_counts / 2. */
+static int32_t compensated_a(int32_t reference, int32_t mean)
+{
+    frame_t frame;
+    compare_t compare;
+
+    enter(DRIVE_STATE_HOLD);
+    drive.signals.voltage = (dq_t){0, 0};
+    drive.signals.current_ref = (dq_t){reference, 0};
+    drive.vector.current_mean = (dq_t){mean, 0};
+    frame = frame_of_vector(&drive);
+    frame_modulate(&drive, &frame, &compare);
+    return (int32_t)compare.phase[0] - (cfg.modulator.timer_counts / 2);
+}
+
+/* Else the dead time would keep the current at zero, and zero current the compensation. */
+static void test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing(void)
+{
+    cfg.modulator = example_modulator_cfg_with_dead_time();
+    modulator_reset(&drive.modulator, &cfg.modulator);
+    for (int32_t k = 0; k < 8; k++) {
+        modulator_track_bus(&drive.modulator, NOMINAL_BUS);
+    }
+    TEST_ASSERT_TRUE(compensated_a(4000, 0) > 0);
+    TEST_ASSERT_EQUAL_INT32(compensated_a(4000, 4000), compensated_a(4000, 0));
+    TEST_ASSERT_TRUE(compensated_a(4000, -8000) < 0);
+    TEST_ASSERT_INT32_WITHIN(1, 0, compensated_a(4000, -4000));
+}
+
+/* ---- towards standstill ---- */
+
+static step_t planned_from(step_t reference, step_t target)
+{
+    enter(DRIVE_STATE_RUN);
+    in.command.target = target;
+    drive.speed_loop.reference = reference;
+    slot(SLOT_PLAN);
+    return drive.speed_reference;
+}
+
+static void test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector(void)
+{
+    const step_t hold = cfg.startup.hold_speed;
+
+    TEST_ASSERT_TRUE(cfg.startup.ramp < cfg.speed_loop.ramp);
+    TEST_ASSERT_EQUAL_INT32(hold - cfg.speed_loop.ramp, planned_from(hold, 0));
+    TEST_ASSERT_EQUAL_INT32(hold - 1 - cfg.startup.ramp, planned_from(hold - 1, 0));
+    TEST_ASSERT_EQUAL_INT32(-hold + cfg.speed_loop.ramp, planned_from(-hold, 0));
+    TEST_ASSERT_EQUAL_INT32(1 - hold + cfg.startup.ramp, planned_from(1 - hold, 0));
+    cfg.startup.current_hold = 0; /* no start-up: nothing is imposed at standstill */
+    TEST_ASSERT_EQUAL_INT32(hold - 1 - cfg.speed_loop.ramp, planned_from(hold - 1, 0));
+}
+
+static drive_state_t after_a_period_at(step_t reference)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.voltage_drive.active = false;
+    drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    drive.torque_range = (torque_range_t){-8192, 8192};
+    drive.observer.speed = reference;
+    drive.speed_reference = reference;
+    speed_loop_start(&drive.speed_loop, reference, 0);
+    slot(SLOT_SPEED);
+    return drive.state;
+}
+
+static void test_the_hand_back_waits_for_half_of_the_hold_speed(void)
+{
+    const step_t half = cfg.startup.hold_speed / 2;
+
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(half + 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(-half - 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(half));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(-half));
 }
 
 /* ---- the voltage drive's periods ---- */
@@ -669,7 +850,17 @@ int main(void)
     RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
     RUN_TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector);
     RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
-    RUN_TEST(test_a_rotor_is_lost_after_its_periods_in_a_row_only);
+    RUN_TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below);
+    RUN_TEST(test_an_alignment_is_believed_when_the_rotor_rested);
+    RUN_TEST(test_a_rotor_that_swings_is_given_time_once_and_measured_again);
+    RUN_TEST(test_a_rotor_that_does_not_rest_then_is_looked_for_again);
+    RUN_TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across);
+    RUN_TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits);
+    RUN_TEST(test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time);
+    RUN_TEST(test_each_further_attempt_sweeps_the_other_way);
+    RUN_TEST(test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing);
+    RUN_TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector);
+    RUN_TEST(test_the_hand_back_waits_for_half_of_the_hold_speed);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
     RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);

@@ -41,11 +41,18 @@ static modulator_t mod;
 void setUp(void)
 {
     cfg = example_modulator_cfg();
-    modulator_reset(&mod);
+    modulator_reset(&mod, &cfg);
 }
 
 void tearDown(void)
 {
+}
+
+/* Configured, and in force. */
+static void set_dead_time(int32_t dead_time_q15)
+{
+    cfg.dead_time_q15 = dead_time_q15;
+    mod.dead_time_q15 = dead_time_q15;
 }
 
 static compare_t compare_with(ab_t ratio, ab_t current)
@@ -67,9 +74,114 @@ static double inverse_error(int32_t bus)
     return fabs((mod.inverse_bus_q12 * (double)bus / (ONE * 4096.0)) - 1.0);
 }
 
-static void test_reset_starts_at_the_lower_bound(void)
+static void test_reset_starts_at_the_lower_bound_and_with_the_configured_dead_time(void)
 {
     TEST_ASSERT_EQUAL_INT32(4096, mod.inverse_bus_q12);
+    TEST_ASSERT_EQUAL_INT32(cfg.dead_time_q15, mod.dead_time_q15);
+}
+
+/* ---- the dead time by a measurement ---- */
+
+static void correct_at(int32_t bus, int32_t lost)
+{
+    modulator_reset(&mod, &cfg);
+    for (int32_t k = 0; k < 8; k++) {
+        modulator_track_bus(&mod, bus);
+    }
+    modulator_correct(&mod, &cfg, lost);
+}
+
+/* The reciprocal is within 2 LSB of 2^-12 of 1, lost and the ratio are rounded down by 1 each, ¾ of it by 1. */
+#define CORRECTED_TOLERANCE(change) ((abs(change) * 2.0 / 4096.0) + 3.0)
+
+/* A vector along phase a: legs b and c have half of its current, each loses Δt_d/T·u_bus: 4/3 of it together. */
+static void test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus(void)
+{
+    cfg.dead_time_q15 = 600;
+    cfg.dead_time_band_q15 = 4096;
+    for (int32_t bus = 8000; bus <= 32000; bus += 6000) {
+        for (int32_t change = -400; change <= 400; change += 100) {
+            const double lost = 4.0 / 3.0 * change / ONE * bus;
+
+            correct_at(bus, (int32_t)lround(lost));
+            TEST_ASSERT_DOUBLE_WITHIN(CORRECTED_TOLERANCE(change), 600 + change, mod.dead_time_q15);
+        }
+    }
+}
+
+static void test_a_second_measurement_corrects_what_the_first_left(void)
+{
+    cfg.dead_time_q15 = 600;
+    cfg.dead_time_band_q15 = 4096;
+    correct_at(32767, 200);
+    modulator_correct(&mod, &cfg, 200);
+    TEST_ASSERT_INT32_WITHIN(6, 900, mod.dead_time_q15);
+}
+
+static void test_a_change_within_what_the_measurement_repeats_is_none(void)
+{
+    cfg.dead_time_q15 = 640;
+    cfg.dead_time_band_q15 = 4096;
+    for (int32_t change = -20; change <= 20; change++) {
+        const int32_t expected = (abs(change) > 10) ? change : 0; /* 640/64 */
+
+        correct_at(32767, (change * 4) / 3);
+        if ((abs(change) < 8) ||
+            (abs(change) > 13)) { /* beyond the roundings of CORRECTED_TOLERANCE */
+            TEST_ASSERT_DOUBLE_WITHIN(CORRECTED_TOLERANCE(change), 640 + expected,
+                                      mod.dead_time_q15);
+        }
+        if (abs(change) < 8) {
+            TEST_ASSERT_EQUAL_INT32(640, mod.dead_time_q15);
+        }
+    }
+}
+
+static void test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken(void)
+{
+    cfg.dead_time_q15 = 640;
+    cfg.dead_time_band_q15 = 4096;
+    modulator_reset(&mod, &cfg);
+    mod.inverse_bus_q12 = 4096; /* u_bus = U_b: the change is ¾ of the voltage, rounded down */
+    modulator_correct(&mod, &cfg, 14);
+    TEST_ASSERT_EQUAL_INT32(640, mod.dead_time_q15);
+    modulator_correct(&mod, &cfg, 15);
+    TEST_ASSERT_EQUAL_INT32(651, mod.dead_time_q15);
+}
+
+static void test_correction_of_the_dead_time_stays_within_its_band(void)
+{
+    cfg.dead_time_q15 = 600;
+    cfg.dead_time_band_q15 = 150;
+    correct_at(20000, 16384);
+    TEST_ASSERT_EQUAL_INT32(750, mod.dead_time_q15);
+    correct_at(4097, 16384);
+    TEST_ASSERT_EQUAL_INT32(750, mod.dead_time_q15);
+    correct_at(4097, -16384);
+    TEST_ASSERT_EQUAL_INT32(450, mod.dead_time_q15);
+    cfg.dead_time_band_q15 = 4096; /* below zero there is none */
+    correct_at(4097, -16384);
+    TEST_ASSERT_EQUAL_INT32(0, mod.dead_time_q15);
+    cfg.dead_time_band_q15 = 0;
+    correct_at(20000, 5000);
+    TEST_ASSERT_EQUAL_INT32(600, mod.dead_time_q15);
+}
+
+static void test_the_dead_time_in_force_is_what_is_compensated(void)
+{
+    const ab_t ratio = {0, 0};
+    const ab_t current = {16000, 0};
+    compare_t before;
+
+    cfg.dead_time_q15 = 400;
+    cfg.dead_time_band_q15 = 400;
+    cfg.drop_q15 = 0;
+    correct_at(32000, 4000); /* in force: 800 */
+    before = compare_with(ratio, current);
+    cfg.dead_time_q15 = 8192;
+    TEST_ASSERT_EQUAL_UINT16(before.phase[0], compare_with(ratio, current).phase[0]);
+    TEST_ASSERT_INT32_WITHIN(1, (800 * cfg.timer_counts) / 32768,
+                             (int32_t)before.phase[0] - (cfg.timer_counts / 2));
 }
 
 static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth(void)
@@ -77,7 +189,7 @@ static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an
     double worst = 0.0;
 
     for (int32_t bus = 4097; bus <= 32767; bus++) {
-        modulator_reset(&mod);
+        modulator_reset(&mod, &cfg);
         for (int32_t k = 0; k < 8; k++) {
             modulator_track_bus(&mod, bus);
         }
@@ -90,7 +202,7 @@ static void test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an
 static void test_reciprocal_stays_settled(void)
 {
     for (int32_t bus = 4097; bus <= 32767; bus += 97) {
-        modulator_reset(&mod);
+        modulator_reset(&mod, &cfg);
         for (int32_t k = 0; k < 200; k++) {
             modulator_track_bus(&mod, bus);
             TEST_ASSERT_TRUE((k < 8) || (inverse_error(bus) <= SETTLED));
@@ -108,7 +220,7 @@ static void test_bus_step_leaves_its_square_for_one_tick(void)
             const int32_t after = (int32_t)lround(bus * (1.0 + share));
             double left = 0.0;
 
-            modulator_reset(&mod);
+            modulator_reset(&mod, &cfg);
             for (int32_t k = 0; k < 12; k++) {
                 modulator_track_bus(&mod, bus);
             }
@@ -149,7 +261,7 @@ static void test_reciprocal_of_the_full_bus_is_one(void)
 static void test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound(void)
 {
     for (int32_t bus = 0; bus <= 3640; bus += 520) { /* below 1/9 of U_b */
-        modulator_reset(&mod);
+        modulator_reset(&mod, &cfg);
         for (int32_t k = 0; k < 30; k++) {
             modulator_track_bus(&mod, bus);
         }
@@ -225,7 +337,7 @@ static void test_ratio_of_a_demand_on_the_circle_of_a_settled_bus_stays_at_the_l
     for (int32_t bus = 14564; bus <= 29127; bus += 13) {
         dq_t ratio;
 
-        modulator_reset(&mod);
+        modulator_reset(&mod, &cfg);
         for (int32_t k = 0; k < 8; k++) {
             modulator_track_bus(&mod, bus);
         }
@@ -391,6 +503,7 @@ static void use_dead_time(void)
 {
     cfg = example_modulator_cfg_with_dead_time();
     cfg.timer_counts = 32767;
+    modulator_reset(&mod, &cfg);
     for (int32_t k = 0; k < 8; k++) {
         modulator_track_bus(&mod, BUS_310V);
     }
@@ -402,7 +515,7 @@ static void test_either_dead_time_or_drop_asks_for_the_current(void)
     static const int32_t drop[] = {0, 0, 1, 1};
 
     for (uint32_t i = 0U; i < 4U; i++) {
-        cfg.dead_time_q15 = dead_time[i];
+        set_dead_time(dead_time[i]);
         cfg.drop_q15 = drop[i];
         TEST_ASSERT_EQUAL(i != 0U, modulator_compensates(&cfg));
     }
@@ -454,11 +567,11 @@ static void test_drop_weighs_more_on_a_lower_bus_and_dead_time_does_not(void)
     use_dead_time();
     for (uint32_t i = 0U; i < 3U; i++) {
         mod.inverse_bus_q12 = inverses[i];
-        cfg.dead_time_q15 = 0;
+        set_dead_time(0);
         cfg.drop_q15 = 1000;
         TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000 * inverses[i] / 4096,
                                  given_back((ab_t){0, 0}, current, 0U));
-        cfg.dead_time_q15 = 1000;
+        set_dead_time(1000);
         cfg.drop_q15 = 0;
         TEST_ASSERT_INT32_WITHIN(SHARE_LSB, 1000, given_back((ab_t){0, 0}, current, 0U));
     }
@@ -593,7 +706,7 @@ static void test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_
     const double duty = sqrt(2.0) + 0.5 - ((sqrt(2.0) - sqrt(0.5)) / 2.0) - 0.25 - 0.5;
 
     cfg.timer_counts = 32767;
-    cfg.dead_time_q15 = 8192;
+    set_dead_time(8192);
     cfg.drop_q15 = 2048;
     cfg.ripple_q15 = 16384;
     cfg.edge_slope = 32767;
@@ -613,7 +726,7 @@ static void test_duties_stay_between_zero_and_one_for_any_current_and_any_loss(v
         compare_t c;
 
         cfg.timer_counts = ends ? 32767 : seeded_in(&seed, 1, 32767);
-        cfg.dead_time_q15 = ends ? 8192 : seeded_in(&seed, 0, 8192);
+        set_dead_time(ends ? 8192 : seeded_in(&seed, 0, 8192));
         cfg.drop_q15 = ends ? 2048 : seeded_in(&seed, 0, 2048);
         cfg.ripple_q15 = ends ? 16384 : seeded_in(&seed, 0, 16384);
         cfg.edge_slope = ends ? 32767 : seeded_in(&seed, 1, 32767);
@@ -644,7 +757,13 @@ static void test_without_anything_to_give_back_both_ways_write_the_same_counts(v
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_reset_starts_at_the_lower_bound);
+    RUN_TEST(test_reset_starts_at_the_lower_bound_and_with_the_configured_dead_time);
+    RUN_TEST(test_dead_time_in_force_grows_by_three_quarters_of_the_lost_share_of_the_bus);
+    RUN_TEST(test_a_second_measurement_corrects_what_the_first_left);
+    RUN_TEST(test_a_change_within_what_the_measurement_repeats_is_none);
+    RUN_TEST(test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken);
+    RUN_TEST(test_correction_of_the_dead_time_stays_within_its_band);
+    RUN_TEST(test_the_dead_time_in_force_is_what_is_compensated);
     RUN_TEST(test_reciprocal_has_settled_after_eight_ticks_for_every_bus_above_an_eighth);
     RUN_TEST(test_reciprocal_stays_settled);
     RUN_TEST(test_bus_step_leaves_its_square_for_one_tick);

@@ -145,10 +145,19 @@ static bool step_both_ways(const drive_t *from, const drive_in_t *in)
     return (from->state == DRIVE_STATE_RUN) && (general.state == DRIVE_STATE_RUN);
 }
 
+/* Any state holds those of an alignment too, which divides by the number of its samples. */
+static drive_cfg_t cfg_without_startup(void)
+{
+    drive_cfg_t plain = example_drive_cfg();
+
+    plain.startup.align.measure_log2 = 6U;
+    return plain;
+}
+
 static void test_any_frame_in_any_state_does_the_same_on_both_ways(void)
 {
     for (int32_t with = 0; with < 2; with++) {
-        cfg = (with == 0) ? example_drive_cfg() : example_drive_cfg_with_startup();
+        cfg = (with == 0) ? cfg_without_startup() : example_drive_cfg_with_startup();
         for (int32_t k = 0; k < STATES; k++) {
             const drive_t from = any_state();
             const drive_in_t in = any_frame();
@@ -168,7 +177,7 @@ static void test_an_ordinary_tick_of_any_state_does_the_same_on_both_ways(void)
         drive_t from;
         drive_in_t in;
 
-        cfg = starts ? example_drive_cfg_with_startup() : example_drive_cfg();
+        cfg = starts ? example_drive_cfg_with_startup() : cfg_without_startup();
         if ((k & 2) != 0) {
             cfg.modulator = example_modulator_cfg_with_dead_time();
         }
