@@ -85,8 +85,8 @@ void align_reset(align_t *align, bool backwards);
 void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_ref);
 
 /*
- * One tick. current: measured i_d, i_q. voltage: v_d demanded in the last tick. All Q15, ±32767. Sets current_ref and
- * frame_speed for this tick.
+ * One tick. current: measured i_d, i_q, Q15 of I_b, ±34400. voltage: v_d demanded in the last tick, Q15 of U_b, ±32767.
+ * Sets current_ref and frame_speed for this tick.
  */
 void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage);
 
@@ -115,7 +115,7 @@ int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg);
 /*
  * The voltage that R·i does not explain, extrapolated to zero current: what dead time and device drop take beyond their
  * compensation. Q15 of U_b, ±16384, rounded down; 0 when there is no valid measurement. Both currents must be more than a
- * quarter of current_high apart: the distance to zero counts as at most four times theirs. One division.
+ * quarter of the larger one apart: the distance to zero counts as at most four times theirs. One division.
  */
 int32_t align_lost_voltage(const align_t *align);
 

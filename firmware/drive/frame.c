@@ -51,10 +51,10 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
  * reference alone has the wrong sign for a leg whose current has not changed yet; the measurement alone has noise and
  * ripple.
  *
- * An imposed current is controlled softly, so half of it is what was measured: a swinging rotor adds a current of its own.
- * The other half is the reference. Without it a compensation that has no current to go by would wait for one, while the
- * dead time waits for the compensation. The integral would then rise by the whole dead time, and both together drive
- * far too much current.
+ * An imposed current is controlled softly, and a swinging rotor adds a current of its own. So half of what is expected is
+ * the measured current. The other half is the reference: with a measured current of zero the compensation would be zero,
+ * and the dead time would keep the current at zero. The integral would rise until it overcomes the dead time. Then the
+ * compensation would come on top of it, and far too much current would flow.
  */
 static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {

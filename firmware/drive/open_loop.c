@@ -211,8 +211,8 @@ static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 
 /*
  * The back-EMF of a rotor that slips does not fit a model at standstill, nor one that follows it, and it persists. It passes
- * through zero twice in each turn of the slip, so periods without it count back. While the model follows the vector untrained, a load angle looks like an error, so there is no
- * check then.
+ * through zero twice in each turn of the slip, so periods without it count back. While the model follows the vector
+ * untrained, a load angle looks like an error, so there is no check then.
  */
 static bool has_lost_rotor(drive_t *drive)
 {

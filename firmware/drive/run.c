@@ -89,7 +89,7 @@ static bool is_slow(const drive_t *drive)
 }
 
 /*
- * i_d* in RUN. Below the speed at which the observer hands back, it rises to the current that will be imposed. Above, it
+ * i_d* in RUN. At low speed it rises to the current that will be imposed. Above, it
  * keeps the current vector large enough that not all legs switch near their zero crossing.
  */
 static int32_t next_current_d(const drive_t *drive)

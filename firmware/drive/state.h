@@ -117,8 +117,9 @@ typedef struct {
     bool identified; /* R and L of the model were measured */
     current_vector_t vector;
     angle_sensor_t angle_sensor;
-    int32_t residual;          /* |e'_q|, filtered over slow periods, Q15 of I_b */
-    uint32_t lost_periods;     /* slow periods with a residual too large for a held rotor */
+    int32_t residual; /* |e'_q|, filtered over slow periods, Q15 of I_b */
+    /* slow periods with a residual too large for a held rotor, less those without */
+    uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
     uint32_t attempts;         /* starts that failed since READY */
     flying_start_t flying_start;
