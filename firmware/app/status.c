@@ -92,6 +92,23 @@ static void add_fault(text_t *text, const about_t *about, const fault_t *fault)
     text_add(text, ")");
 }
 
+/* The last swing since the start, and whether it has lowered the bandwidth. */
+static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
+{
+    const uint32_t span = drive->oscillation.span;
+
+    if (span != 0U) {
+        const uint32_t ticks = span * drive->cfg->slow_ticks;
+        const uint32_t halves = drive->cfg->oscillation.halves_max;
+
+        add_quantity(text, ", swing ", units_decihertz(&about->rotation, halves, ticks), 1U);
+        text_add(text, " Hz");
+    }
+    if (drive->speed_loop.halvings != 0U) {
+        text_add(text, ", half the speed bandwidth");
+    }
+}
+
 static void add_state(text_t *text, const drive_t *drive, const about_t *about)
 {
     static const char *const names[] = {
@@ -112,6 +129,7 @@ void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t 
     const step_t asked = command_mailbox_take(&app->mailbox).target;
 
     add_state(text, &app->drive, about);
+    add_swing(text, &app->drive, about);
     add_rpm(text, ", speed ", about, drive_speed(&app->drive));
     add_rpm(text, " of ", about, asked);
     add_current(text, " rpm, phases ", about, app->in.adc_ia);

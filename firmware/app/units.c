@@ -49,6 +49,16 @@ step_t units_step(const units_rotation_t *rotation, int32_t rpm)
     return (step_t)divided(clamped(rpm, largest) * turn, MINUTE);
 }
 
+/* 10^12 ps a second, two half-waves a period, ten tenths: halves · 5·10^12 stays below 2^53, ticks · tick_ps below 2^61. */
+int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks)
+{
+    const int64_t time_ps = (int64_t)ticks * (int64_t)rotation->tick_ps;
+
+    return (time_ps == 0)
+               ? 0
+               : (int32_t)clamped(divided((int64_t)halves * 5000000000000LL, time_ps), INT32_MAX);
+}
+
 int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
 {
     const int64_t product = (int64_t)value * (int64_t)base_millionths;

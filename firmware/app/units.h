@@ -29,6 +29,12 @@ int32_t units_rpm(const units_rotation_t *rotation, step_t step);
 step_t units_step(const units_rotation_t *rotation, int32_t rpm);
 
 /*
+ * Frequency of `halves` half-waves in so many ticks, in tenths of Hz, rounded to nearest, saturated at INT32_MAX; 0 for
+ * 0 ticks. halves: 0…1000.
+ */
+int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks);
+
+/*
  * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one: the value that stands
  * for the base, 1…2^15. base_millionths: the base in millionths of its unit.
  */

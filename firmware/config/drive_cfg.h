@@ -16,6 +16,7 @@
 #include "modulator.h"
 #include "motion_loop.h"
 #include "nn_observer.h"
+#include "oscillation.h"
 #include "phase_compensator.h"
 #include "protection.h"
 #include "startup.h"
@@ -64,6 +65,7 @@ typedef struct {
     run_cfg_t run;
     model_cfg_t model;
     supervision_cfg_t supervision;
+    oscillation_cfg_t oscillation;
     voltage_drive_cfg_t voltage_drive;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;

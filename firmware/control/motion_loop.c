@@ -7,6 +7,18 @@
 #define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
 #define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
+#define SHIFT_MAX (31) /* of fx_asr */
+
+void speed_loop_lower(speed_loop_t *loop)
+{
+    loop->halvings = 1U;
+}
+
+void speed_loop_restore(speed_loop_t *loop)
+{
+    loop->halvings = 0U;
+}
+
 void speed_loop_reset(speed_loop_t *loop, step_t speed)
 {
     pi_reset(&loop->pi, 0);
@@ -42,6 +54,17 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     return fx_clamp(torque, range.lower, range.upper);
 }
 
+/* K_p/2, K_i/4. A K_i that the shift ends at is less than one LSB of the integral for the largest error. */
+static pi_cfg_t lowered(const pi_cfg_t *cfg)
+{
+    return (pi_cfg_t){
+        .kp = cfg->kp,
+        .ki = cfg->ki,
+        .kp_shift = cfg->kp_shift + 1U,
+        .ki_shift = (uint32_t)fx_min((int32_t)cfg->ki_shift + 2, SHIFT_MAX),
+    };
+}
+
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range)
 {
@@ -55,9 +78,16 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     /* Q15 of 2·Ω_b */
     const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
 
-    return fx_max(fx_sat15(middle + pi_step(&loop->pi, &cfg->pi, half_error_q15,
-                                            feed_forward - middle, reach)),
-                  range.lower);
+    int32_t beyond_middle;
+
+    if (loop->halvings != 0U) {
+        const pi_cfg_t soft = lowered(&cfg->pi);
+
+        beyond_middle = pi_step(&loop->pi, &soft, half_error_q15, feed_forward - middle, reach);
+    } else {
+        beyond_middle = pi_step(&loop->pi, &cfg->pi, half_error_q15, feed_forward - middle, reach);
+    }
+    return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

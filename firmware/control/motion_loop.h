@@ -31,7 +31,8 @@ typedef struct {
 
 typedef struct {
     pi_t pi;
-    step_t reference; /* of the last slow period, after all limits */
+    step_t reference;  /* of the last slow period, after all limits */
+    uint32_t halvings; /* of the bandwidth, 0…1 */
 } speed_loop_t;
 
 typedef struct {
@@ -55,7 +56,14 @@ typedef struct {
     int32_t upper;
 } torque_range_t;
 
-/* Start at the present speed with i_q* = 0, without a jump. */
+/*
+ * Halve the bandwidth, at most once, or give back the whole one. Half of K_p and a quarter of K_i keep the damping: in
+ * s² + (K_p/J)·s + K_i/J they are 2ζω and ω². The integral stays, so i_q* changes by half of the proportional part.
+ */
+void speed_loop_lower(speed_loop_t *loop);
+void speed_loop_restore(speed_loop_t *loop);
+
+/* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
 /* Returns the reference of the next slow period on the ramp to `target`. Does not change the loop. */

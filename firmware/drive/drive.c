@@ -171,6 +171,8 @@ static drive_event_t start(drive_t *drive)
 
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
+    oscillation_reset(&drive->oscillation);
+    speed_loop_restore(&drive->speed_loop);
     if (drive_has_sensor(drive)) {
         run_reset_sensed(drive);
     } else if (drive->cfg->startup.current_hold == 0) {

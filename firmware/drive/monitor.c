@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "monitor.h"
 
+#include "io.h"
+
 #include "trig.h"
 
 static fault_id_t check_phases(drive_t *drive, fault_t *fault)
@@ -106,6 +108,41 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
     return supervision_check_speed(&drive->supervision, cfg, &measured, fault);
 }
 
+/* What the user asks for: not the reference of the speed in position control, which follows the measured position. */
+static step_t motion_asked(const drive_t *drive)
+{
+    return (drive->mode == (uint8_t)DRIVE_MODE_POSITION) ? drive->position_loop.profile_speed
+                                                         : drive->speed_loop.reference;
+}
+
+/* Lowers the bandwidth if that is configured and has not been done since the start. A voltage drive has another loop. */
+static bool lowers_bandwidth(drive_t *drive)
+{
+    const bool lowers = (drive->cfg->oscillation.act == (uint32_t)OSCILLATION_ACT_LOWER) &&
+                        (drive->speed_loop.halvings == 0U) && !drive->voltage_drive.active;
+
+    if (lowers) {
+        speed_loop_lower(&drive->speed_loop);
+    }
+    return lowers;
+}
+
+static fault_id_t check_oscillation(drive_t *drive, fault_t *fault)
+{
+    const oscillation_in_t measured = {
+        .motion = motion_asked(drive),
+        .current = drive_current_in_force(drive).q,
+    };
+    fault_id_t id =
+        oscillation_step(&drive->oscillation, &drive->cfg->oscillation, &measured, fault);
+
+    if ((id != FAULT_NONE) && lowers_bandwidth(drive)) {
+        fault_clear(fault);
+        id = FAULT_NONE;
+    }
+    return id;
+}
+
 fault_id_t monitor_next_check(drive_t *drive, uint16_t adc_temperature, fault_t *fault)
 {
     const uint32_t step = drive->supervision.step;
@@ -139,6 +176,10 @@ fault_id_t monitor_phases(drive_t *drive, fault_t *fault)
     }
     if ((id == FAULT_NONE) && drive_is_imposed(drive->state)) {
         id = check_imposed(drive, fault);
+    }
+    if ((id == FAULT_NONE) && (drive->state == DRIVE_STATE_RUN) &&
+        (drive->cfg->oscillation.act != (uint32_t)OSCILLATION_ACT_NONE)) {
+        id = check_oscillation(drive, fault);
     }
     return id;
 }

@@ -9,7 +9,7 @@
 
 #include "state.h"
 
-/* The currents of the phases, where a current is controlled. */
+/* The currents of the phases, where a current is controlled, and in RUN what swings. */
 fault_id_t monitor_phases(drive_t *drive, fault_t *fault);
 
 /*

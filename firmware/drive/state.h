@@ -16,6 +16,7 @@
 #include "drive_cfg.h"
 #include "flying_start.h"
 #include "model.h"
+#include "oscillation.h"
 #include "phase_compensator.h"
 #include "protection.h"
 #include "rotor_position.h"
@@ -127,6 +128,7 @@ typedef struct {
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
     supervision_t supervision;
+    oscillation_t oscillation;
     config_guard_t guard;
     fault_t fault; /* the last fault */
 } drive_t;

@@ -32,6 +32,7 @@ typedef enum {
     FAULT_CONFIGURATION,     /* value: CRC of the configuration, limit: the CRC stored with it */
     FAULT_STARTUP,           /* value, limit: see open_loop.c */
     FAULT_CURRENT_IMPLAUSIBLE, /* value: voltage that the measured current does not explain */
+    FAULT_OSCILLATION,         /* value: amplitude of i_q*, the frequency: oscillation.h */
     FAULT_COUNT                /* number of entries, no fault */
 } fault_id_t;
 

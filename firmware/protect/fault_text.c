@@ -64,6 +64,9 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
             {"CURRENT_IMPLAUSIBLE", FAULT_UNIT_VOLTAGE,
              "a current sensor does not tell what flows, or a motor wire is open; check sensors, "
              "then wires, then R"},
+        [FAULT_OSCILLATION] = {"OSCILLATION", FAULT_UNIT_CURRENT,
+                               "speed loop too fast, dead time wrong or elastic shaft; lower "
+                               "speed_loop.bandwidth_hz, then check these"},
     };
     const unsigned int index = (unsigned int)id;
 

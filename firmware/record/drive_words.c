@@ -23,7 +23,7 @@ static const piece_t pieces[] = {
     LONG(position),
     WORDS(state, tick),
     BYTE(voltage_drive.active),
-    WORDS(voltage_drive.calm_periods, speed_loop.reference),
+    WORDS(voltage_drive.calm_periods, speed_loop.halvings),
     WORDS(position_loop, position_loop.profile_speed),
     BYTE(mode),
     WORDS(calibration, model.flux_q30),
@@ -34,7 +34,9 @@ static const piece_t pieces[] = {
     BYTE(flying_start.gates),
     WORDS(flying_start.speed, align.tick),
     BYTE(align.backwards),
-    WORDS(align.current_ref, fault.tick),
+    WORDS(align.current_ref, oscillation.motion),
+    BYTE(oscillation.falls),
+    WORDS(oscillation.extreme, fault.tick),
 };
 
 #define PIECES ((uint32_t)(sizeof(pieces) / sizeof(pieces[0])))

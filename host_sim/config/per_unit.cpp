@@ -71,7 +71,10 @@ constexpr double STALL_SHARE = 0.5;
 constexpr double STALL_TIME_S = 1;
 constexpr uint32_t LATE_MAX = 10;
 constexpr double LATE_WINDOW_S = 1;
-constexpr double PERIODS_MAX = 1e6; // what a counter of periods is set to at most
+// The longest half-wave of a swing: what is slower is the load's or a position that hunts.
+constexpr double HALF_WAVE_S = 0.5;
+constexpr double HALF_WAVE_PERIODS = 60000; // what the firmware counts to
+constexpr double PERIODS_MAX = 1e6;         // what a counter of periods is set to at most
 
 // There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus. And the observer turns
 // its currents by the small angle of a PWM period.
@@ -301,6 +304,25 @@ supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettin
     c.stall_periods = periods(STALL_TIME_S);
     c.late_max = LATE_MAX;
     c.late_window = periods(LATE_WINDOW_S);
+    return c;
+}
+
+oscillation_cfg_t make_oscillation(const MotorSettings &motor, const TuningSettings &tuning,
+                                   const Bases &b)
+{
+    const double slow_period_s = b.control_period_s * tuning.slow_ticks;
+    oscillation_cfg_t c{};
+    c.act = static_cast<uint32_t>(tuning.oscillation);
+    c.halves_max = static_cast<uint32_t>(tuning.oscillation_half_waves);
+    c.periods_max =
+        static_cast<uint32_t>(std::clamp(HALF_WAVE_S / slow_period_s, 2.0, HALF_WAVE_PERIODS));
+    const double amplitude = tuning.oscillation_amplitude_pct / 100 * continuous_current(motor);
+    if (tuning.oscillation != OscillationAct::off) {
+        require(amplitude, 0, motor.max_current_a,
+                {"supervision.oscillation_amplitude_pct", tuning.oscillation_amplitude_pct},
+                "motor.max_current_a: the torque current does not swing further");
+    }
+    keep(c.amplitude_max, amplitude / b.current_a * Q15, 1, Q14 - 1);
     return c;
 }
 
@@ -702,6 +724,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.derating = make_derating(motor, board, period_s, b);
     c.supervision = make_supervision(motor, board, tuning, period_s, b);
     set_imposed_limits(c.supervision, motor, board, tuning, m, b);
+    c.oscillation = make_oscillation(motor, tuning, b);
     c.observer = make_observer(motor, board, tuning, m, b);
     c.current_loop = make_current_loop(motor, tuning, m, b);
     c.speed_loop = make_speed_loop(motor, tuning, m, b);

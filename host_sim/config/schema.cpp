@@ -137,6 +137,9 @@ const std::vector<Field> FIELDS = {
     {"phase_compensator", "lead_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::lead_max_deg>, "largest lead of the voltage, electrical", WITH_VOLTAGE_DRIVE},
     {"phase_compensator", "brake_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::brake_max_deg>, "largest lag of the voltage; 0: by the motor", WITH_VOLTAGE_DRIVE},
     {"phase_compensator", "current_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::compensator_current_pct>, "of motor.continuous_current_a: a vector small against it has no angle", WITH_VOLTAGE_DRIVE},
+    {"supervision", "oscillation", "", 0, 0, OPTIONAL, tuning<&T::oscillation>, "what follows when the torque current swings at a constant command: nothing, half the speed bandwidth and if that does not help a fault, or a fault"},
+    {"supervision", "oscillation_amplitude_pct", "%", 1, 200, OPTIONAL, tuning<&T::oscillation_amplitude_pct>, "amplitude of the torque current that is a swing, of motor.continuous_current_a", WITH_OSCILLATION},
+    {"supervision", "oscillation_half_waves", "", 4, 1000, OPTIONAL, tuning<&T::oscillation_half_waves>, "half-waves in a row that are a swing", WITH_OSCILLATION},
 
     {"model", "resistance", "", 0.1, 10, OPTIONAL, model<&ModelScales::resistance>, "controller's belief / motor file"},
     {"model", "inductance", "", 0.1, 10, OPTIONAL, model<&ModelScales::inductance>, "controller's belief / motor file"},
@@ -208,6 +211,7 @@ const std::vector<Section> SECTIONS = {
     {"position_loop", {FileKind::tuning, FileKind::scenario}},
     {"voltage_loop", {FileKind::tuning, FileKind::scenario}},
     {"phase_compensator", {FileKind::tuning, FileKind::scenario}},
+    {"supervision", {FileKind::tuning, FileKind::scenario}},
     {"model", {FileKind::scenario, FileKind::imperfection}},
     {"plant", {FileKind::scenario, FileKind::imperfection}},
     {"scenario", {FileKind::scenario}},
@@ -215,29 +219,34 @@ const std::vector<Section> SECTIONS = {
 };
 
 // What the keys with a choice can be, in the order of the enumerators.
-using Words = std::array<const char *, 2>;
+using Words = std::vector<const char *>;
 
-constexpr Words words_of(const DriveMode *)
+Words words_of(const DriveMode *)
 {
     return {"speed", "position"};
 }
 
-constexpr Words words_of(const ControlMethod *)
+Words words_of(const ControlMethod *)
 {
     return {"current", "voltage_phase"};
 }
 
-constexpr Words words_of(const AngleSource *)
+Words words_of(const AngleSource *)
 {
     return {"observer", "sensor"};
 }
 
-constexpr Words words_of(const Chip *)
+Words words_of(const OscillationAct *)
+{
+    return {"off", "lower", "fault"};
+}
+
+Words words_of(const Chip *)
 {
     return {"stm32g431", "other"};
 }
 
-constexpr Words words_of(const BreakPolarity *)
+Words words_of(const BreakPolarity *)
 {
     return {"active_high", "active_low"};
 }
@@ -331,7 +340,11 @@ void check_choice(const Field &field, const Node &value, const Words &words)
 
 std::string choice_text(const Words &words)
 {
-    return fmt::format(R"("{}" or "{}")", words[0], words[1]);
+    std::string text = fmt::format(R"("{}")", words.front());
+    for (std::size_t k = 1; k < words.size(); k++) {
+        text += fmt::format(R"({}"{}")", k + 1 == words.size() ? " or " : ", ", words[k]);
+    }
+    return text;
 }
 
 // A checked value.

@@ -25,9 +25,10 @@ enum class FileKind {
 
 const char *kind_name(FileKind kind);
 
-using Target = std::variant<double *, int *, unsigned *, bool *, std::string *,
-                            std::array<double, 2> *, std::vector<double> *, DriveMode *,
-                            ControlMethod *, AngleSource *, Chip *, BreakPolarity *>;
+using Target =
+    std::variant<double *, int *, unsigned *, bool *, std::string *, std::array<double, 2> *,
+                 std::vector<double> *, DriveMode *, ControlMethod *, AngleSource *,
+                 OscillationAct *, Chip *, BreakPolarity *>;
 
 struct Field {
     const char *section;

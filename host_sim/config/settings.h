@@ -75,8 +75,15 @@ enum class AngleSource {
     sensor
 };
 
+// What follows when the drive swings; as oscillation_act_t.
+enum class OscillationAct {
+    off,
+    lower,
+    fault
+};
+
 // [drive], [observer], [startup], [adaptation], [current_loop], [speed_loop], [position_loop], [voltage_loop],
-// [phase_compensator]
+// [phase_compensator], [supervision]
 struct TuningSettings {
     std::string name;
     ControlMethod method = ControlMethod::current;
@@ -118,6 +125,9 @@ struct TuningSettings {
     double brake_max_deg = 0;                // largest lag; 0: by the motor
     double compensator_current_pct =
         25; // of the continuous current: a vector small against it has no angle
+    OscillationAct oscillation = OscillationAct::fault;
+    double oscillation_amplitude_pct = 30; // of the torque current, of the continuous one
+    int oscillation_half_waves = 10;       // in a row
 };
 
 // Dead time and device drop are one value unless a file tells them apart: the real board has what its file

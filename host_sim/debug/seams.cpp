@@ -204,6 +204,8 @@ twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg
     twin::SpeedLoop::Params params = twin::speed_loop_params(si);
     params.current_min_a = si.current(range.lower);
     params.current_max_a = si.current(range.upper);
+    params.pi.kp /= std::ldexp(1.0, static_cast<int>(loop.halvings));
+    params.pi.ki_t /= std::ldexp(1.0, 2 * static_cast<int>(loop.halvings));
     twin::SpeedLoop twin(params);
     twin.reset(si.speed_of_step(loop.reference), loop.pi.integral_q26 / Q26 * si.bases.current_a);
     return twin;

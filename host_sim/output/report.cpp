@@ -29,6 +29,14 @@ std::vector<std::string> imperfection_names(const Config &config)
     return names;
 }
 
+// Of the files, then of the run.
+std::vector<std::string> notes_of(const Config &config, const RunResult &result)
+{
+    std::vector<std::string> notes = config.scenario.notes;
+    notes.insert(notes.end(), result.notes.begin(), result.notes.end());
+    return notes;
+}
+
 std::string line(const std::string &name, const std::string &value, const std::string &limit,
                  bool holds)
 {
@@ -77,7 +85,7 @@ std::string json_text(const Config &config, const RunResult &result)
     json["scenario"] = config.scenario.id;
     json["with"] = imperfection_names(config);
     json["set"] = config.sources.overrides;
-    json["notes"] = config.scenario.notes;
+    json["notes"] = notes_of(config, result);
     json["seed"] = config.scenario.seed;
     for (const MetricField &field : metric_fields()) {
         const std::optional<double> &value = result.metrics.*field.value;
@@ -123,10 +131,11 @@ std::string table_text(const Config &config, const RunResult &result)
     std::string text = fmt::format(
         "{}: {}\n  {}, tuning {}, imperfections: {}\n\n", config.scenario.id, config.scenario.title,
         config.motor.name, config.tuning.name, selection_name(config.sources.imperfections));
-    for (const std::string &note : config.scenario.notes) {
+    const std::vector<std::string> notes = notes_of(config, result);
+    for (const std::string &note : notes) {
         text += fmt::format("note: {}\n", note);
     }
-    text += config.scenario.notes.empty() ? "" : "\n";
+    text += notes.empty() ? "" : "\n";
     text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");
     for (const FlagField &field : flag_fields()) {
         text += flag_line(field, result.metrics, limits);

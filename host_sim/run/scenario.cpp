@@ -43,6 +43,7 @@ public:
 
 private:
     void one();
+    void note_swing();
     void judge_steps(const Tick &tick);
     void evaluate(const Tick &tick);
     void watch_state();
@@ -150,6 +151,20 @@ void Run::one()
     run_.advance();
 }
 
+// The last swing that supervision found.
+void Run::note_swing()
+{
+    const drive_t &drive = run_.sim().drive();
+    if (drive.oscillation.span > 0) {
+        const double half_s = drive.oscillation.span * drive.cfg->slow_ticks *
+                              run_.sim().bases().control_period_s /
+                              drive.cfg->oscillation.halves_max;
+        result_.notes.push_back(fmt::format(
+            "the torque current swung at {:.1f} Hz{}", 0.5 / half_s,
+            drive.speed_loop.halvings > 0 ? ", the speed loop was given half its bandwidth" : ""));
+    }
+}
+
 RunResult Run::all()
 {
     while (run_.tick() < run_.end()) {
@@ -168,6 +183,7 @@ RunResult Run::all()
     result_.period_s = run_.sim().bases().control_period_s;
     result_.state_final = run_.sim().drive().state;
     result_.gates_enabled_final = run_.sim().plant().gates_on;
+    note_swing();
     return result_;
 }
 

@@ -40,6 +40,7 @@ struct RunResult {
     MetricValues metrics;
     Saturations saturations; // over the evaluation, while running
     std::vector<fault_t> faults;
+    std::vector<std::string> notes; // what the drive did by itself
     int64_t ticks = 0;
     int64_t zero = 0;                             // the tick of t = 0
     double period_s = 0;                          // of a tick

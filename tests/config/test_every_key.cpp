@@ -105,6 +105,7 @@ public:
                                  startup == 0 || std::strcmp(source, "sensor") == 0};
                     if (startup != 0) {
                         mode.set.insert(mode.set.end(), ROUGH.begin(), ROUGH.end());
+                        mode.set.push_back("supervision.oscillation=lower");
                     }
                     all.push_back(mode);
                 }

@@ -25,6 +25,8 @@ namespace
 const std::vector<std::string> AS_BY_HAND = {
     "motor.continuous_current_a=6.719",
     "startup.current_pct=119.0653", // 8 A
+    "supervision.oscillation=fault",
+    "supervision.oscillation_half_waves=20",
     "observer.kappa=0.005",
     "observer.kappa_p=0.1",
     "observer.rho_max=2",

@@ -32,5 +32,6 @@
 #include "../../firmware/drive/voltage_drive.c"
 #include "../../firmware/math/crc32.c"
 #include "../../firmware/protect/derating.c"
+#include "../../firmware/protect/oscillation.c"
 #include "../../firmware/protect/protection.c"
 #include "../../firmware/protect/supervision.c"

@@ -49,7 +49,7 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
 
     for (int run = 0; run < 100; run++) {
         const torque_range_t torque = torque_range(s);
-        speed_loop_t loop;
+        speed_loop_t loop{};
         nf::twin::SpeedLoop twin(nf::reference::speed_loop_params(s));
         const step_t target = seeded.in(-300000, 300000);
         step_t measured = 0;
@@ -75,7 +75,7 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
 static void test_saturated_demand_equals_the_twin()
 {
     const Setup s = setup_a();
-    speed_loop_t loop;
+    speed_loop_t loop{};
     nf::twin::SpeedLoop twin(nf::reference::speed_loop_params(s));
 
     speed_loop_reset(&loop, 0);

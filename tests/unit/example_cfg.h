@@ -150,6 +150,16 @@ static inline supervision_cfg_t example_supervision_cfg(void)
     };
 }
 
+static inline oscillation_cfg_t example_oscillation_cfg(void)
+{
+    return (oscillation_cfg_t){
+        .act = (uint32_t)OSCILLATION_ACT_FAULT,
+        .halves_max = 20U,
+        .periods_max = 500U,
+        .amplitude_max = 1651, /* 2.02 A */
+    };
+}
+
 static inline modulator_cfg_t example_modulator_cfg(void)
 {
     return (modulator_cfg_t){
@@ -284,6 +294,7 @@ static inline drive_cfg_t example_drive_cfg(void)
         .protection = example_protection_cfg(),
         .derating = example_derating_cfg(),
         .supervision = example_supervision_cfg(),
+        .oscillation = example_oscillation_cfg(),
         .observer = example_observer_cfg(),
         .current_loop = example_current_loop_cfg(),
         .speed_loop = example_speed_loop_cfg(),
@@ -336,6 +347,7 @@ static inline void example_supervise_nothing(drive_cfg_t *cfg)
         .late_max = 1000000U,
         .late_window = 1U,
     };
+    cfg->oscillation.act = (uint32_t)OSCILLATION_ACT_NONE;
     cfg->crc = config_guard_crc(cfg);
 }
 

@@ -118,6 +118,9 @@ static void test_a_run_begins_with_nothing_counted(void)
         {"stalled", &drive.supervision.stalled},
         {"off_reference", &drive.supervision.off_reference},
         {"runaway", &drive.supervision.runaway},
+        {"halves", &drive.oscillation.halves},
+        {"span", &drive.oscillation.span},
+        {"halvings", &drive.speed_loop.halvings},
     };
 
     enter(DRIVE_STATE_READY);
@@ -136,6 +139,9 @@ static void test_a_run_begins_with_nothing_counted(void)
     drive.supervision.stalled = STALE;
     drive.supervision.off_reference = STALE;
     drive.supervision.runaway = STALE;
+    drive.oscillation.halves = STALE;
+    drive.oscillation.span = STALE;
+    speed_loop_lower(&drive.speed_loop);
     in.command.request = DRIVE_REQUEST_RUN;
     drive_step(&drive, &in, &out);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
@@ -837,6 +843,92 @@ static void test_a_stall_is_told_from_either_limit_of_the_torque(void)
     TEST_ASSERT_EQUAL(FAULT_NONE, drive.fault.id);
 }
 
+/* 20 Hz on i_q* at a constant reference, for so many slow periods. */
+static void swing_for(uint32_t periods)
+{
+    for (uint32_t k = 0U; k < periods; k++) {
+        drive.signals.current_ref.q = ((k % 50U) < 25U) ? 4000 : -4000;
+        slot(SLOT_PHASES);
+    }
+}
+
+#define SWING_FOUND \
+    (650U) /* 20 half-waves of 25, three more to begin with, and the end of the last */
+
+static void test_a_swing_in_run_is_a_fault_with_its_amplitude(void)
+{
+    enter(DRIVE_STATE_RUN);
+    swing_for(SWING_FOUND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
+    TEST_ASSERT_EQUAL_INT32(4000, drive.fault.value);
+    TEST_ASSERT_EQUAL_INT32(cfg.oscillation.amplitude_max, drive.fault.limit);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+}
+
+static void test_a_swing_lowers_the_bandwidth_once_where_that_is_configured(void)
+{
+    cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_LOWER;
+    enter(DRIVE_STATE_RUN);
+    swing_for(SWING_FOUND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.speed_loop.halvings);
+    swing_for(SWING_FOUND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
+}
+
+static void test_no_swing_is_looked_for_where_that_is_configured_nor_below_run(void)
+{
+    cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_NONE;
+    enter(DRIVE_STATE_RUN);
+    swing_for(2U * SWING_FOUND);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_FAULT;
+    enter(DRIVE_STATE_HANDOVER);
+    swing_for(2U * SWING_FOUND);
+    TEST_ASSERT_EQUAL(0U, drive.oscillation.now);
+}
+
+/* Its speed loop is another one, so there is nothing to lower. */
+static void test_a_swing_of_the_voltage_drive_is_a_fault_at_once(void)
+{
+    cfg.oscillation.act = (uint32_t)OSCILLATION_ACT_LOWER;
+    enter(DRIVE_STATE_RUN);
+    drive.voltage_drive.active = true;
+    for (uint32_t k = 0U; k < SWING_FOUND; k++) {
+        drive.voltage_drive.current_mean.q = ((k % 50U) < 25U) ? 4000 : -4000;
+        slot(SLOT_PHASES);
+    }
+    TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+}
+
+/* In position control the reference of the speed follows the measured position: a swing of it is none that is asked for. */
+static void test_a_swing_in_position_control_is_found_while_the_profile_rests(void)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    for (uint32_t k = 0U; k < SWING_FOUND; k++) {
+        drive.signals.current_ref.q = ((k % 50U) < 25U) ? 4000 : -4000;
+        drive.speed_loop.reference = (int32_t)(k % 50U) * 1000;
+        slot(SLOT_PHASES);
+    }
+    TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
+}
+
+static void test_a_profile_that_moves_is_no_swing(void)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    for (uint32_t k = 0U; k < (4U * SWING_FOUND); k++) {
+        drive.signals.current_ref.q = ((k % 50U) < 25U) ? 4000 : -4000;
+        drive.position_loop.profile_speed += ((k % 50U) < 25U) ? 100 : -100;
+        slot(SLOT_PHASES);
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -876,5 +968,11 @@ int main(void)
     RUN_TEST(
         test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged);
     RUN_TEST(test_a_stall_is_told_from_either_limit_of_the_torque);
+    RUN_TEST(test_a_swing_in_run_is_a_fault_with_its_amplitude);
+    RUN_TEST(test_a_swing_lowers_the_bandwidth_once_where_that_is_configured);
+    RUN_TEST(test_no_swing_is_looked_for_where_that_is_configured_nor_below_run);
+    RUN_TEST(test_a_swing_of_the_voltage_drive_is_a_fault_at_once);
+    RUN_TEST(test_a_swing_in_position_control_is_found_while_the_profile_rests);
+    RUN_TEST(test_a_profile_that_moves_is_no_swing);
     return UNITY_END();
 }

@@ -23,6 +23,7 @@ void setUp(void)
     speed_cfg = example_speed_loop_cfg();
     torque = (torque_range_t){-8192, 8192};
     cfg = example_position_loop_cfg();
+    speed_loop_restore(&speed_loop);
     speed_loop_reset(&speed_loop, 0);
     position_loop_reset(&loop, 0, 0);
     ticks = 10U;
@@ -730,6 +731,54 @@ test_profile_without_softness_keeps_its_limits_and_passes_the_target_by_two_ramp
     }
 }
 
+/* Two steps from zero integral: K_p·e + K_i·e, then K_p·e + 2·K_i·e; each part rounded down. */
+static void test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki(void)
+{
+    const int32_t range = 16384;
+    const torque_range_t all = {-range, range};
+    int32_t whole[2];
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        whole[k] = speed_loop_step(&speed_loop, &speed_cfg, 0, -1500000, all);
+    }
+    speed_loop_reset(&speed_loop, 0);
+    speed_loop_lower(&speed_loop);
+    for (uint32_t k = 0U; k < 2U; k++) {
+        const int32_t lowered = speed_loop_step(&speed_loop, &speed_cfg, 0, -1500000, all);
+        const double ki = whole[1] - whole[0];
+        const double kp = whole[0] - ki;
+
+        TEST_ASSERT_DOUBLE_WITHIN(3.0, (kp / 2.0) + ((k + 1U) * ki / 4.0), lowered);
+    }
+    TEST_ASSERT_TRUE(whole[1] - whole[0] > 40); /* ten times the roundings */
+}
+
+static void test_the_bandwidth_is_halved_once_and_given_back_whole(void)
+{
+    speed_loop_lower(&speed_loop);
+    speed_loop_lower(&speed_loop);
+    TEST_ASSERT_EQUAL_UINT32(1U, speed_loop.halvings);
+    speed_loop_reset(&speed_loop, 1000);
+    speed_loop_start(&speed_loop, 1000, 10);
+    TEST_ASSERT_EQUAL_UINT32(1U, speed_loop.halvings);
+    speed_loop_restore(&speed_loop);
+    TEST_ASSERT_EQUAL_UINT32(0U, speed_loop.halvings);
+}
+
+/* The finest gains: the shift of K_i ends, and what is left of it is less than one LSB. */
+static void test_half_the_bandwidth_holds_for_the_finest_gains(void)
+{
+    const torque_range_t all = {-16384, 16384};
+
+    speed_cfg.pi.kp_shift = 30U;
+    speed_cfg.pi.ki_shift = 30U;
+    speed_loop_lower(&speed_loop);
+    for (uint32_t k = 0U; k < 100U; k++) {
+        TEST_ASSERT_INT32_WITHIN(1, 0,
+                                 speed_loop_step(&speed_loop, &speed_cfg, 0, -0x20000000, all));
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -778,5 +827,8 @@ int main(void)
     RUN_TEST(test_acceleration_is_limited_in_current_and_reference_for_any_jump);
     RUN_TEST(test_start_goes_on_with_the_given_current_at_a_steady_speed);
     RUN_TEST(test_start_with_more_than_the_largest_current_is_limited_in_the_first_period);
+    RUN_TEST(test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki);
+    RUN_TEST(test_the_bandwidth_is_halved_once_and_given_back_whole);
+    RUN_TEST(test_half_the_bandwidth_holds_for_the_finest_gains);
     return UNITY_END();
 }

@@ -99,6 +99,16 @@ static void test_a_fault_has_its_advice_in_brackets(void)
     TEST_ASSERT_NOT_NULL(strstr(status(), "), speed "));
 }
 
+static void test_a_swing_has_its_frequency_and_says_what_it_has_lowered(void)
+{
+    app.drive.state = DRIVE_STATE_RUN;
+    app.drive.oscillation.span = 400U; /* slow periods of 1 ms */
+    TEST_ASSERT_EQUAL_STRING_LEN("RUN, swing 25.0 Hz, speed ", status(), 26U);
+    speed_loop_lower(&app.drive.speed_loop);
+    TEST_ASSERT_EQUAL_STRING_LEN("RUN, swing 25.0 Hz, half the speed bandwidth, speed ", status(),
+                                 52U);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -108,5 +118,6 @@ int main(void)
     RUN_TEST(test_the_speed_is_that_of_the_drive);
     RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_fault_has_its_advice_in_brackets);
+    RUN_TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered);
     return UNITY_END();
 }

@@ -132,6 +132,26 @@ static void test_thousandths_saturate(void)
     TEST_ASSERT_EQUAL_INT32(-1000, units_thousandths(-16384, 16384, 1000000U));
 }
 
+static void test_a_frequency_is_that_of_half_as_many_waves_in_the_time(void)
+{
+    const units_rotation_t rotation = {.pole_pairs = 7U, .tick_ps = 62500000U};
+
+    TEST_ASSERT_EQUAL_INT32(250, units_decihertz(&rotation, 20U, 6400U)); /* 10 waves in 0.4 s */
+    TEST_ASSERT_EQUAL_INT32(33, units_decihertz(&rotation, 1U, 2400U));   /* 3.33 Hz */
+    TEST_ASSERT_EQUAL_INT32(67, units_decihertz(&rotation, 2U, 2400U));   /* 6.67 Hz */
+    TEST_ASSERT_EQUAL_INT32(80000000, units_decihertz(&rotation, 1000U, 1U));
+}
+
+static void test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time(void)
+{
+    const units_rotation_t fastest = {.pole_pairs = 1U, .tick_ps = 1U};
+    const units_rotation_t slowest = {.pole_pairs = 1U, .tick_ps = 500000000U};
+
+    TEST_ASSERT_EQUAL_INT32(0, units_decihertz(&slowest, 20U, 0U));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, units_decihertz(&fastest, 1000U, 1U));
+    TEST_ASSERT_EQUAL_INT32(0, units_decihertz(&slowest, 1U, UINT32_MAX));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -141,5 +161,7 @@ int main(void)
     RUN_TEST(test_sixteen_pole_pairs_at_16_khz);
     RUN_TEST(test_thousandths_are_cut_towards_zero_for_all_bases);
     RUN_TEST(test_thousandths_saturate);
+    RUN_TEST(test_a_frequency_is_that_of_half_as_many_waves_in_the_time);
+    RUN_TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time);
     return UNITY_END();
 }

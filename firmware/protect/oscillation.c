@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+#include "oscillation.h"
+
+#define BACK_SHIFT (2U)    /* i_q* has turned at a quarter of the last half-wave */
+#define HIGHEST_SHIFT (1U) /* a run ends below a half of its highest half-wave */
+
+/* Word by word: a library's memset takes five times as long. */
+void oscillation_reset(oscillation_t *state)
+{
+    state->now = 0U;
+    state->motion = 0;
+    state->falls = false;
+    state->extreme = 0;
+    state->at = 0U;
+    state->back = 0;
+    state->turned = 0;
+    state->since = 0U;
+    state->periods_up = 0U;
+    state->periods_down = 0U;
+    state->highest = 0;
+    state->halves = 0U;
+    state->begun = 0U;
+    state->span = 0U;
+}
+
+/* No half-wave counts, and the next one begins here. */
+static void forget_run(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current)
+{
+    state->extreme = current;
+    state->at = state->now;
+    state->back = 2 * cfg->amplitude_max;
+    state->turned = current;
+    state->since = state->now;
+    state->halves = 0U;
+}
+
+/* Half to twice as long. One slow period more or less is the grid on which i_q* is seen. */
+static bool is_alike(uint32_t periods, uint32_t before)
+{
+    return (periods <= ((2U * before) + 1U)) && (before <= ((2U * periods) + 1U));
+}
+
+/* Counts the half-wave that led to the extreme: on with the run, or as the first one of a new run. */
+static void count_half(oscillation_t *state, int32_t height)
+{
+    uint32_t *const before = state->falls ? &state->periods_down : &state->periods_up;
+    const uint32_t periods = state->at - state->since;
+
+    if ((state->halves > 0U) && is_alike(periods, *before) &&
+        (height >= fx_asr(state->highest, HIGHEST_SHIFT))) {
+        state->halves++;
+        state->highest = fx_max(state->highest, height);
+    } else {
+        state->halves = 1U;
+        state->highest = height;
+        state->begun = state->since;
+    }
+    *before = periods;
+}
+
+/* i_q* has turned at its extreme and is on its way in the other direction, at `current`. */
+static void end_half(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current)
+{
+    const int32_t height = fx_abs(state->extreme - state->turned);
+
+    count_half(state, height);
+    state->back = fx_max(2 * cfg->amplitude_max, fx_asr(height, BACK_SHIFT));
+    state->turned = state->extreme;
+    state->since = state->at;
+    state->falls = !state->falls;
+    state->extreme = current;
+    state->at = state->now;
+}
+
+static fault_id_t end_swing(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current,
+                            fault_t *fault)
+{
+    *fault = (fault_t){
+        .id = FAULT_OSCILLATION, .value = fx_asr(state->highest, 1U), .limit = cfg->amplitude_max};
+    state->span = state->since - state->begun;
+    forget_run(state, cfg, current);
+    return FAULT_OSCILLATION;
+}
+
+static fault_id_t follow_wave(oscillation_t *state, const oscillation_cfg_t *cfg, int32_t current,
+                              fault_t *fault)
+{
+    const int32_t further = state->falls ? (state->extreme - current) : (current - state->extreme);
+    fault_id_t id = FAULT_NONE;
+
+    if (further >= 0) {
+        state->extreme = current;
+        state->at = state->now;
+    } else if (-further >= state->back) {
+        end_half(state, cfg, current);
+        if (state->halves >= cfg->halves_max) {
+            id = end_swing(state, cfg, current, fault);
+        }
+    } else {
+        /* on its way back, or ripple */
+    }
+    if ((state->now - state->since) > cfg->periods_max) {
+        forget_run(state, cfg, current);
+    }
+    return id;
+}
+
+fault_id_t oscillation_step(oscillation_t *state, const oscillation_cfg_t *cfg,
+                            const oscillation_in_t *in, fault_t *fault)
+{
+    fault_id_t id = FAULT_NONE;
+
+    state->now++;
+    if (in->motion == state->motion) {
+        id = follow_wave(state, cfg, in->current, fault);
+    } else {
+        state->motion = in->motion;
+        forget_run(state, cfg, in->current);
+    }
+    return id;
+}
