@@ -46,8 +46,8 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
              "rotor lost, or a motor wire open; check motor file and wires, then speed loop and "
              "inertia"},
         [FAULT_STALL] = {"STALL", FAULT_UNIT_SPEED,
-                         "full torque without motion; check for a blocked shaft, then load and "
-                         "motor.max_current_a"},
+                         "full torque does not move or brake the rotor; check for a blocked shaft, "
+                         "then load and motor.max_current_a"},
         [FAULT_OVERSPEED] = {"OVERSPEED", FAULT_UNIT_SPEED,
                              "driven by the load, speed loop overshoots or a motor wire is open; "
                              "check both, lower speed_loop.bandwidth_hz"},

@@ -36,6 +36,7 @@ void supervision_reset(supervision_t *state)
     state->runaway = 0U;
     state->too_fast = 0U;
     state->stalled = 0U;
+    state->onwards = 0;
     state->residual = 0;
 }
 
@@ -241,14 +242,35 @@ fault_id_t supervision_check_observer(supervision_t *state, const supervision_cf
     return id;
 }
 
+/*
+ * A rotor that turns against full torque is braked by it. Each time it has become slower by stall_speed, the count begins
+ * anew. It is compared with the slowest it was so far, because a ripple of the estimate brakes nothing.
+ */
+static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
+                       const supervision_speed_t *in)
+{
+    const step_t onwards = (in->current_ref < 0) ? -in->speed : in->speed;
+    const bool stuck = in->torque_at_limit && (fx_abs(in->current_ref) >= cfg->stall_current) &&
+                       (onwards < cfg->stall_speed);
+    const bool against = state->onwards <= -cfg->stall_speed;
+
+    if (state->stalled == 0U) {
+        state->onwards = onwards;
+    } else if (against && ((onwards - state->onwards) >= cfg->stall_speed)) {
+        state->onwards = onwards;
+        state->stalled = 0U;
+    } else {
+        /* stands, or is no slower than it was */
+    }
+    return lasts(&state->stalled, stuck, cfg->stall_periods);
+}
+
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault)
 {
     const int32_t speed = fx_abs(in->speed);
     const int32_t off = fx_abs(in->speed - in->reference);
     const bool off_reference = (off > cfg->speed_error_max) && !in->torque_at_limit;
-    const bool stalled = in->torque_at_limit && (speed < cfg->stall_speed) &&
-                         (fx_abs(in->current_ref) >= cfg->stall_current);
     fault_t found = {.id = FAULT_NONE};
 
     if (lasts(&state->runaway, speed >= in->speed_limit, cfg->runaway_periods)) {
@@ -260,7 +282,7 @@ fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t
     if (lasts(&state->too_fast, speed > cfg->overspeed, cfg->overspeed_periods)) {
         found = (fault_t){FAULT_OVERSPEED, speed, cfg->overspeed, 0U};
     }
-    if (lasts(&state->stalled, stalled, cfg->stall_periods)) {
+    if (is_stalled(state, cfg, in)) {
         found = (fault_t){FAULT_STALL, speed, cfg->stall_speed, 0U};
     }
     if (found.id != FAULT_NONE) {

@@ -42,7 +42,7 @@ typedef struct {
     step_t overspeed;             /* OVERSPEED: |ω̂| above it, 1…2^30 … */
     uint32_t overspeed_periods;   /* … for longer */
     int32_t stall_current;        /* STALL: |i_q*| at its limit and at least this, 1…16384, … */
-    step_t stall_speed;           /* … with |ω̂| below this, 1…2^29 … */
+    step_t stall_speed;           /* … with ω̂ in the torque's direction below this, 1…2^29 … */
     uint32_t stall_periods;       /* … for longer */
     uint32_t late_max;            /* LATE: more late ticks than this … */
     uint32_t late_window;         /* … in this many periods, ≥ 1 */
@@ -67,6 +67,8 @@ typedef struct {
     uint32_t runaway;
     uint32_t too_fast;
     uint32_t stalled;
+    step_t
+        onwards; /* ω̂ in the torque's direction, when it began to stall or was last braked by it */
     int32_t residual; /* Q15 times 2^mean_shift */
 } supervision_t;
 
@@ -136,7 +138,10 @@ typedef struct {
     bool torque_at_limit; /* i_q* is at its limit */
 } supervision_speed_t;
 
-/* SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. */
+/*
+ * SPEED_IMPLAUSIBLE, OVERSPEED, STALL. For closed loop only. STALL: with full torque the rotor stands, or turns against the
+ * torque and does not slow down. Then the load is too large, or the angle is wrong and the torque is not there.
+ */
 fault_id_t supervision_check_speed(supervision_t *state, const supervision_cfg_t *cfg,
                                    const supervision_speed_t *in, fault_t *fault);
 

@@ -587,11 +587,53 @@ static void test_what_is_just_no_stall_is_none(void)
     in.torque_at_limit = false;
     TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
     in = stalled();
-    in.speed = cfg.stall_speed;
+    in.speed = -cfg.stall_speed; /* the way that the torque drives it */
     TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
     in = stalled();
     in.current_ref = cfg.stall_current - 1; /* derated to less: no torque to move with */
     TEST_ASSERT_EQUAL_UINT32(LONG, periods_to_fault(&in, LONG));
+}
+
+static void test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        supervision_speed_t in = stalled();
+
+        setUp();
+        in.speed = sign * 5 * cfg.stall_speed;
+        in.current_ref = -sign * cfg.stall_current;
+        TEST_ASSERT_EQUAL_UINT32(cfg.stall_periods, periods_to_fault(&in, LONG));
+        assert_fault(FAULT_STALL, 5 * cfg.stall_speed, cfg.stall_speed);
+    }
+}
+
+/* Slower by the stall speed each time just before it would be one; at rest it is one. */
+static void test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands(void)
+{
+    supervision_speed_t in = stalled();
+
+    for (int32_t times = 40; times > 0; times--) {
+        in.speed = times * cfg.stall_speed;
+        TEST_ASSERT_EQUAL_UINT32(cfg.stall_periods, periods_to_fault(&in, cfg.stall_periods));
+    }
+    in.speed = 0;
+    TEST_ASSERT_EQUAL_UINT32(cfg.stall_periods, periods_to_fault(&in, LONG));
+}
+
+/* One step of progress at most, as it is the best that counts. */
+static void test_a_ripple_of_the_speed_brakes_nothing(void)
+{
+    supervision_speed_t in = stalled();
+    uint32_t periods = 0U;
+    fault_id_t id = FAULT_NONE;
+
+    while ((id == FAULT_NONE) && (periods < LONG)) {
+        in.speed = (((periods % 2U) == 0U) ? 6 : 5) * cfg.stall_speed;
+        id = supervision_check_speed(&state, &cfg, &in, &fault);
+        periods++;
+    }
+    TEST_ASSERT_EQUAL_INT(FAULT_STALL, id);
+    TEST_ASSERT_TRUE(periods <= (cfg.stall_periods + 3U));
 }
 
 static void test_trouble_that_comes_and_goes_is_forgotten_as_it_came(void)
@@ -679,6 +721,9 @@ int main(void)
     RUN_TEST(test_overspeed_begins_one_above_its_limit_in_either_direction);
     RUN_TEST(test_full_torque_without_motion_is_a_stall_after_its_time);
     RUN_TEST(test_what_is_just_no_stall_is_none);
+    RUN_TEST(test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction);
+    RUN_TEST(test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands);
+    RUN_TEST(test_a_ripple_of_the_speed_brakes_nothing);
     RUN_TEST(test_trouble_that_comes_and_goes_is_forgotten_as_it_came);
     RUN_TEST(test_more_late_ticks_than_allowed_in_a_window_are_a_fault);
     RUN_TEST(test_late_ticks_are_forgotten_at_the_end_of_the_window);
