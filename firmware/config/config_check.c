@@ -103,6 +103,7 @@ static const char *check_sensor(const char *before, const drive_cfg_t *cfg)
     bad = in_order(bad, "startup.current_hold", cfg->startup.current_hold, 0);
     bad = in_order(bad, "observer.eta", cfg->observer.eta, 0);
     bad = in_order(bad, "observer.kappa_p", cfg->observer.kappa_p, 0);
+    bad = in_order(bad, "run.acceleration_q14", cfg->run.acceleration_q14, 0);
     return in_order(bad, "observer.momentum_q15", cfg->observer.momentum_q15, 0);
 }
 

@@ -158,6 +158,11 @@ void nn_observer_follow(nn_observer_t *obs, step_t speed)
     obs->weight_step = 0;
 }
 
+void nn_observer_accelerate(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t change)
+{
+    obs->speed = fx_clamp(obs->speed + change, -cfg->speed_limit, cfg->speed_limit);
+}
+
 /* ρ = corner / ω̂, limited; 0 at low speed. */
 static int32_t observer_rho(const nn_observer_cfg_t *cfg, step_t rotor_speed)
 {

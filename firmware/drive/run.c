@@ -6,7 +6,10 @@
 #include "trig.h"
 #include "voltage_drive.h"
 
+#define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
+#define FALL_SHIFT (5U)  /* below the least current i_d* falls with 1/32 of its slope */
+#define NEAR_SHARE (4)   /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 #define SETTLE_SHARE (2) /* above 1/2 of hold_speed the drive does not hand back */
 
 void run_reset(drive_t *drive)
@@ -90,7 +93,8 @@ static bool is_slow(const drive_t *drive)
 
 /*
  * i_d* in RUN. At low speed it rises to the current that will be imposed. Above, it
- * keeps the current vector large enough that not all legs switch near their zero crossing.
+ * keeps the current vector large enough that not all legs switch near their zero crossing. For that it falls slowly:
+ * the torque current of an acceleration is gone sooner than i_d* could rise again.
  */
 static int32_t next_current_d(const drive_t *drive)
 {
@@ -100,8 +104,10 @@ static int32_t next_current_d(const drive_t *drive)
     const bool slow = is_slow(drive);
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
     const int32_t wanted = slow ? drive->cfg->startup.current_hold : lacking;
+    const int32_t fall = fx_max(fx_asr(slope, FALL_SHIFT), 1);
 
-    return fx_towards(present.d, wanted, slope);
+    return fx_max(fx_towards(present.d, wanted, slope),
+                  fx_min(present.d, cfg->current_floor) - fall);
 }
 
 /* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
@@ -142,6 +148,22 @@ static void wait_at_limit(drive_t *drive, step_t before)
 }
 
 /*
+ * While the rotor follows the ramp or the profile, so does the estimate, without waiting for an error. A rotor that was
+ * caught turning, or that its torque cannot accelerate, is elsewhere.
+ */
+static void lead_estimate(drive_t *drive, step_t before)
+{
+    const step_t reference = drive->speed_loop.reference;
+    const int32_t share_q14 = drive->cfg->run.acceleration_q14;
+    const step_t near = drive->cfg->startup.handover_speed / NEAR_SHARE;
+
+    if (fx_abs(before - drive->observer.speed) <= near) {
+        nn_observer_accelerate(&drive->observer, &drive->model.observer,
+                               fx_mul_32x16(reference - before, share_q14) * Q14_TO_Q16);
+    }
+}
+
+/*
  * i_d* has risen to the imposed current. Until half of hold_speed, its voltage and the torque have settled: the voltage
  * that made i_d rise is not the one that holds it.
  */
@@ -164,6 +186,7 @@ static drive_event_t control_torque(drive_t *drive)
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
     wait_at_limit(drive, before);
+    lead_estimate(drive, before);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);
         event = DRIVE_EVENT_HELD;

@@ -253,6 +253,7 @@ run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
     run_cfg_t c{};
     keep(c.current_floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
     c.current_slope = hold_slope(motor, board, own, m, b);
+    c.acceleration_q14 = static_cast<int32_t>(std::lround(tuning.observer_acceleration * Q14));
     return c;
 }
 

@@ -76,6 +76,7 @@ TuningSettings for_sensor(const TuningSettings &tuning)
         t.observer_kappa = 0;
         t.observer_kappa_p = 0;
         t.observer_momentum = 0;
+        t.observer_acceleration = 0;
     }
     return t;
 }

@@ -18,6 +18,9 @@ constexpr double SPEED_PER_TORQUE = 4.3;
 // And not faster than this many radians of the rotor at rated speed where dead time takes as much voltage as the EMF at
 // the hand-over makes: that ripple of the estimate is not to be followed. In proportion.
 constexpr double SPEED_PER_LOSS = 0.15;
+// But a step of half the torque may not take more than half the rated speed off before the loop has answered, or the rotor
+// stalls, and overspeeds when the load goes.
+constexpr double SPEED_PER_TORQUE_LEAST = 1;
 // Ramp and profile leave the rest of the torque to the load.
 constexpr double RAMP_TORQUE = 0.27;
 constexpr double PROFILE_TORQUE = 0.2;
@@ -177,10 +180,10 @@ private:
     const RuleRanges &ranges_;
 };
 
-// The speed loop's own bandwidth in rad/s, before the lag limits it.
-double speed_rate(const Drive &drive)
+// How often in a second, in rad, the largest torque could reach rated speed.
+double torque_rate(const Drive &drive)
 {
-    return SPEED_PER_TORQUE * drive.acceleration / drive.rated;
+    return drive.acceleration / drive.rated;
 }
 
 // Voltage that dead time and drop take off, as the drive believes.
@@ -189,13 +192,14 @@ double believed_loss_v(const Drive &drive)
     return leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
 }
 
-// What dead time leaves of it.
+// The speed loop's own bandwidth in rad/s, as fast as the torque allows and as dead time lets it be, before the lag limits it.
 double quiet_speed_rate(const Drive &drive, double handover_pct)
 {
     const double emf_v = handover_pct / 100 * drive.rated_el * drive.motor.flux_linkage_wb;
     const double loss_v = believed_loss_v(drive);
-    const double most = loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
-    return std::min(speed_rate(drive), most);
+    const double quiet = loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
+    const double rate = torque_rate(drive);
+    return std::clamp(quiet, SPEED_PER_TORQUE_LEAST * rate, SPEED_PER_TORQUE * rate);
 }
 
 double kappa_of(double kappa_p, const Drive &drive)
@@ -244,7 +248,7 @@ double floor_pct(const Drive &drive)
 void fill_motion(Filled &f, const Drive &drive)
 {
     const double lag = estimate_lag_s(f.tuning, drive.period_s);
-    double bandwidth = speed_rate(drive);
+    double bandwidth = SPEED_PER_TORQUE * torque_rate(drive);
     double ramp = RAMP_TORQUE * drive.acceleration;
     // Gains that are written are taken to suit the loop that the torque allows.
     if (lag > 0 && f.is_open(&T::observer_kappa)) {

@@ -476,6 +476,10 @@ void run()
 {
     expect(0, motor_b().run.current_floor);
     expect(0.18 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).run.current_floor);
+    expect(16384, motor_b().run.acceleration_q14);
+    expect(0.75 * 16384, motor_b({"observer.acceleration_feed_forward=0.75"}).run.acceleration_q14);
+    expect(0, motor_b({"drive.angle_source=sensor", "observer.acceleration_feed_forward=1"})
+                  .run.acceleration_q14);
     expect(10, motor_b({"drive.angle_source=sensor"}).run.current_slope);
     // A hundredth of the inertia: 0.8/ω_n are 30 ticks of 96.6.
     expect(97,

@@ -195,6 +195,7 @@ void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
     for (const auto &[name, feedback] : runs) {
         const nf::Config config = nf::load_scenario(name, {},
                                                     {"board.adc_bits=" + std::to_string(BITS),
+                                                     "observer.acceleration_feed_forward=0",
                                                      std::string("observer.feedback=") + feedback});
         const nf::reference::MeasuringSteps steps(config.board.current_full_scale_a, BITS);
         const Errors noise =

@@ -234,6 +234,9 @@ static void test_with_a_sensor_a_trained_observer_is_named(void)
     cfg.observer.kappa_p = 1;
     TEST_ASSERT_EQUAL_STRING("observer.kappa_p", config_check(&cfg));
     cfg = with_sensor();
+    cfg.run.acceleration_q14 = 1;
+    TEST_ASSERT_EQUAL_STRING("run.acceleration_q14", config_check(&cfg));
+    cfg = with_sensor();
     cfg.observer.momentum_q15 = 1;
     TEST_ASSERT_EQUAL_STRING("observer.momentum_q15", config_check(&cfg));
     cfg = with_sensor();

@@ -443,6 +443,79 @@ static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_
     TEST_ASSERT_EQUAL_INT32(-full, drive.signals.current_ref.q);
 }
 
+/* ---- the estimate on a ramp ---- */
+
+static step_t estimate_after(step_t change, int32_t share_q14)
+{
+    const int32_t full = cfg.derating.current_max;
+
+    cfg.run.acceleration_q14 = share_q14;
+    drive.observer.speed = 500000;
+    ramp_under((torque_range_t){-full, full}, change);
+    return drive.observer.speed;
+}
+
+/* The product has 14 bits behind the point, 4 steps. */
+static void test_the_estimate_takes_on_its_share_of_what_the_reference_changes(void)
+{
+    const step_t ramp = 4 * (cfg.speed_loop.ramp / 4);
+
+    TEST_ASSERT_EQUAL_INT32(500000 + ramp, estimate_after(ramp, 16384));
+    TEST_ASSERT_EQUAL_INT32(500000 - ramp, estimate_after(-ramp, 16384));
+    TEST_ASSERT_INT32_WITHIN(4, 500000 + (ramp / 4), estimate_after(ramp, 4096));
+    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(ramp, 0));
+    TEST_ASSERT_EQUAL_INT32(500000, estimate_after(-ramp, 0));
+}
+
+static void test_the_estimate_waits_with_a_ramp_that_waits(void)
+{
+    cfg.run.acceleration_q14 = 16384;
+    drive.observer.speed = 0;
+    ramp_under((torque_range_t){-cfg.derating.current_max, 0}, cfg.speed_loop.ramp);
+    TEST_ASSERT_EQUAL_INT32(0, drive.observer.speed);
+}
+
+/* ---- the least current ---- */
+
+/* i_d* after one slow period in RUN at speed, from i_d* and i_q*. */
+static int32_t current_d_after(int32_t d, int32_t q)
+{
+    const step_t speed = cfg.startup.handover_speed;
+
+    enter(DRIVE_STATE_RUN);
+    cfg.run.current_floor = 4000;
+    cfg.run.current_slope = 64;
+    speed_loop_start(&drive.speed_loop, speed, q);
+    drive.speed_reference = speed;
+    drive.observer.speed = speed;
+    drive.torque_range = (torque_range_t){-8192, 8192};
+    drive.signals.current_ref = (dq_t){d, q};
+    control_speed();
+    return drive.signals.current_ref.d;
+}
+
+static void test_the_least_current_comes_with_its_slope_and_goes_with_a_32nd_of_it(void)
+{
+    const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
+    const int32_t fall = slope / 32;
+
+    TEST_ASSERT_EQUAL_INT32(slope, current_d_after(0, 0));
+    TEST_ASSERT_EQUAL_INT32(4000, current_d_after(4000 - slope + 1, 0));
+    TEST_ASSERT_EQUAL_INT32(4000 - fall, current_d_after(4000, 8000));
+    TEST_ASSERT_EQUAL_INT32(2000 - fall, current_d_after(2000, -8000));
+    TEST_ASSERT_EQUAL_INT32(0, current_d_after(fall - 1, 8000));
+    TEST_ASSERT_EQUAL_INT32(2000, current_d_after(2000, 2000));
+}
+
+/* What was imposed is above the least current, and of no use: it goes as it came. */
+static void test_what_was_imposed_goes_with_the_slope_down_to_the_least_current(void)
+{
+    const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
+
+    TEST_ASSERT_EQUAL_INT32(8000 - slope, current_d_after(8000, 8000));
+    TEST_ASSERT_EQUAL_INT32(4000 - (slope / 32), current_d_after(4000 + (slope / 2), 8000));
+}
+
 /* ---- the alignment ---- */
 
 /* The tick that ends the alignment, with a largest current across the vector. */
@@ -957,6 +1030,10 @@ int main(void)
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
     RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);
     RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
+    RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
+    RUN_TEST(test_the_estimate_waits_with_a_ramp_that_waits);
+    RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_a_32nd_of_it);
+    RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);

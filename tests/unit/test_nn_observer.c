@@ -1192,6 +1192,31 @@ static void test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any
     }
 }
 
+/* ---- the acceleration of the reference ---- */
+
+static void test_a_change_of_the_reference_moves_the_integral_and_no_more_than_to_its_limit(void)
+{
+    const step_t limit = cfg.speed_limit;
+    const struct {
+        step_t speed;
+        step_t change;
+        step_t expected;
+    } cases[] = {{0, 0, 0},
+                 {1000000, 300, 1000300},
+                 {-1000000, 1000300, 300},
+                 {limit - 5, 6, limit},
+                 {5 - limit, -6, -limit},
+                 {limit, -0x40000000, fx_max(limit - 0x40000000, -limit)}};
+
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        obs.speed = cases[k].speed;
+        obs.speed_out = 77;
+        nn_observer_accelerate(&obs, &cfg, cases[k].change);
+        TEST_ASSERT_EQUAL_INT32(cases[k].expected, obs.speed);
+        TEST_ASSERT_EQUAL_INT32(77, obs.speed_out);
+    }
+}
+
 /* ---- the index of the speed in (23) ---- */
 
 /*
@@ -1312,6 +1337,7 @@ int main(void)
     RUN_TEST(test_an_error_that_nothing_rotates_is_taken_as_it_is);
     RUN_TEST(test_rho_or_saliency_alone_rotate_the_error);
     RUN_TEST(test_without_rho_and_saliency_the_turned_error_is_the_error_itself);
+    RUN_TEST(test_a_change_of_the_reference_moves_the_integral_and_no_more_than_to_its_limit);
     RUN_TEST(test_errors_of_the_resistance_and_of_the_angle_are_told_apart_at_any_speed);
     RUN_TEST(test_angle_advanced_with_the_newer_speed_is_stable_where_the_printed_index_is_not);
     RUN_TEST(test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_above);
