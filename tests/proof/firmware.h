@@ -14,6 +14,7 @@
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"
 #include "../../firmware/control/transforms.c"
+#include "../../firmware/control/virtual_resistance.c"
 #undef CFG
 #undef CFG_STARTUP
 #undef CFG_BOTH

@@ -66,6 +66,7 @@ BUILT_OF = {
     "motion_loop": ["pi"],
     "nn_observer": ["transforms"],
     "phase_compensator": ["transforms"],
+    "virtual_resistance": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h"}
 REGISTER = re.compile(
