@@ -21,6 +21,7 @@
 #include "protection.h"
 #include "startup.h"
 #include "supervision.h"
+#include "virtual_resistance.h"
 
 #include <stdint.h>
 
@@ -47,6 +48,7 @@ typedef struct {
     step_t speed_min; /* current control below this speed, 0…2^29 */
     uint32_t settle_periods; /* slow periods for which the conditions must hold, 1…10000 */
     phase_compensator_cfg_t compensator;
+    virtual_resistance_cfg_t damping; /* of the currents' own mode */
 } voltage_drive_cfg_t;
 
 /* In the order of their use in a tick, the motion loops last: see drive_t. */

@@ -55,6 +55,9 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
  * the measured current. The other half is the reference: with a measured current of zero the compensation would be zero,
  * and the dead time would keep the current at zero. The integral would rise until it overcomes the dead time. Then the
  * compensation would come on top of it, and far too much current would flow.
+ *
+ * Without current regulators it is the measured current alone: a mean would follow the currents' own mode late
+ * (voltage_drive.h).
  */
 static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 {
@@ -65,8 +68,10 @@ static dq_t expected_current(const drive_t *drive, const frame_t *frame)
 
         expected.d = fx_asr(wanted.d + drive->vector.current_mean.d, 1U);
         expected.q = fx_asr(wanted.q + drive->vector.current_mean.q, 1U);
+    } else if (drive->voltage_drive.active) {
+        expected = (dq_t){fx_sat15(frame->current.d), fx_sat15(frame->current.q)};
     } else {
-        const dq_t wanted = drive_current_in_force(drive);
+        const dq_t wanted = drive->signals.current_ref;
 
         expected.d = fx_approach(wanted.d, frame->current.d, LACKING_SHIFT);
         expected.q = fx_approach(wanted.q, frame->current.q, LACKING_SHIFT);

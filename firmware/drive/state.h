@@ -88,8 +88,8 @@ typedef struct {
     uint32_t end_periods;  /* slow periods in a row with lead or current at their lower limit */
     pi_t pi;               /* speed PI */
     int32_t magnitude;     /* U, Q15 of U_b, + forwards; may be above a limit that has sunk */
-    dq_t current_mean;     /* measured with θ̂, over some 32 ticks */
     phase_compensator_t compensator;
+    virtual_resistance_t damping; /* its mean is that of the current measured with θ̂ */
 } voltage_drive_t;
 
 /* Fields that every tick uses come first: a Cortex-M0+ reaches the first 128 bytes in one instruction. */
@@ -176,7 +176,7 @@ static inline int64_t drive_position_q32(const drive_t *drive)
 /* i_d, i_q that the motor is to have now: the reference of the current control; without it the mean of what it has. */
 static inline dq_t drive_current_in_force(const drive_t *drive)
 {
-    return drive->voltage_drive.active ? drive->voltage_drive.current_mean
+    return drive->voltage_drive.active ? virtual_resistance_mean(&drive->voltage_drive.damping)
                                        : drive->signals.current_ref;
 }
 

@@ -6,8 +6,7 @@
 #include "trig.h"
 
 #define QUARTER_TURN_STEP (0x40000000)
-#define MEAN_SHIFT (5U)  /* of the current's filter, in ticks */
-#define SPEED_SHIFT (4U) /* of the speed asked for, what may be missing */
+#define SPEED_SHIFT (5U) /* of the speed asked for, what may be missing */
 #define END_SHIFT (3U)   /* at 7/8 of brake_max it is left: the angle of a small voltage is rough */
 #define HYSTERESIS_SHIFT (2U) /* the limit for leaving is 1/4 below the one for entering */
 
@@ -18,17 +17,29 @@ static int32_t emf(const drive_t *drive, step_t speed)
                            CURRENT_LOOP_GAIN_BITS));
 }
 
-/* Start with this magnitude and lead, and with the commanded speed. */
+/* What is missing to the speed asked for, Q15 of 2·Ω_b. */
+static int32_t half_error(const drive_t *drive, step_t reference)
+{
+    return fx_sat16(fx_asr(reference - drive->observer.speed, drive->cfg->speed_loop.error_shift));
+}
+
+/*
+ * Start with this magnitude and lead, and with the commanded speed. What is missing to it has its proportional part in the
+ * PI's first output: the integral begins without it, or the voltage would jump by more than R·i.
+ */
 static void take_over(drive_t *drive, int32_t magnitude, int32_t lead)
 {
     voltage_drive_t *const vd = &drive->voltage_drive;
-    const int32_t beyond_emf = magnitude - emf(drive, drive->speed_loop.reference);
+    const step_t reference = drive->speed_loop.reference;
+    const int32_t proportional =
+        pi_sum(&drive->cfg->voltage_drive.pi, half_error(drive, reference), 0);
+    const int32_t integral = magnitude - emf(drive, reference) - proportional;
 
     phase_compensator_start(&vd->compensator,
                             rotor_position_angle(&drive->position) + fx_unsigned(lead));
-    pi_reset(&vd->pi, fx_sat16(beyond_emf));
+    pi_reset(&vd->pi, fx_sat16(integral));
     vd->magnitude = magnitude;
-    vd->current_mean = drive->signals.current_ref;
+    virtual_resistance_start(&vd->damping, drive->signals.current_ref);
     drive->signals.current_ref = (dq_t){0, 0}; /* nothing is asked of the current */
     vd->end_periods = 0U;
     vd->active = true;
@@ -38,18 +49,18 @@ void voltage_drive_step(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
     voltage_drive_t *const vd = &drive->voltage_drive;
-    dq_t *const mean = &vd->current_mean;
+    const dq_t damping = /* Q30 */
+        virtual_resistance_step(&vd->damping, &drive->cfg->voltage_drive.damping, s->current);
     const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
-    const int32_t magnitude = fx_clamp(vd->magnitude, -limit, limit);
+    const int32_t room = fx_usat15(limit - fx_asr(fx_abs(damping.d) + fx_abs(damping.q), 15U));
+    const int32_t magnitude = fx_clamp(vd->magnitude, -room, room);
     const int32_t lead = phase_compensator_step(
         &vd->compensator, &drive->cfg->voltage_drive.compensator, s->current,
         rotor_position_angle(&drive->position), drive->observer.speed_out, magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
-    s->voltage.d = fx_asr(-magnitude * angle.sin, 15U);
-    s->voltage.q = fx_asr(magnitude * angle.cos, 15U);
-    mean->d = fx_sat15(fx_approach(mean->d, s->current.d, MEAN_SHIFT));
-    mean->q = fx_sat15(fx_approach(mean->q, s->current.q, MEAN_SHIFT));
+    s->voltage.d = fx_sat16(fx_asr(damping.d - (magnitude * angle.sin), 15U));
+    s->voltage.q = fx_sat16(fx_asr(damping.q + (magnitude * angle.cos), 15U));
 }
 
 /*
@@ -59,11 +70,12 @@ void voltage_drive_step(drive_t *drive)
 static void return_to_current(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
+    const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
     dq_t modelled;
 
-    s->current_ref = (dq_t){.d = 0, .q = drive->voltage_drive.current_mean.q};
+    s->current_ref = (dq_t){.d = 0, .q = mean.q};
     frame_plan_rotor(drive);
-    modelled = current_loop_model(&drive->current_loop, drive->voltage_drive.current_mean);
+    modelled = current_loop_model(&drive->current_loop, mean);
 
     pi_reset(&drive->current_loop.pi_d, fx_sat16(s->voltage.d - modelled.d));
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
@@ -77,13 +89,10 @@ static void set_magnitude(drive_t *drive)
     const drive_cfg_t *const cfg = drive->cfg;
     const step_t speed_max = cfg->speed_loop.speed_max;
     const step_t reference = fx_clamp(drive->speed_reference, -speed_max, speed_max);
-    /* Q15 of 2·Ω_b */
-    const int32_t half_error_q15 =
-        fx_sat16(fx_asr(reference - drive->observer.speed, cfg->speed_loop.error_shift));
 
     drive->speed_loop.reference = reference;
     drive->voltage_drive.magnitude =
-        pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error_q15,
+        pi_step(&drive->voltage_drive.pi, &cfg->voltage_drive.pi, half_error(drive, reference),
                 emf(drive, reference), modulator_limit(&cfg->modulator, drive->signals.bus));
 }
 
@@ -111,7 +120,7 @@ static bool is_wanted(const drive_t *drive, const drive_command_t *command, step
 static bool is_overloaded(const drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
-    const dq_t i = drive->voltage_drive.current_mean;
+    const dq_t i = virtual_resistance_mean(&drive->voltage_drive.damping);
     const int32_t square = (i.d * i.d) + (i.q * i.q);
     const int32_t length = (int32_t)trig_sqrt((uint32_t)square);
 
@@ -125,10 +134,10 @@ static bool is_at_end(const drive_t *drive)
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const int32_t brake_max = cfg->compensator.brake_max;
     const int32_t floor = drive->cfg->run.current_floor;
+    const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
 
     return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||
-           (fx_abs(drive->voltage_drive.current_mean.q) <
-            (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
+           (fx_abs(mean.q) < (floor - fx_asr(floor, HYSTERESIS_SHIFT)));
 }
 
 void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
@@ -146,14 +155,13 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
     }
 }
 
-/* Speed and currents have reached their references, and the voltage is within the range of the compensator. */
-static bool is_calm(const drive_t *drive, step_t target)
+/* Speed and currents have reached their references, and the lead is within the range of the compensator. */
+static bool is_calm(const drive_t *drive, step_t target, int32_t lead)
 {
     const step_t speed_max = drive->cfg->speed_loop.speed_max;
     const step_t asked = fx_clamp(target, -speed_max, speed_max);
     const drive_signals_t *const s = &drive->signals;
     const phase_compensator_cfg_t *const comp = &drive->cfg->voltage_drive.compensator;
-    const int32_t lead = present_lead(s->voltage);
     const int32_t brake = comp->brake_max - fx_asr(comp->brake_max, HYSTERESIS_SHIFT);
 
     return (fx_abs(asked - drive->observer.speed) <= fx_asr(fx_abs(asked), SPEED_SHIFT)) &&
@@ -162,23 +170,40 @@ static bool is_calm(const drive_t *drive, step_t target)
            (lead <= comp->lead_max);
 }
 
+/*
+ * The voltage that holds the reference: integrals and model, without the proportional part. That of one tick has the
+ * converter's noise times the gain of the current loop, which is more than R·i.
+ */
+static dq_t settled_voltage(const drive_t *drive)
+{
+    const current_loop_t *const loop = &drive->current_loop;
+    const dq_t modelled = current_loop_model(loop, drive->signals.current_ref);
+
+    return (dq_t){
+        .d = fx_sat16(modelled.d + pi_output(&loop->pi_d)),
+        .q = fx_sat16(modelled.q + pi_output(&loop->pi_q)),
+    };
+}
+
 void voltage_drive_offer(drive_t *drive, const drive_command_t *command)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
-    const bool possible =
-        is_wanted(drive, command, cfg->speed_min) && is_calm(drive, command->target);
+    uint32_t calm_periods = 0U;
 
-    drive->voltage_drive.calm_periods = possible ? (drive->voltage_drive.calm_periods + 1U) : 0U;
-    if (possible && (drive->voltage_drive.calm_periods >= cfg->settle_periods)) {
-        const dq_t voltage = drive->signals.voltage;
-        const int32_t length = (int32_t)trig_sqrt(transforms_square(voltage));
-        const int32_t magnitude = fx_min(length, FX_Q15_MAX);
+    if (is_wanted(drive, command, cfg->speed_min)) {
+        const dq_t voltage = settled_voltage(drive);
         const int32_t lead = present_lead(voltage);
 
-        if (voltage.q >= 0) {
-            take_over(drive, magnitude, lead);
-        } else {
-            take_over(drive, -magnitude, -lead);
+        if (is_calm(drive, command->target, lead)) {
+            calm_periods = drive->voltage_drive.calm_periods + 1U;
+        }
+        if (calm_periods >= cfg->settle_periods) {
+            const int32_t length = (int32_t)trig_sqrt(transforms_square(voltage));
+            const int32_t magnitude = fx_min(length, FX_Q15_MAX);
+            const bool forwards = voltage.q >= 0;
+
+            take_over(drive, forwards ? magnitude : -magnitude, forwards ? lead : -lead);
         }
     }
+    drive->voltage_drive.calm_periods = calm_periods;
 }

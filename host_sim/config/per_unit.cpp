@@ -573,6 +573,18 @@ phase_compensator_cfg_t make_compensator(const MotorSettings &motor, const Tunin
     return c;
 }
 
+virtual_resistance_cfg_t make_virtual_resistance(const TuningSettings &tuning, const Bases &b)
+{
+    virtual_resistance_cfg_t c{};
+    store(c.resistance_q15, tuning.virtual_resistance_ohm * b.current_a / b.voltage_v * Q15, 0, Q14,
+          {"voltage_loop.virtual_resistance_ohm", tuning.virtual_resistance_ohm},
+          "a quarter of board.bus_full_scale_v over board.current_full_scale_a");
+    store(c.mean_rate_q15, b.control_period_s / tuning.virtual_mean_s * Q15, 1, Q14,
+          {"voltage_loop.virtual_mean_s", tuning.virtual_mean_s, -1},
+          "2 to 32768 periods of the PWM");
+    return c;
+}
+
 voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningSettings &tuning,
                                        const Bases &b)
 {
@@ -602,6 +614,7 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
     store(c.settle_periods, tuning.voltage_settle_s / slow_period, 1, 10000,
           {"voltage_loop.settle_s", tuning.voltage_settle_s}, "10000 periods of the speed loop");
     c.compensator = make_compensator(motor, tuning, b);
+    c.damping = make_virtual_resistance(tuning, b);
     return c;
 }
 

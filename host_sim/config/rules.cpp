@@ -67,10 +67,16 @@ constexpr double FLOOR_MAX_PCT = 50;
 // As i_d > 0 it raises the voltage at rated speed, up to this share of the voltage circle.
 constexpr double FLOOR_VOLTAGE = 0.95;
 
-// The voltage's speed PI: share of φ, as the EMF is φ for 1 rad/s, and its corner. Chosen with motor B: the currents'
-// own damping, R/L = 17…30/s, allows no faster loop.
-constexpr double VOLTAGE_PER_FLUX = 1;
+// The voltage's speed PI: share of φ, as the EMF is φ for 1 rad/s, and its corner, below R/L = 17…30/s. Chosen with motor B:
+// docs/voltage_drive.md has the poles.
+constexpr double VOLTAGE_PER_FLUX = 1.5;
 constexpr double VOLTAGE_CORNER_S = 8;
+// The virtual resistance damps the currents' own mode, which turns with the electrical speed. At rated speed it alone would
+// take off this share of a radian's swing in a radian; the mean follows within so much of a radian.
+constexpr double VIRTUAL_DAMPING = 0.45;
+constexpr double VIRTUAL_MEAN_RADIAN = 0.6;
+// In a sample it takes off this share of a change at most: the voltage acts a period and a half later.
+constexpr double VIRTUAL_SHARE_MAX = 0.2;
 // The lead of a braking drive stays this share above −atan(R/(ω·L_d)), where more voltage means less torque.
 constexpr double BRAKE_SHARE = 0.8;
 
@@ -111,6 +117,9 @@ constexpr Rule RULES[] = {
     {"position_loop.softness_s", &T::position_softness_s, "motor.inertia_kg_m2"},
     {"voltage_loop.kp_v_s_per_rad", &T::voltage_kp_v_s_per_rad, "motor.flux_linkage_wb"},
     {"voltage_loop.ki_v_per_rad", &T::voltage_ki_v_per_rad, "motor.flux_linkage_wb"},
+    {"voltage_loop.virtual_resistance_ohm", &T::virtual_resistance_ohm, "motor.inductance_d_h",
+     Open::below_zero},
+    {"voltage_loop.virtual_mean_s", &T::virtual_mean_s, "motor.rated_speed_rpm"},
     {"phase_compensator.brake_max_deg", &T::brake_max_deg, "motor.resistance_ohm"},
 };
 
@@ -264,8 +273,20 @@ void fill_motion(Filled &f, const Drive &drive)
     f.fill(&T::position_softness_s, SOFTNESS / (TWO_PI * f.tuning.position_bandwidth_hz));
 }
 
+// Both axes take part in the mode: it is damped by the mean of R_v/L_d and R_v/L_q.
+double virtual_resistance(const Drive &drive)
+{
+    const double l_d = drive.motor.inductance_d_h;
+    const double l_q = drive.motor.inductance_q_h;
+    const double inductance = 2 * l_d * l_q / (l_d + l_q);
+    return std::min(VIRTUAL_DAMPING * drive.rated_el * inductance,
+                    VIRTUAL_SHARE_MAX * std::min(l_d, l_q) / drive.period_s);
+}
+
 void fill_voltage_drive(Filled &f, const Drive &drive)
 {
+    f.fill(&T::virtual_resistance_ohm, virtual_resistance(drive));
+    f.fill(&T::virtual_mean_s, 1 / (VIRTUAL_MEAN_RADIAN * drive.rated_el));
     f.fill(&T::voltage_kp_v_s_per_rad, VOLTAGE_PER_FLUX * drive.motor.flux_linkage_wb);
     f.fill(&T::voltage_ki_v_per_rad, VOLTAGE_CORNER_S * f.tuning.voltage_kp_v_s_per_rad);
     const double reactance = drive.rated_el * drive.motor.inductance_d_h;

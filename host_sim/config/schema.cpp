@@ -134,6 +134,8 @@ const std::vector<Field> FIELDS = {
     {"voltage_loop", "ki_v_per_rad", "V/rad", 0, 1e5, OPTIONAL, tuning<&T::voltage_ki_v_per_rad>, "voltage a second for an electrical speed error; 0: by the motor", WITH_VOLTAGE_DRIVE},
     {"voltage_loop", "speed_min_pct", "%", 1, 100, OPTIONAL, tuning<&T::voltage_speed_pct>, "of motor.rated_speed_rpm: current control below it", WITH_VOLTAGE_SPEED},
     {"voltage_loop", "settle_s", "s", 0.001, 10, OPTIONAL, tuning<&T::voltage_settle_s>, "for which speed and currents have to be calm before the change from current control", WITH_VOLTAGE_DRIVE},
+    {"voltage_loop", "virtual_resistance_ohm", "Ω", -1, 50, OPTIONAL, tuning<&T::virtual_resistance_ohm>, "voltage taken off for a change of the current: damps the currents' own mode; 0: none; -1: by the motor", WITH_VOLTAGE_DRIVE},
+    {"voltage_loop", "virtual_mean_s", "s", 0, 10, OPTIONAL, tuning<&T::virtual_mean_s>, "time constant of the mean from which a change counts; 0: by the motor", WITH_VOLTAGE_DRIVE},
     {"phase_compensator", "gain", "", 0, 0.1, OPTIONAL, tuning<&T::compensator_gain>, "g of paper B (43), a sample; 0: the lead stays as it was", WITH_VOLTAGE_DRIVE},
     {"phase_compensator", "lead_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::lead_max_deg>, "largest lead of the voltage, electrical", WITH_VOLTAGE_DRIVE},
     {"phase_compensator", "brake_max_deg", "°", 0, 90, OPTIONAL, tuning<&T::brake_max_deg>, "largest lag of the voltage; 0: by the motor", WITH_VOLTAGE_DRIVE},

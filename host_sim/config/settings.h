@@ -121,7 +121,9 @@ struct TuningSettings {
     double voltage_ki_v_per_rad = 0;         // volts a second for one; 0: by the motor
     double voltage_speed_pct = 20;           // of rated speed: current control below it
     double voltage_settle_s = 0.1;           // for which all has to be calm before
-    double compensator_gain = 0.001;         // g of paper B (43), a sample
+    double virtual_resistance_ohm = -1;      // against changes of the current; -1: by the motor
+    double virtual_mean_s = 0;               // of the current it leaves alone; 0: by the motor
+    double compensator_gain = 0.003;         // g of paper B (43), a sample
     double lead_max_deg = 40;                // largest lead of the voltage, electrical
     double brake_max_deg = 0;                // largest lag; 0: by the motor
     double compensator_current_pct =

@@ -106,6 +106,11 @@ double amplitude_error(const Vector &v)
     return v.norm() * 2 * twin::SINE_LSB;
 }
 
+Vector current_q30(dq_t i)
+{
+    return {si.current(i.d / Q15), si.current(i.q / Q15)};
+}
+
 int32_t signed_angle(angle_t angle)
 {
     return static_cast<int32_t>(angle);
@@ -397,6 +402,19 @@ decltype(phase_compensator_step) *seam_phase_compensator_step =
             twin.angle() * DEG_PER_RAD, FIRING_ANGLE_STEPS * DEG_PER_STEP);
         return lead;
     };
+
+decltype(virtual_resistance_step) *seam_virtual_resistance_step = [](auto res, auto cfg, auto i) {
+    si.cfg.voltage_drive.damping = *cfg;
+    twin::VirtualResistance twin(twin::virtual_resistance_params(si));
+    twin.start(current_q30(res->mean_q30));
+    const Vector exact = twin.step(si.current(i));
+    const dq_t drop = CALL(virtual_resistance_step)(res, cfg, i);
+    add({"v_d", "v_q"}, "V", {si.voltage(drop.d / Q15), si.voltage(drop.q / Q15)}, exact,
+        gain(cfg->resistance_q15, 15) * si.voltage(1)); // the mean is rounded down
+    add({"mean_d", "mean_q"}, "A", current_q30(res->mean_q30), twin.mean(),
+        gain(cfg->mean_rate_q15, 15) * si.current(1));
+    return drop;
+};
 
 decltype(current_loop_plan) *seam_current_loop_plan = [](auto loop, auto cfg, auto reference,
                                                          auto speed) {

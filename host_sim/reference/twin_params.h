@@ -12,6 +12,7 @@
 #include "twin_nn_observer.h"
 #include "twin_phase_compensator.h"
 #include "twin_pi.h"
+#include "twin_virtual_resistance.h"
 
 #include <cmath>
 #include <cstdint>
@@ -143,6 +144,13 @@ inline PhaseCompensator::Params phase_compensator_params(const PerUnit &s)
     const double radian = TWO_PI / STEPS_PER_TURN;
     return {std::ldexp(c.gain, -16 - static_cast<int>(c.gain_shift)), c.lead_max * radian,
             c.brake_max * radian, s.current(c.current_min)};
+}
+
+// Currents in A, voltages in V.
+inline VirtualResistance::Params virtual_resistance_params(const PerUnit &s)
+{
+    const virtual_resistance_cfg_t &c = s.cfg.voltage_drive.damping;
+    return {c.resistance_q15 / Q15 * s.bases.voltage_v / s.bases.current_a, c.mean_rate_q15 / Q15};
 }
 
 inline SpeedLoop::Params speed_loop_params(const PerUnit &s)

@@ -211,13 +211,15 @@ bool differ(const Outcome &a, const Outcome &b, std::string &run_of_a, bool is_r
 using Rungs = std::vector<Lines>;
 
 constexpr double FACTORS[][2] = {{0.7, 1.4}, {0.97, 1.03}, {0.999, 1.001}};
-constexpr double SHARES[][2] = {{0.01, 0.1}, {0.25, 0.5}}; // of the range, where 0 is in force
+constexpr double SHARES[][2] = {{0.01, 0.1},
+                                {0.25, 0.5}}; // of the range, where 0 or a rule is in force
 
 // Whole numbers are further away, as some are counted in fours.
 Rungs numbers_near(double value, const nf::Field &field, bool whole)
 {
     std::vector<std::array<double, 2>> pairs;
-    if (!(std::abs(value) > 0)) {
+    const bool by_rule = field.min < 0 && value <= field.min;
+    if (by_rule || !(std::abs(value) > 0)) {
         for (const auto &[low, high] : SHARES) {
             pairs.push_back({low * field.max, high * field.max});
         }

@@ -361,21 +361,26 @@ void a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late()
     expect(625, c.speed_error_periods);
 }
 
-// K_p = φ and K_i = 8·φ of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current; −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°.
+// K_p = 1.5·φ and K_i = 8/s·K_p of 2·Ω_b/U_b; 240 rpm; 25 % of the continuous current; −0.8·atan(R/(ω·L_d)) at 1200 rpm is −5.446°.
+// 0.45·ω·L of U_b/I_b, and 0.6·ω·T.
 void voltage_drive()
 {
     const voltage_drive_cfg_t c = motor_b({}, "voltage_phase").voltage_drive;
     const double base = 2 * 490.873852 / 450;
     expect(1, c.enabled);
-    expect_mantissa(0.375 * base, c.pi.kp, c.pi.kp_shift);
-    expect_mantissa(8 * 0.375 * base * 1e-3 * 2048, c.pi.ki, c.pi.ki_shift);
+    expect_mantissa(1.5 * 0.375 * base, c.pi.kp, c.pi.kp_shift);
+    expect_mantissa(8 * 1.5 * 0.375 * base * 1e-3 * 2048, c.pi.ki, c.pi.ki_shift);
     expect(240 * STEPS_PER_RPM, c.speed_min);
     expect(100, c.settle_periods);
-    expect_mantissa(0.001 * 65536, c.compensator.gain, c.compensator.gain_shift);
+    expect_mantissa(0.003 * 65536, c.compensator.gain, c.compensator.gain_shift);
     expect(40.0 / 360 * 4294967296.0, c.compensator.lead_max);
     const double brake = 0.8 * std::atan(0.405 / (125.6637061 * 2 * 0.0135)) / 6.283185307;
     TEST_ASSERT_DOUBLE_WITHIN(2, brake * 4294967296.0, c.compensator.brake_max);
     expect(0.25 * CONTINUOUS_Q15, c.compensator.current_min);
+    const double omega = 2 * 125.6637061;
+    const double inductance = 2 / (1 / 0.0135 + 1 / 0.0235);
+    expect(0.45 * omega * inductance * 40 / 450 * 32768, c.damping.resistance_q15);
+    expect(0.6 * omega * 1e-4 * 32768, c.damping.mean_rate_q15);
     // One and a half hand-over speeds of 15 % are more than 20 %.
     expect(270 * STEPS_PER_RPM,
            motor_b({"startup.handover_speed_pct=15"}, "voltage_phase").voltage_drive.speed_min);

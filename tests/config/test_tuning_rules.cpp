@@ -169,11 +169,12 @@ void the_alignment_imposes_more_than_the_hold()
 
 void what_is_written_is_not_changed()
 {
-    const nf::TuningSettings t = ruled(
-        {"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
-         "observer.feedback=0.02", "current_loop.bandwidth_hz=321", "current_loop.floor_pct=11",
-         "speed_loop.bandwidth_hz=3", "speed_loop.ramp_rpm_s=999"},
-        {"deadtime"});
+    const nf::TuningSettings t =
+        ruled({"observer.kappa=0.02", "observer.kappa_p=0.3", "observer.rho_max=0.7",
+               "observer.feedback=0.02", "current_loop.bandwidth_hz=321",
+               "current_loop.floor_pct=11", "speed_loop.bandwidth_hz=3",
+               "speed_loop.ramp_rpm_s=999", "voltage_loop.virtual_resistance_ohm=0"},
+              {"deadtime"});
     TEST_ASSERT_EQUAL_DOUBLE(0.02, t.observer_kappa);
     TEST_ASSERT_EQUAL_DOUBLE(0.3, t.observer_kappa_p);
     TEST_ASSERT_EQUAL_DOUBLE(0.7, t.observer_rho_max);
@@ -182,7 +183,24 @@ void what_is_written_is_not_changed()
     TEST_ASSERT_EQUAL_DOUBLE(11, t.current_floor_pct);
     TEST_ASSERT_EQUAL_DOUBLE(3, t.speed_bandwidth_hz);
     TEST_ASSERT_EQUAL_DOUBLE(999, t.speed_ramp_rpm_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0, t.virtual_resistance_ohm);
     expect(std::sqrt(8.1 * 0.02), ruled({"observer.kappa=0.02"}).observer_kappa_p);
+}
+
+// 0.45·ω·L, of two axes the harmonic mean; and a mean that follows within 0.6 of a radian. At 2000 Hz a sample takes off
+// 0.17 of a change with a rated speed of 3600 rpm, and with 4500 rpm it would take off 0.21.
+void the_virtual_resistance_is_a_share_of_the_reactance()
+{
+    const double omega = 2 * 2 * nf::PI * 30;
+    const nf::TuningSettings t = ruled();
+    expect(0.45 * omega * 0.0116, t.virtual_resistance_ohm);
+    expect(1 / (0.6 * omega), t.virtual_mean_s);
+    expect(0.45 * omega * 2 / (1 / 0.0116 + 1 / 0.02),
+           ruled({"motor.inductance_q_h=0.02"}).virtual_resistance_ohm);
+    const std::string slow = "board.pwm_frequency_hz=2000";
+    expect(0.9 * omega * 0.0116,
+           ruled({slow, "motor.rated_speed_rpm=3600"}).virtual_resistance_ohm);
+    expect(0.2 * 0.0116 * 2000, ruled({slow, "motor.rated_speed_rpm=4500"}).virtual_resistance_ohm);
 }
 
 // A sensor's speed does not lag: nothing is capped.
@@ -220,6 +238,7 @@ int main()
     RUN_TEST(the_least_current_leaves_voltage_at_rated_speed);
     RUN_TEST(the_alignment_imposes_more_than_the_hold);
     RUN_TEST(what_is_written_is_not_changed);
+    RUN_TEST(the_virtual_resistance_is_a_share_of_the_reactance);
     RUN_TEST(a_sensor_does_not_slow_the_speed_loop);
     return UNITY_END();
 }

@@ -39,7 +39,7 @@ static constexpr double EXACT_SHARE = 1e-9;
 static constexpr double LAST_BITS = 8 * std::numeric_limits<double>::epsilon();
 
 // Each function of a control module that the drive calls; configuration, model and state beside them.
-static constexpr std::size_t SEAMS = 20 + 3;
+static constexpr std::size_t SEAMS = 22 + 3;
 
 struct Shares {
     std::set<std::string> functions;
@@ -130,6 +130,7 @@ decltype(nn_observer_train) __real_nn_observer_train;
 decltype(speed_loop_step) __real_speed_loop_step;
 decltype(pi_step) __real_pi_step;
 decltype(phase_compensator_step) __real_phase_compensator_step;
+decltype(virtual_resistance_step) __real_virtual_resistance_step;
 decltype(current_loop_step) __real_current_loop_step;
 decltype(modulator_compare) __real_modulator_compare;
 
@@ -170,6 +171,13 @@ int32_t __wrap_phase_compensator_step(phase_compensator_t *comp, const phase_com
     const int32_t lead = __real_phase_compensator_step(comp, cfg, current, rotor, speed, forwards);
     comp->angle = spoil("phase_compensator_step", comp->angle, 4U);
     return lead;
+}
+
+dq_t __wrap_virtual_resistance_step(virtual_resistance_t *res, const virtual_resistance_cfg_t *cfg,
+                                    dq_t current)
+{
+    const dq_t drop = __real_virtual_resistance_step(res, cfg, current);
+    return {drop.d, spoil("virtual_resistance_step", drop.q, 1 << 15)};
 }
 
 dq_t __wrap_current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
@@ -214,6 +222,7 @@ static void test_a_function_that_computes_wrongly_is_named()
         expect_function(run, function);
     }
     expect_function(voltage, "phase_compensator_step");
+    expect_function(voltage, "virtual_resistance_step");
     to_end_of_slow_period(run);
     expect_function(run, "speed_loop_step");
     to_end_of_slow_period(voltage);
@@ -255,6 +264,7 @@ static void test_a_wrong_word_is_named()
     expect_first(driven_by_voltage(), "drive.vector.step = 500", "state");
     expect_first(driven_by_voltage(), "drive.voltage_drive.compensator.angle = 0.1", "state");
     expect_first(driven_by_voltage(), "drive.voltage_drive.magnitude = 5", "state");
+    expect_first(driven_by_voltage(), "drive.voltage_drive.damping.mean_q30.q = 1", "state");
 }
 
 static void test_a_wrong_configuration_is_named_with_its_word()

@@ -236,23 +236,43 @@ void with_dead_time_the_load_is_carried_without_regulators_and_without_i_d()
     }
 }
 
-// Worst of four seeds: 2.2 % and 1.2° with `all`; another seed moves them by a third. Without the sensor what a voltage
-// drive loses in the legs it takes for a turn of the rotor.
-void with_dead_time_and_without_a_sensor_current_control_holds_what_the_voltage_drive_does_not()
+struct Noise {
+    const char *set;
+    int seeds;
+};
+
+// What is asked of S5 in these sets, whatever the noise. Without a sensor a voltage that is lost in the legs is a turn of the
+// rotor to the observer.
+void with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise()
 {
-    constexpr double SPEED_PCT = 3.0;
-    constexpr double ANGLE_DEG = 1.6;
-    for (const char *set : {"deadtime", "imp", "all"}) {
-        const Outcome current = run("s5", {set}, {"drive.method=current"});
-        const Outcome voltage = run("s5", {set});
-        TEST_ASSERT_TRUE(current.result.faults.empty());
-        TEST_ASSERT_TRUE(current.result.metrics.locked);
-        TEST_ASSERT_TRUE(current.result.metrics.speed_error_max_pct.value() < SPEED_PCT);
-        TEST_ASSERT_TRUE(current.result.metrics.angle_error_max_deg.value() < ANGLE_DEG);
-        TEST_ASSERT_TRUE(voltage.result.faults.empty());
-        TEST_ASSERT_FALSE(voltage.result.metrics.locked);
-        TEST_ASSERT_TRUE(voltage.result.metrics.speed_error_max_pct.value() > SPEED_PCT);
+    constexpr double SPEED_PCT = 2.0;
+    constexpr double ANGLE_DEG = 1.5;
+    constexpr double COMMAND_PCT = 2.0;
+    constexpr double NO_I_D_A = 0.05;
+    for (const Noise &noise : {Noise{"deadtime", 1}, Noise{"imp", 5}, Noise{"all", 5}}) {
+        for (int seed = 1; seed <= noise.seeds; seed++) {
+            const Outcome one = run("s5", {noise.set}, {"scenario.seed=" + std::to_string(seed)});
+            TEST_ASSERT_TRUE(one.result.faults.empty());
+            TEST_ASSERT_TRUE(one.result.metrics.locked);
+            TEST_ASSERT_TRUE(one.settled.without_regulators());
+            TEST_ASSERT_TRUE(one.result.metrics.speed_error_max_pct.value_or(HUGE_VAL) <=
+                             SPEED_PCT);
+            TEST_ASSERT_TRUE(one.result.metrics.angle_error_max_deg.value_or(HUGE_VAL) <=
+                             ANGLE_DEG);
+            TEST_ASSERT_TRUE(one.result.metrics.command_error_settled_pct.value_or(HUGE_VAL) <=
+                             COMMAND_PCT);
+            TEST_ASSERT_TRUE(one.result.metrics.id_settled_a.value_or(HUGE_VAL) <= NO_I_D_A);
+            TEST_ASSERT_DOUBLE_WITHIN(NO_I_D_A, 0, one.settled.i_d());
+        }
     }
+}
+
+// Without it the currents' own mode grows on what the compensation does not know of the dead time.
+void without_the_virtual_resistance_dead_time_takes_the_angle()
+{
+    constexpr double SPEED_PCT = 5.0;
+    const Outcome one = run("s5", {"deadtime"}, {"voltage_loop.virtual_resistance_ohm=0"});
+    TEST_ASSERT_TRUE(one.result.metrics.speed_error_max_pct.value() > SPEED_PCT);
 }
 
 // brake_max is reached at about half of this; what would follow is a rotor that its load accelerates.
@@ -367,8 +387,8 @@ int main()
     RUN_TEST(without_enough_lead_the_same_torque_takes_more_current);
     RUN_TEST(without_compensation_current_control_takes_the_load_before_it_runs_away);
     RUN_TEST(with_dead_time_the_load_is_carried_without_regulators_and_without_i_d);
-    RUN_TEST(
-        with_dead_time_and_without_a_sensor_current_control_holds_what_the_voltage_drive_does_not);
+    RUN_TEST(with_dead_time_and_without_a_sensor_the_voltage_drive_holds_with_any_noise);
+    RUN_TEST(without_the_virtual_resistance_dead_time_takes_the_angle);
     RUN_TEST(a_load_that_drives_is_braked_by_current_control);
     RUN_TEST(a_reversal_under_load_passes_through_braking);
     RUN_TEST(a_caught_rotor_settles_before_the_change);

@@ -283,6 +283,8 @@ static inline voltage_drive_cfg_t example_voltage_drive_cfg(void)
                 .brake_max = 59652324,
                 .current_min = 1376, /* 1.68 A */
             },
+        /* 0.45·ω·L = 1.97 Ω of U_b/I_b at 1800 rpm; 0.6·ω·T */
+        .damping = {.resistance_q15 = 5737, .mean_rate_q15 = 741},
     };
 }
 

@@ -455,6 +455,24 @@ static step_t estimate_after(step_t change, int32_t share_q14)
     return drive.observer.speed;
 }
 
+/* Within a quarter of the hand-over speed of the reference, which begins at 0, the rotor follows it. */
+static void test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone(void)
+{
+    const int32_t full = cfg.derating.current_max;
+    const step_t near = cfg.startup.handover_speed / 4;
+    const step_t ramp = 4 * (cfg.speed_loop.ramp / 4);
+
+    cfg.run.acceleration_q14 = 16384;
+    for (step_t sign = -1; sign <= 1; sign += 2) {
+        drive.observer.speed = sign * near;
+        ramp_under((torque_range_t){-full, full}, ramp);
+        TEST_ASSERT_EQUAL_INT32((sign * near) + ramp, drive.observer.speed);
+        drive.observer.speed = sign * (near + 1);
+        ramp_under((torque_range_t){-full, full}, ramp);
+        TEST_ASSERT_EQUAL_INT32(sign * (near + 1), drive.observer.speed);
+    }
+}
+
 /* The product has 14 bits behind the point, 4 steps. */
 static void test_the_estimate_takes_on_its_share_of_what_the_reference_changes(void)
 {
@@ -724,6 +742,25 @@ static void test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew(
     TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.end_periods);
 }
 
+/* A fiftieth of the speed is missing: 113 LSB of proportional part; 1 of integral a period, and 1 for each of four roundings. */
+static void test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing(void)
+{
+    int32_t begun;
+
+    offer_voltage_drive();
+    pi_reset(&drive.current_loop.pi_q, 8000);
+    drive.observer.speed -= drive.observer.speed / 50;
+    for (uint32_t k = 0U; k < cfg.voltage_drive.settle_periods; k++) {
+        drive.signals.current = drive.signals.current_ref;
+        control_speed();
+    }
+    TEST_ASSERT_TRUE(drive.voltage_drive.active);
+    begun = drive.voltage_drive.magnitude;
+    TEST_ASSERT_TRUE(begun >= 8000);
+    control_speed();
+    TEST_ASSERT_INT32_WITHIN(5, begun, drive.voltage_drive.magnitude);
+}
+
 /* Also while the rotor is already as fast as the command asks. */
 static void test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for(void)
 {
@@ -748,7 +785,7 @@ test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_a
     offer_voltage_drive();
     drive.voltage_drive.active = true;
     drive.voltage_drive.calm_periods = STALE;
-    drive.voltage_drive.current_mean = (dq_t){0, 1000};
+    virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, 1000});
     drive.signals.voltage = (dq_t){8000, 100}; /* the lead is at its end towards braking */
     for (uint32_t k = 1U; k < cfg.voltage_drive.settle_periods; k++) {
         control_speed();
@@ -970,7 +1007,8 @@ static void test_a_swing_of_the_voltage_drive_is_a_fault_at_once(void)
     enter(DRIVE_STATE_RUN);
     drive.voltage_drive.active = true;
     for (uint32_t k = 0U; k < SWING_FOUND; k++) {
-        drive.voltage_drive.current_mean.q = ((k % 50U) < 25U) ? 4000 : -4000;
+        virtual_resistance_start(&drive.voltage_drive.damping,
+                                 (dq_t){0, ((k % 50U) < 25U) ? 4000 : -4000});
         slot(SLOT_PHASES);
     }
     TEST_ASSERT_EQUAL(FAULT_OSCILLATION, drive.fault.id);
@@ -1032,9 +1070,11 @@ int main(void)
     RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
     RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
     RUN_TEST(test_the_estimate_waits_with_a_ramp_that_waits);
+    RUN_TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone);
     RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_a_32nd_of_it);
     RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
+    RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);
     RUN_TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
