@@ -36,6 +36,7 @@ typedef struct {
 typedef struct {
     int32_t current_floor; /* |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
     int32_t current_slope; /* change of i_d* in a tick, Q15 of I_b, 1…16384 */
+    int32_t current_fall;  /* where it falls below current_floor, 1…16384 */
     /* share of a change of the speed reference that ω̂ takes on at once, 0…16384; 0: the published law */
     int32_t acceleration_q14;
 } run_cfg_t;

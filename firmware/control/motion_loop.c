@@ -77,15 +77,15 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     const int32_t reach = range.upper - middle;
     /* Q15 of 2·Ω_b */
     const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
-
+    const int32_t fed = feed_forward - middle;
     int32_t beyond_middle;
 
     if (loop->halvings != 0U) {
         const pi_cfg_t soft = lowered(&cfg->pi);
 
-        beyond_middle = pi_step(&loop->pi, &soft, half_error_q15, feed_forward - middle, reach);
+        beyond_middle = pi_step(&loop->pi, &soft, half_error_q15, fed, reach);
     } else {
-        beyond_middle = pi_step(&loop->pi, &cfg->pi, half_error_q15, feed_forward - middle, reach);
+        beyond_middle = pi_step(&loop->pi, &cfg->pi, half_error_q15, fed, reach);
     }
     return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }

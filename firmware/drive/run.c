@@ -8,7 +8,6 @@
 
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
-#define FALL_SHIFT (5U)  /* below the least current i_d* falls with 1/32 of its slope */
 #define NEAR_SHARE (4)   /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 #define SETTLE_SHARE (2) /* above 1/2 of hold_speed the drive does not hand back */
 
@@ -104,10 +103,10 @@ static int32_t next_current_d(const drive_t *drive)
     const bool slow = is_slow(drive);
     const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
     const int32_t wanted = slow ? drive->cfg->startup.current_hold : lacking;
-    const int32_t fall = fx_max(fx_asr(slope, FALL_SHIFT), 1);
+    const int32_t slower = cfg->current_fall * (int32_t)drive->cfg->slow_ticks;
 
     return fx_max(fx_towards(present.d, wanted, slope),
-                  fx_min(present.d, cfg->current_floor) - fall);
+                  fx_min(present.d, cfg->current_floor) - slower);
 }
 
 /* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */

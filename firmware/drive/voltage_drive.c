@@ -56,7 +56,7 @@ void voltage_drive_step(drive_t *drive)
     const int32_t magnitude = fx_clamp(vd->magnitude, -room, room);
     const int32_t lead = phase_compensator_step(
         &vd->compensator, &drive->cfg->voltage_drive.compensator, s->current,
-        rotor_position_angle(&drive->position), drive->observer.speed_out, magnitude >= 0);
+        rotor_position_angle(&drive->position), drive->observer.speed_out, vd->magnitude >= 0);
     const sincos_t angle = trig_sincos(fx_unsigned(lead));
 
     s->voltage.d = fx_sat16(fx_asr(damping.d - (magnitude * angle.sin), 15U));

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "oscillation.h"
 
-#define BACK_SHIFT (2U)    /* i_q* has turned at a quarter of the last half-wave */
+#define BACK_SHIFT (2U) /* i_q* has turned at a quarter of the last half-wave */
+#define PERIODS_LEAST \
+    (2U) /* in a half-wave: a swing is not faster than a quarter of the slow rate */
 #define HIGHEST_SHIFT (1U) /* a run ends below a half of its highest half-wave */
 
 /* Word by word: a library's memset takes five times as long. */
@@ -34,10 +36,10 @@ static void forget_run(oscillation_t *state, const oscillation_cfg_t *cfg, int32
     state->halves = 0U;
 }
 
-/* Half to twice as long. One slow period more or less is the grid on which i_q* is seen. */
-static bool is_alike(uint32_t periods, uint32_t before)
+/* Half to twice as long, and not the single period in which noise turns most often. */
+static bool is_as_long(uint32_t periods, uint32_t before)
 {
-    return (periods <= ((2U * before) + 1U)) && (before <= ((2U * periods) + 1U));
+    return (periods >= PERIODS_LEAST) && (periods <= (2U * before)) && (before <= (2U * periods));
 }
 
 /* Counts the half-wave that led to the extreme: on with the run, or as the first one of a new run. */
@@ -46,7 +48,7 @@ static void count_half(oscillation_t *state, int32_t height)
     uint32_t *const before = state->falls ? &state->periods_down : &state->periods_up;
     const uint32_t periods = state->at - state->since;
 
-    if ((state->halves > 0U) && is_alike(periods, *before) &&
+    if ((state->halves > 0U) && is_as_long(periods, *before) &&
         (height >= fx_asr(state->highest, HIGHEST_SHIFT))) {
         state->halves++;
         state->highest = fx_max(state->highest, height);

@@ -9,8 +9,8 @@
  * as high as the highest of the run. A run of `halves_max` is a swing.
  *
  * A transient dies out before: with the damping ζ half-waves shrink by exp(−πζ/√(1−ζ²)), so what is found has
- * ζ < ln 2/(π·halves_max). Noise has half-waves of unlike lengths. Each change of the motion asked for ends a run: on a ramp
- * nothing is found.
+ * ζ < ln 2/(π·(halves_max − 1)). A half-wave that counts has two slow periods at least; noise turns in each second one.
+ * Each change of the motion asked for ends a run: on a ramp nothing is found.
  *
  * Currents Q15 of I_b, speeds step_t. Pure, total within the ranges; control interrupt only, once per slow period.
  */

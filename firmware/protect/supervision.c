@@ -253,14 +253,15 @@ static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
     const bool stuck = in->torque_at_limit && (fx_abs(in->current_ref) >= cfg->stall_current) &&
                        (onwards < cfg->stall_speed);
     const bool against = state->onwards <= -cfg->stall_speed;
+    const bool reversed = !against && (onwards <= -cfg->stall_speed);
 
-    if (state->stalled == 0U) {
+    if ((state->stalled == 0U) || reversed) {
         state->onwards = onwards;
     } else if (against && ((onwards - state->onwards) >= cfg->stall_speed)) {
         state->onwards = onwards;
         state->stalled = 0U;
     } else {
-        /* stands, or is no slower than it was */
+        /* it stands, or nothing has braked it yet */
     }
     return lasts(&state->stalled, stuck, cfg->stall_periods);
 }

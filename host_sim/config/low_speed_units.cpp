@@ -45,6 +45,8 @@ constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
 // The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
 // inertia still follow.
+// The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
+constexpr int32_t CURRENT_FALL = 32;
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 constexpr uint32_t ATTEMPTS = 5;
@@ -253,6 +255,9 @@ run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
     run_cfg_t c{};
     keep(c.current_floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
     c.current_slope = hold_slope(motor, board, own, m, b);
+    c.current_fall = tuning.method == ControlMethod::voltage_phase
+                         ? c.current_slope
+                         : std::max(c.current_slope / CURRENT_FALL, 1);
     c.acceleration_q14 = static_cast<int32_t>(std::lround(tuning.observer_acceleration * Q14));
     return c;
 }

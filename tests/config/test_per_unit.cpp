@@ -481,6 +481,12 @@ void run()
 {
     expect(0, motor_b().run.current_floor);
     expect(0.18 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).run.current_floor);
+    // A 32nd of the slope, at least one; a voltage drive takes over from no i_d* at all, so it goes as it came.
+    expect(1, motor_b().run.current_fall);
+    expect(97 / 32,
+           motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"}).run.current_fall);
+    expect(10,
+           motor_b({"drive.method=voltage_phase", "drive.angle_source=sensor"}).run.current_fall);
     expect(16384, motor_b().run.acceleration_q14);
     expect(0.75 * 16384, motor_b({"observer.acceleration_feed_forward=0.75"}).run.acceleration_q14);
     expect(0, motor_b({"drive.angle_source=sensor", "observer.acceleration_feed_forward=1"})

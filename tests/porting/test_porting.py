@@ -47,6 +47,12 @@ int32_t units_rpm(const units_rotation_t *rotation, step_t step)
     return step;
 }
 
+int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks)
+{
+    (void)rotation;
+    return (int32_t)(halves + ticks);
+}
+
 int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
 {
     (void)one;

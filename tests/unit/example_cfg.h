@@ -303,7 +303,7 @@ static inline drive_cfg_t example_drive_cfg(void)
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
         .hold_loop = example_current_loop_cfg(),
-        .run = {.current_floor = 0, .current_slope = 65},
+        .run = {.current_floor = 0, .current_slope = 65, .current_fall = 2},
         .model = example_model_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,

@@ -503,6 +503,7 @@ static int32_t current_d_after(int32_t d, int32_t q)
     enter(DRIVE_STATE_RUN);
     cfg.run.current_floor = 4000;
     cfg.run.current_slope = 64;
+    cfg.run.current_fall = 2;
     speed_loop_start(&drive.speed_loop, speed, q);
     drive.speed_reference = speed;
     drive.observer.speed = speed;
@@ -512,10 +513,10 @@ static int32_t current_d_after(int32_t d, int32_t q)
     return drive.signals.current_ref.d;
 }
 
-static void test_the_least_current_comes_with_its_slope_and_goes_with_a_32nd_of_it(void)
+static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own(void)
 {
     const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
-    const int32_t fall = slope / 32;
+    const int32_t fall = 2 * (int32_t)cfg.slow_ticks;
 
     TEST_ASSERT_EQUAL_INT32(slope, current_d_after(0, 0));
     TEST_ASSERT_EQUAL_INT32(4000, current_d_after(4000 - slope + 1, 0));
@@ -531,7 +532,8 @@ static void test_what_was_imposed_goes_with_the_slope_down_to_the_least_current(
     const int32_t slope = 64 * (int32_t)cfg.slow_ticks;
 
     TEST_ASSERT_EQUAL_INT32(8000 - slope, current_d_after(8000, 8000));
-    TEST_ASSERT_EQUAL_INT32(4000 - (slope / 32), current_d_after(4000 + (slope / 2), 8000));
+    TEST_ASSERT_EQUAL_INT32(4000 - (2 * (int32_t)cfg.slow_ticks),
+                            current_d_after(4000 + (slope / 2), 8000));
 }
 
 /* ---- the alignment ---- */
@@ -1071,7 +1073,7 @@ int main(void)
     RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
     RUN_TEST(test_the_estimate_waits_with_a_ramp_that_waits);
     RUN_TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone);
-    RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_a_32nd_of_it);
+    RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own);
     RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);

@@ -607,6 +607,22 @@ static void test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_dir
     }
 }
 
+/* The torque turns over while the rotor stands: what turns from then on against it is braked from there. */
+static void test_a_rotor_that_a_new_torque_brakes_is_not_stalled(void)
+{
+    supervision_speed_t in = stalled();
+
+    in.speed = 0;
+    TEST_ASSERT_EQUAL_UINT32(cfg.stall_periods / 2U, periods_to_fault(&in, cfg.stall_periods / 2U));
+    in.speed = -5 * cfg.stall_speed;
+    in.current_ref = cfg.stall_current;
+    for (int32_t times = 5; times >= 4; times--) {
+        in.speed = -times * cfg.stall_speed;
+        TEST_ASSERT_EQUAL(FAULT_NONE, supervision_check_speed(&state, &cfg, &in, &fault));
+    }
+    TEST_ASSERT_TRUE(state.stalled <= 1U);
+}
+
 /* Slower by the stall speed each time just before it would be one; at rest it is one. */
 static void test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands(void)
 {
@@ -723,6 +739,7 @@ int main(void)
     RUN_TEST(test_what_is_just_no_stall_is_none);
     RUN_TEST(test_a_rotor_that_turns_against_full_torque_is_stalled_in_either_direction);
     RUN_TEST(test_a_rotor_that_full_torque_brakes_is_not_stalled_until_it_stands);
+    RUN_TEST(test_a_rotor_that_a_new_torque_brakes_is_not_stalled);
     RUN_TEST(test_a_ripple_of_the_speed_brakes_nothing);
     RUN_TEST(test_trouble_that_comes_and_goes_is_forgotten_as_it_came);
     RUN_TEST(test_more_late_ticks_than_allowed_in_a_window_are_a_fault);

@@ -451,6 +451,11 @@ static void test_the_magnitude_leaves_room_for_the_virtual_resistance(void)
     TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) <= (limit + 2.0));
     TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) >
                      (limit - (2.0 * 0.175 * 1.42 * 420.0)));
+    for (int32_t sign = -1; sign <= 1; sign += 2) { /* with the voltage and against it */
+        virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, sign * 4000});
+        with = after_a_bump(drive, &cfg, &out);
+        TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) <= (limit + 2.0));
+    }
 }
 
 /* A mean would follow the currents' own mode late, and feed it. */
