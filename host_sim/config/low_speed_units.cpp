@@ -43,10 +43,10 @@ constexpr double HOLD_SHARE = 0.7;
 constexpr double RESIDUAL_SHARE = 0.25; // of the continuous current
 constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
-// The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
-// inertia still follow.
 // The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
+// The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
+// inertia still follow.
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 constexpr uint32_t ATTEMPTS = 5;
@@ -60,8 +60,7 @@ constexpr double VOLTAGE_RESISTANCE_SHARE = 0.4;
 constexpr double VOLTAGE_BUS_SHARE = 0.03;
 
 constexpr double FLUX_TIME_S = 0.05;
-constexpr double FLUX_SPEED_SHARE = 0.2;       // of rated speed
-constexpr double RESISTANCE_LIMIT_Q14 = 15000; // the largest correction, 0.916
+constexpr double FLUX_SPEED_SHARE = 0.2; // of rated speed
 
 const char *const CURRENT_REASON = "the firmware's steps of current";
 
@@ -299,10 +298,11 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
 {
     const double slow_period = b.control_period_s * tuning.slow_ticks;
     model_cfg_t c{};
-    // A refusal looks for its cause by moving each key a little, also beyond its range.
-    keep(c.resistance_limit_q14, tuning.adapt_resistance_pct / 100 * Q14, 0, RESISTANCE_LIMIT_Q14);
-    keep(c.inductance_limit_q14, tuning.adapt_inductance_pct / 100 * Q14, 0, Q13);
-    keep(c.flux_limit_q14, tuning.adapt_flux_pct / 100 * Q14, 0, Q13);
+    c.resistance_limit_q14 =
+        static_cast<int32_t>(std::lround(tuning.adapt_resistance_pct / 100 * Q14));
+    c.inductance_limit_q14 =
+        static_cast<int32_t>(std::lround(tuning.adapt_inductance_pct / 100 * Q14));
+    c.flux_limit_q14 = static_cast<int32_t>(std::lround(tuning.adapt_flux_pct / 100 * Q14));
     keep(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
          MANTISSA_MAX);
     keep(c.flux_speed_min, b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE), 0, Q30 / 2);

@@ -204,14 +204,17 @@ double limit_moved(Config &config, const SettingError &error, const Field &moved
 
 constexpr double SHARE = 0.01; // by which a key is moved to see what it does
 
-// How much a key moves the limit. Where a base steps from one power of two to the next, one way only does.
+// How much a key moves the limit, while it stays in its own range. Where a base steps from one power of two to the next, one way only does.
 double weight_of(const Field &field, Config &config, const SettingError &error)
 {
     double weight = HUGE_VAL;
     Tried tried(place_of(field, config));
     for (const double factor : {1 - SHARE, 1 + SHARE}) {
-        tried.put(tried.own() * factor);
-        weight = std::min(weight, limit_moved(config, error, field));
+        const double moved = tried.own() * factor;
+        if (moved >= field.min && moved <= field.max) {
+            tried.put(moved);
+            weight = std::min(weight, limit_moved(config, error, field));
+        }
     }
     return weight;
 }
