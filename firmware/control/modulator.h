@@ -61,7 +61,7 @@ void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
  * along a current vector on the axis of phase a, Q15 of U_b, ±16384. There the legs b and c carry half of the current of
  * leg a, so that lost = 4/3·Δt_d/T·u_bus. Both currents have to be well above ripple and knee. Device drop that the
  * configuration does not know counts as dead time. A change by up to 1/64 of the dead time in force is none: the
- * measurement repeats within that. Rounded down, limited as configured. Once, when an alignment ends. Once after a measurement.
+ * measurement repeats within that. Rounded down, limited as configured. Call once when an alignment ends.
  */
 void modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 

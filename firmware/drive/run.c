@@ -49,8 +49,9 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
 }
 
 /*
- * Speed mode: below hold_speed, RUN follows the ramp of an imposed vector, either way. A position profile is soft there. Whatever torque acts at the hand-back stays as the load
- * angle of the vector: the torque of a steeper ramp would throw the rotor out of its field.
+ * Speed mode: below hold_speed, RUN follows the ramp of an imposed vector, either way. The torque that acts at the
+ * hand-back stays as the load angle of the vector: that of a steeper ramp would throw the rotor out of its field. A position
+ * profile is soft there by itself.
  */
 static step_t gentle(const drive_t *drive, step_t wanted)
 {
@@ -91,9 +92,9 @@ static bool is_slow(const drive_t *drive)
 }
 
 /*
- * i_d* in RUN. At low speed it rises to the current that will be imposed. Above, it
- * keeps the current vector large enough that not all legs switch near their zero crossing. For that it falls slowly:
- * the torque current of an acceleration is gone sooner than i_d* could rise again.
+ * i_d* in RUN. At low speed it rises to the current that will be imposed. Above, it keeps the current vector large enough
+ * that not all legs switch near their zero crossing. For that it falls slowly: the torque current of an acceleration is
+ * gone sooner than i_d* could rise again.
  */
 static int32_t next_current_d(const drive_t *drive)
 {

@@ -261,7 +261,7 @@ static bool is_stalled(supervision_t *state, const supervision_cfg_t *cfg,
         state->onwards = onwards;
         state->stalled = 0U;
     } else {
-        /* it stands, or nothing has braked it yet */
+        /* it stands, or it has not become slower by stall_speed */
     }
     return lasts(&state->stalled, stuck, cfg->stall_periods);
 }

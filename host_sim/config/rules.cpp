@@ -18,8 +18,8 @@ constexpr double SPEED_PER_TORQUE = 4.3;
 // And not faster than this many radians of the rotor at rated speed where dead time takes as much voltage as the EMF at
 // the hand-over makes: that ripple of the estimate is not to be followed. In proportion.
 constexpr double SPEED_PER_LOSS = 0.15;
-// But a step of half the torque may not take more than half the rated speed off before the loop has answered, or the rotor
-// stalls, and overspeeds when the load goes.
+// But at least this, whatever the dead time: a step of half the torque then takes half the rated speed off before the loop
+// has answered. With less the rotor stalls, and exceeds its highest speed when the load goes.
 constexpr double SPEED_PER_TORQUE_LEAST = 1;
 // Ramp and profile leave the rest of the torque to the load.
 constexpr double RAMP_TORQUE = 0.27;
@@ -71,8 +71,7 @@ constexpr double FLOOR_VOLTAGE = 0.95;
 // docs/voltage_drive.md has the poles.
 constexpr double VOLTAGE_PER_FLUX = 1.5;
 constexpr double VOLTAGE_CORNER_S = 8;
-// The virtual resistance damps the currents' own mode, which turns with the electrical speed. At rated speed it alone would
-// take off this share of a radian's swing in a radian; the mean follows within so much of a radian.
+// The virtual resistance as a share of ω·L at rated speed, and the corner of its mean as a share of ω: docs/voltage_drive.md.
 constexpr double VIRTUAL_DAMPING = 0.45;
 constexpr double VIRTUAL_MEAN_RADIAN = 0.6;
 // In a sample it takes off this share of a change at most: the voltage acts a period and a half later.
@@ -189,7 +188,7 @@ private:
     const RuleRanges &ranges_;
 };
 
-// How often in a second, in rad, the largest torque could reach rated speed.
+// 1/s: the largest acceleration as a share of rated speed.
 double torque_rate(const Drive &drive)
 {
     return drive.acceleration / drive.rated;
@@ -201,7 +200,7 @@ double believed_loss_v(const Drive &drive)
     return leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
 }
 
-// The speed loop's own bandwidth in rad/s, as fast as the torque allows and as dead time lets it be, before the lag limits it.
+// The speed loop's own bandwidth in rad/s, by torque and dead time. The lag of the estimate may limit it further.
 double quiet_speed_rate(const Drive &drive, double handover_pct)
 {
     const double emf_v = handover_pct / 100 * drive.rated_el * drive.motor.flux_linkage_wb;

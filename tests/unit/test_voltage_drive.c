@@ -377,6 +377,22 @@ static drive_t after_a_bump(drive_t from, const drive_cfg_t *with, drive_out_t *
     return from;
 }
 
+typedef struct {
+    drive_t with; /* the virtual resistance */
+    drive_t without;
+} bumped_t;
+
+static bumped_t after_a_bump_with_and_without(void)
+{
+    drive_cfg_t bare = cfg;
+    bumped_t after;
+
+    bare.voltage_drive.damping.resistance_q15 = 0;
+    after.with = after_a_bump(drive, &cfg, &out);
+    after.without = after_a_bump(drive, &bare, &out);
+    return after;
+}
+
 /* Not in the last tick of a slow period, in which the magnitude changes too. */
 static void run_loaded_until_settled(void)
 {
@@ -391,24 +407,20 @@ static void run_loaded_until_settled(void)
 
 static void test_a_change_of_the_current_meets_the_virtual_resistance(void)
 {
-    drive_cfg_t bare;
-    drive_t with;
-    drive_t without;
+    bumped_t after;
     dq_t change;
 
     run_loaded_until_settled();
-    bare = cfg;
-    bare.voltage_drive.damping.resistance_q15 = 0;
-    with = after_a_bump(drive, &cfg, &out);
-    without = after_a_bump(drive, &bare, &out);
+    after = after_a_bump_with_and_without();
     change = virtual_resistance_mean(&drive.voltage_drive.damping);
-    change = (dq_t){with.signals.current.d - change.d, with.signals.current.q - change.q};
+    change =
+        (dq_t){after.with.signals.current.d - change.d, after.with.signals.current.q - change.q};
     TEST_ASSERT_TRUE(hypot(change.d, change.q) > 350.0); /* of 410 */
     /* R_v·i of 0.175 U_b/I_b, rounded down in both */
     TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.d,
-                              without.signals.voltage.d - with.signals.voltage.d);
+                              after.without.signals.voltage.d - after.with.signals.voltage.d);
     TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.175 * change.q,
-                              without.signals.voltage.q - with.signals.voltage.q);
+                              after.without.signals.voltage.q - after.with.signals.voltage.q);
 }
 
 /* What the network is given as the voltage that acts is this ratio, two ticks later. */
@@ -434,27 +446,24 @@ static void test_the_observer_is_told_of_the_virtual_resistances_part(void)
 /* At the end of the voltage it is U that gives way: a vector that is cut off would not damp. */
 static void test_the_magnitude_leaves_room_for_the_virtual_resistance(void)
 {
-    drive_cfg_t bare;
-    drive_t with;
-    drive_t without;
+    bumped_t after;
     int32_t limit;
 
     run_loaded_until_settled();
-    bare = cfg;
-    bare.voltage_drive.damping.resistance_q15 = 0;
     drive.voltage_drive.magnitude = FX_Q15_MAX;
     limit = modulator_limit(&cfg.modulator, drive.signals.bus);
-    with = after_a_bump(drive, &cfg, &out);
-    without = after_a_bump(drive, &bare, &out);
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, limit,
-                              hypot(without.signals.voltage.d, without.signals.voltage.q));
-    TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) <= (limit + 2.0));
-    TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) >
+    after = after_a_bump_with_and_without();
+    TEST_ASSERT_DOUBLE_WITHIN(
+        2.0, limit, hypot(after.without.signals.voltage.d, after.without.signals.voltage.q));
+    TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) <=
+                     (limit + 2.0));
+    TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) >
                      (limit - (2.0 * 0.175 * 1.42 * 420.0)));
     for (int32_t sign = -1; sign <= 1; sign += 2) { /* with the voltage and against it */
         virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, sign * 4000});
-        with = after_a_bump(drive, &cfg, &out);
-        TEST_ASSERT_TRUE(hypot(with.signals.voltage.d, with.signals.voltage.q) <= (limit + 2.0));
+        after.with = after_a_bump(drive, &cfg, &out);
+        TEST_ASSERT_TRUE(hypot(after.with.signals.voltage.d, after.with.signals.voltage.q) <=
+                         (limit + 2.0));
     }
 }
 
