@@ -16,11 +16,14 @@ typedef struct {
     int32_t current_hold;
     int32_t current_move;  /* imposed while the reference moves, Q15 of I_b, current_hold…16384 */
     int32_t current_slope; /* change of the imposed current per tick, Q15 of I_b, 1…16384 */
+    /* beyond these an imposed current is controlled firmly, along its vector and across, Q15 of I_b, 1…16384 */
+    int32_t along_max;
+    int32_t across_max;
     step_t ramp; /* speed mode: largest change of the vector's speed per slow period, 1…2^29 */
-    /* From this speed of the vector on the observer runs free; below, it follows the vector. A rotor that turns as fast at
-     * a start is caught. 1…handover_speed */
+    /* from this speed of the vector on the observer runs free; below, it follows the vector, 1…handover_speed */
     step_t track_speed;
-    step_t handover_speed; /* the observer takes over from this speed on, 1…2^29 … */
+    /* the observer takes over from this speed on; at once, when a rotor turns as fast at a start, 1…2^29 … */
+    step_t handover_speed;
     /* below this one RUN fades the imposed current in, and hands back at half of it, 1…handover_speed − 1 */
     step_t hold_speed;
     /* the observer takes over only with a residual (filtered |e'_q|) below this, Q15 of I_b, 1…16384 */

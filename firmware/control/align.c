@@ -106,6 +106,11 @@ bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
     return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
 }
 
+bool align_has_measured(const align_t *align)
+{
+    return (align->tick == 0U) && ((align->phase == ALIGN_STEP) || (align->phase == ALIGN_DONE));
+}
+
 int32_t align_swing_max(const align_cfg_t *cfg)
 {
     return cfg->current_high / REST_SHARE;

@@ -65,7 +65,6 @@ typedef struct {
     align_phase_t phase;
     uint32_t tick;       /* of the phase */
     bool backwards;      /* the vector turns from β towards α */
-    bool repeated;       /* the rotor did not rest in the measurement before this one */
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
     int32_t swing;      /* largest |i_q| of both measurements, 0…34400 */
@@ -90,7 +89,10 @@ void align_reset_held(align_t *align, const align_cfg_t *cfg, int32_t current_re
  */
 void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage);
 
-/* When DONE: the rotor rested while it was measured, |i_q| ≤ align_swing_max(). */
+/* Whether a measurement ended with this tick, MEASURE_HIGH or MEASURE_LOW. */
+bool align_has_measured(const align_t *align);
+
+/* Then: the rotor has rested while it was measured, |i_q| ≤ align_swing_max(). */
 bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
 
 /* The largest |i_q| of a rotor that rests, Q15 of I_b. */

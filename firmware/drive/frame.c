@@ -34,6 +34,28 @@ void frame_plan_rotor(drive_t *drive)
     plan_current(drive, &drive->model.run_loop, drive->observer.speed);
 }
 
+/* The voltage with which RUN would answer a current beyond ±limit. */
+static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit)
+{
+    const int32_t beyond = current - fx_clamp(current, -limit, limit);
+
+    return fx_sat16(fx_asr(beyond * cfg->kp, cfg->kp_shift));
+}
+
+/*
+ * An imposed current is controlled softly: what the EMF of a swinging rotor drives damps the swing. Beyond these limits it
+ * is controlled firmly, or a rotor that turns while it is pulled in trips at over-current.
+ */
+static void limit_imposed_current(drive_t *drive, dq_t current)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const current_loop_cfg_t *const firm = &drive->model.run_loop;
+    dq_t *const voltage = &drive->current_loop.constant;
+
+    voltage->d -= held_back(&firm->pi_d, current.d, cfg->along_max);
+    voltage->q -= held_back(&firm->pi_q, current.q, cfg->across_max);
+}
+
 void frame_control_current(drive_t *drive, const frame_t *frame)
 {
     drive_signals_t *const s = &drive->signals;
@@ -41,6 +63,7 @@ void frame_control_current(drive_t *drive, const frame_t *frame)
 
     if (frame->imposed) {
         plan_current(drive, frame->loop, frame->step);
+        limit_imposed_current(drive, frame->current);
     }
     s->voltage =
         current_loop_step(&drive->current_loop, frame->loop, s->current_ref, frame->current, limit);

@@ -40,23 +40,29 @@ static drive_event_t start_alignment(drive_t *drive, const drive_command_t *comm
     return DRIVE_EVENT_STANDS;
 }
 
+/*
+ * A start has failed before R was measured: the rotor has slipped, its load drives it, and an observer with a wrong R would
+ * lose it. It is brought to rest first.
+ */
+static bool has_to_stand(const drive_t *drive)
+{
+    return (drive->attempts > 0U) && !drive->identified;
+}
+
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
 static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
     const flying_start_t *const found = &drive->flying_start;
+    const bool fast = fx_abs(found->speed) >= drive->cfg->startup.handover_speed;
 
     rotor_position_reset(&drive->position, found->angle);
     estimate_start(drive, found->speed, transforms_park(current_ab, trig_sincos(found->angle)));
     rotor_position_step(&drive->position, drive->observer.speed_out);
     speed_loop_reset(&drive->speed_loop, drive->observer.speed);
     drive->speed_reference = drive->observer.speed;
-    return DRIVE_EVENT_TRACKED;
-}
-
-/* A slower rotor is aligned instead. */
-static bool is_fast(const drive_t *drive)
-{
-    return fx_abs(drive->flying_start.speed) >= drive->cfg->startup.track_speed;
+    drive->vector.position = drive->position;
+    drive->vector.step = drive->observer.speed;
+    return (fast && !has_to_stand(drive)) ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_DRAGGED;
 }
 
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
@@ -71,7 +77,7 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive
     result = flying_start_step(&drive->flying_start, cfg, current_ab);
     *out =
         (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = drive->flying_start.gates};
-    if ((result == FLYING_START_TURNING) && is_fast(drive)) {
+    if (result == FLYING_START_TURNING) {
         event = start_turning(drive, current_ab);
     } else if (result == FLYING_START_LIVE) {
         event = DRIVE_EVENT_FAULT;
@@ -128,20 +134,19 @@ static drive_event_t finish_alignment(drive_t *drive)
     return DRIVE_EVENT_HELD;
 }
 
-/* A rotor that swings gets more time. One that does not rest then either slips. */
+/* A rotor that does not rest is looked for at once: while it slips, the load makes it faster. One that only swings costs a start. */
 static drive_event_t judge_alignment(drive_t *drive, fault_t *fault)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
-    align_t *const align = &drive->align;
+    const align_t *const align = &drive->align;
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    if (align_is_at_rest(align, cfg)) {
-        event = finish_alignment(drive);
-    } else if (!align->repeated) {
-        align_reset_held(align, cfg, align->current_ref);
-        align->repeated = true;
-    } else {
+    if (!align_is_at_rest(align, cfg)) {
         event = repeat_start(drive, align->swing, align_swing_max(cfg), fault);
+    } else if (align->phase == ALIGN_DONE) {
+        event = finish_alignment(drive);
+    } else {
+        /* the second measurement follows */
     }
     return event;
 }
@@ -154,7 +159,7 @@ static drive_event_t align(drive_t *drive, fault_t *fault)
     align_step(&drive->align, &drive->cfg->startup.align, s->current_frame, s->voltage.d);
     s->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
     drive->vector.step = drive->align.frame_speed;
-    if (drive->align.phase == ALIGN_DONE) {
+    if (align_has_measured(&drive->align)) {
         event = judge_alignment(drive, fault);
     }
     return event;
@@ -254,7 +259,7 @@ static drive_event_t judge_speed(drive_t *drive, fault_t *fault)
         event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_lost, fault);
     } else if (speed == 0) {
         event = hold(drive);
-    } else if (speed < handover_speed) {
+    } else if ((speed < handover_speed) || has_to_stand(drive)) {
         event = DRIVE_EVENT_DRAGGED;
     } else if (drive->state != DRIVE_STATE_HANDOVER) {
         drive->handover_periods = 0U;
@@ -271,8 +276,14 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
     const step_t ramp = drive->cfg->startup.ramp;
 
     run_plan(drive, command, &drive->vector.position);
-    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
+    if (has_to_stand(drive)) {
+        drive->speed_reference = fx_towards(drive->vector.step, 0, ramp);
+        position_loop_reset(&drive->position_loop, drive->vector.position.turns_q32,
+                            drive->vector.step);
+    } else if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
         drive->speed_reference = fx_towards(drive->vector.step, drive->speed_reference, ramp);
+    } else {
+        /* a position profile is soft near standstill by itself */
     }
 }
 

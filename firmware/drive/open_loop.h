@@ -19,13 +19,16 @@
 /* From READY: begin FLYING_START. */
 drive_event_t open_loop_start(drive_t *drive);
 
-/* One complete tick of FLYING_START: STANDS, TRACKED (from the next tick on), or FAULT when a current does not decay. */
+/*
+ * One complete tick of FLYING_START. STANDS: the rotor stands, or turns too slowly to be seen. DRAGGED: the vector lies on a
+ * slow rotor and turns as it does. TRACKED: the rotor is fast. Each from the next tick on. FAULT: a current does not decay.
+ */
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
                                      fault_t *fault);
 
 /*
- * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. At the end of ALIGN: HELD. When the rotor did not
- * rest: NONE the first time, it is measured again; then SEARCH; FAULT with the last attempt.
+ * Each tick of ALIGN, HOLD, IF_RAMP, HANDOVER: sets the imposed current. At the end of ALIGN: HELD. When the rotor does not
+ * rest while it is measured: SEARCH; FAULT with the last attempt.
  */
 drive_event_t open_loop_step(drive_t *drive, fault_t *fault);
 

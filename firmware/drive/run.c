@@ -131,17 +131,18 @@ static void hand_back(drive_t *drive)
 }
 
 /*
- * While derating narrows the torque, ramp and profile wait at the narrowed limit. If they went on, the rotor would fall
+ * While derating narrows the torque, ramp and profile wait at the limit in force. If they went on, the rotor would fall
  * further behind in each period. It would then be braked with the whole current as soon as the limit ends.
  */
-static void wait_at_limit(drive_t *drive, step_t before)
+static void wait_at_limit(drive_t *drive, step_t before, torque_range_t derated)
 {
     const bool faster = drive->speed_loop.reference > before;
     const int32_t torque = drive->signals.current_ref.q;
     const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
+    const int32_t allowed = faster ? derated.upper : -derated.lower;
     const int32_t towards = faster ? torque : -torque;
 
-    if ((towards >= end) && (end < drive->cfg->derating.current_max)) {
+    if ((towards >= end) && (allowed < drive->cfg->derating.current_max)) {
         drive->speed_loop.reference = before;
         position_loop_reset(&drive->position_loop, drive->position.turns_q32, before);
     }
@@ -175,17 +176,37 @@ static bool is_to_be_held(const drive_t *drive)
     return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
 
+/*
+ * Near a hand-over i_d* takes most of the current that is allowed: a torque that took all of it as well would trip at
+ * over-current. The least current of RUN is small enough to be left out.
+ */
+static void narrow_torque_range(drive_t *drive)
+{
+    const int32_t current_d = drive->signals.current_ref.d;
+
+    if (current_d > drive->cfg->run.current_floor) {
+        const int32_t most = drive->cfg->derating.current_max;
+        const int32_t square = fx_max((most * most) - (current_d * current_d), 0);
+        const int32_t room = (int32_t)trig_sqrt((uint32_t)square);
+
+        drive->torque_range.upper = fx_min(drive->torque_range.upper, room);
+        drive->torque_range.lower = fx_max(drive->torque_range.lower, -room);
+    }
+}
+
 /* The torque current, and i_d*. HELD when the current is to be imposed. */
 static drive_event_t control_torque(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
+    const torque_range_t derated = drive->torque_range;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     drive->signals.current_ref.d = next_current_d(drive);
+    narrow_torque_range(drive);
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
-    wait_at_limit(drive, before);
+    wait_at_limit(drive, before, derated);
     lead_estimate(drive, before);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);

@@ -18,7 +18,7 @@ constexpr double PULL = 24;
 constexpr double SETTLE = 6;
 constexpr double MEASURE = 4;
 // The second level of the current: well apart from the first, and still enough to hold a load.
-constexpr double LOW_SHARE = 0.6;
+constexpr double LOW_SHARE = 0.62;
 // The voltage step between them: at most this share of the bus, so that the duty has room.
 constexpr double STEP_SHARE = 0.3;
 constexpr int STEP_TICKS_MAX = 16;
@@ -70,6 +70,10 @@ constexpr double PI_GAIN_MAX = 16000; // of a gain that no file writes: within m
 
 // While the rotor is pulled in, its EMF drives up to 0.8 of the imposed current on top of it.
 constexpr double SWING_HEADROOM = 1.8;
+
+// An imposed current is controlled firmly beyond these shares of the over-current: 0.96 of it together.
+constexpr double ALONG_SHARE = 0.85;
+constexpr double ACROSS_SHARE = 0.45;
 
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &tuning)
@@ -224,6 +228,8 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     c.current_slope = c.align.slope;
+    c.along_max = std::max(current_q15(ALONG_SHARE * board.overcurrent_a, b), c.current_move);
+    c.across_max = current_q15(ACROSS_SHARE * board.overcurrent_a, b);
     keep(c.handover_speed, handover, 2, Q30 / 2);
     const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
     keep(c.ramp,

@@ -18,7 +18,10 @@ constexpr double SPEED_PER_TORQUE = 4.3;
 // And not faster than this many radians of the rotor at rated speed where dead time takes as much voltage as the EMF at
 // the hand-over makes: that ripple of the estimate is not to be followed. In proportion.
 constexpr double SPEED_PER_LOSS = 0.15;
-// But at least this, whatever the dead time: a step of half the torque then takes half the rated speed off before the loop
+// Nor so fast that its observer exceeds this by ω/X², X = L·I/φ: what is wrong of a current moves the estimate by a share X,
+// and light rotors of large X swing in it. Where X is 0.2, as motor A's, this takes nothing off.
+constexpr double OBSERVER_PER_REACTANCE = 0.5;
+// But at least this, whatever the dead time and the reactance: a step of half the torque then takes half the rated speed off before the loop
 // has answered. With less the rotor stalls, and exceeds its highest speed when the load goes.
 constexpr double SPEED_PER_TORQUE_LEAST = 1;
 // Ramp and profile leave the rest of the torque to the load.
@@ -200,14 +203,19 @@ double believed_loss_v(const Drive &drive)
     return leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
 }
 
-// The speed loop's own bandwidth in rad/s, by torque and dead time. The lag of the estimate may limit it further.
+// The speed loop's own bandwidth in rad/s, by torque, dead time and reactance. The lag of the estimate may limit it further.
 double quiet_speed_rate(const Drive &drive, double handover_pct)
 {
     const double emf_v = handover_pct / 100 * drive.rated_el * drive.motor.flux_linkage_wb;
     const double loss_v = believed_loss_v(drive);
     const double quiet = loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
+    const double reactance =
+        drive.motor.inductance_d_h * rated_current(drive.motor) / drive.motor.flux_linkage_wb;
+    const double by_reactance = OBSERVER_PER_REACTANCE * drive.rated_el / (reactance * reactance) *
+                                LAG_PHASE / OBSERVER_SHAPE;
     const double rate = torque_rate(drive);
-    return std::clamp(quiet, SPEED_PER_TORQUE_LEAST * rate, SPEED_PER_TORQUE * rate);
+    return std::clamp(std::min(quiet, by_reactance), SPEED_PER_TORQUE_LEAST * rate,
+                      SPEED_PER_TORQUE * rate);
 }
 
 double kappa_of(double kappa_p, const Drive &drive)

@@ -106,6 +106,8 @@ public:
                     if (startup != 0) {
                         mode.set.insert(mode.set.end(), ROUGH.begin(), ROUGH.end());
                         mode.set.push_back("supervision.oscillation=lower");
+                        // Within what the board allows, so that a larger one acts.
+                        mode.set.push_back("startup.align_current_pct=100");
                     }
                     all.push_back(mode);
                 }

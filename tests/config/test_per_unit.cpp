@@ -428,17 +428,17 @@ constexpr double SWING = 26.9005;
 void start()
 {
     const startup_cfg_t c = motor_b().startup;
-    expect(CONTINUOUS_Q15, c.align.current_high);
-    expect(0.6 * CONTINUOUS_Q15, c.align.current_low);
+    expect(1.5 * CONTINUOUS_Q15, c.align.current_high);
+    expect(0.62 * 1.5 * CONTINUOUS_Q15, c.align.current_low);
     expect(10, c.align.slope); // 0.8/ω_n are 298 ticks
     expect(2974, c.align.sweep_ticks);
     expect(2147483648.0 / 2974, c.align.sweep_speed);
     expect(8922, c.align.pull_ticks);
     expect(2231, c.align.settle_ticks);
     expect(11, c.align.measure_log2); // 1487 ticks
-    // L·1.41511 A at 93 V takes 2.05 ticks; in 3 it takes 63.68 V, and R·3·T/(2·L) = 0.0045 more.
+    // L·2.01653 A at 93 V takes 2.93 ticks; in 3 it takes 90.74 V, and R·3·T/(2·L) = 0.0045 more.
     expect(3, c.align.step_ticks);
-    const double volts = 0.0135 * 0.4 * 3.53778 / 3e-4 * 1.0045;
+    const double volts = 0.0135 * 0.38 * 1.5 * 3.53778 / 3e-4 * 1.0045;
     expect(volts / 450 * 32768, c.align.step_voltage);
     expect(volts * 3e-4 / 0.0135 / 40 * 32768, c.align.step_fall);
     expect(0.0045 * 16384, c.align.step_drop_q14);

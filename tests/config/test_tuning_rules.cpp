@@ -156,7 +156,7 @@ void the_alignment_imposes_more_than_the_hold()
     const double one = 32768.0 / 40;
     TEST_ASSERT_DOUBLE_WITHIN(0.5, 6 * one, c.current_hold);
     TEST_ASSERT_DOUBLE_WITHIN(0.5, 9 * one, c.align.current_high);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.6 * 9 * one, c.align.current_low);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.62 * 9 * one, c.align.current_low);
     std::vector<std::string> off = room;
     off.emplace_back("startup.align_current_pct=0");
     const startup_cfg_t same = nf::build(any(off)).startup;

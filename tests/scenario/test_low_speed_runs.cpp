@@ -119,6 +119,13 @@ Start start(const std::string &imperfection, double angle_deg, double load_nm)
     return result;
 }
 
+// How far a load holds the rotor behind a vector of the alignment's 10 A: 1.5·P·φ·I = 11.61 N·m.
+double load_angle_deg(double load_nm)
+{
+    return std::asin(load_nm / (1.5 * 2 * 0.387 * 10)) * 180 / PI;
+}
+
+// The vector begins half a turn behind the angle at which it ends. A rotor is pulled back to it at most, and by its load angle.
 // The load pushes from the request on, with the gates still open, and never lets go.
 void check_starts(const std::string &imperfection, double load_nm)
 {
@@ -138,7 +145,7 @@ void check_starts(const std::string &imperfection, double load_nm)
                              load_nm, slowest_s, furthest_deg)
                      .c_str());
     TEST_ASSERT_TRUE(slowest_s <= 1);
-    TEST_ASSERT_TRUE(furthest_deg <= 180);
+    TEST_ASSERT_TRUE(furthest_deg <= 180 + load_angle_deg(load_nm));
 }
 
 void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal()
@@ -146,7 +153,7 @@ void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal()
     check_starts("ideal", 0);
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal_loaded()
+void test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_ideal()
 {
     check_starts("ideal", 3);
 }
@@ -156,7 +163,7 @@ void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all()
     check_starts("all", 0);
 }
 
-void test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all_loaded()
+void test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all()
 {
     check_starts("all", 3);
 }
@@ -284,9 +291,11 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal);
-    RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_ideal_loaded);
+    RUN_TEST(
+        test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_ideal);
     RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all);
-    RUN_TEST(test_starts_from_64_angles_within_a_second_and_half_a_turn_back_all_loaded);
+    RUN_TEST(
+        test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all);
     RUN_TEST(test_a_rotor_that_turns_is_caught_at_13_speeds);
     RUN_TEST(test_standstill_for_a_minute_stays_within_2_degrees_and_12_under_3_nm);
     RUN_TEST(test_rated_torque_is_carried_at_60_rpm_either_way);

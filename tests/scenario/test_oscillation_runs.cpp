@@ -73,7 +73,8 @@ class Passages : public nf::TickSink
 public:
     void add(const nf::Tick &tick) override
     {
-        const bool forwards = tick.truth.i_q_a > 0;
+        const bool forwards =
+            forwards_ ? tick.truth.i_q_a > -RIPPLE_A : tick.truth.i_q_a > RIPPLE_A;
         if (tick.sim->drive().state == DRIVE_STATE_RUN && forwards != forwards_) {
             times_s.push_back(tick.time_s);
         }
@@ -83,6 +84,9 @@ public:
     std::vector<double> times_s;
 
 private:
+    static constexpr double RIPPLE_A =
+        1; // near zero the current may pass it twice; the swing has ten times as much
+
     bool forwards_ = false;
 };
 

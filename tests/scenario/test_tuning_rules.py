@@ -11,18 +11,18 @@ from pathlib import Path
 MOTORSIM = Path(sys.argv.pop(1)).resolve()
 JOBS = 2
 # The rule, the motor, and the value in place of the rule's: the number that motor A has, or what the torque alone
-# would allow the speed loop, or what the dead time alone would. All of it beside what is the same in both runs.
+# would allow the speed loop, or what all the other rules would. All of it beside what is the same in both runs.
 RULES = (
     ("speed bandwidth by the lag", "zoo:servo:33@11", ("speed_loop.bandwidth_hz=202",)),
     ("speed bandwidth by the dead time", "zoo:servo:3@2:user", ("speed_loop.bandwidth_hz=29",)),
+    ("speed bandwidth by the reactance", "zoo:hub:152@7:user", ("speed_loop.bandwidth_hz=18.8",)),
     ("but a loop that answers to the load", "zoo:industrial:17@7", ("speed_loop.bandwidth_hz=7.9",)),
     ("observer by the speed loop", "zoo:industrial:29@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
-    ("feedback by T·R/L", "zoo:compressor:28@2:user", ("observer.feedback=0",)),
-    ("current loop by the PWM", "zoo:servo:21@11", ("current_loop.bandwidth_hz=500",),
+    ("feedback by T·R/L", "zoo:71@2:user", ("observer.feedback=0",)),
+    ("current loop by the PWM", "zoo:5@2:user", ("current_loop.bandwidth_hz=500",),
      ("observer.feedback=0",)),  # which holds this motor too
-    ("acceleration of the reference", "zoo:gimbal:66@2:user", ("observer.acceleration_feed_forward=0",)),
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
-    ("alignment above the hold", "zoo:gimbal:18@11:user", ("startup.align_current_pct=0",)),
+    ("alignment above the hold", "zoo:16@11:user", ("startup.align_current_pct=0",)),
 )
 
 

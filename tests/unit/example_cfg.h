@@ -201,7 +201,7 @@ static inline align_cfg_t example_align_cfg(void)
 {
     return (align_cfg_t){
         .current_high = 6554, /* 8 A */
-        .current_low = 3932,  /* 4.8 A */
+        .current_low = 4063,  /* 4.96 A */
         .slope = 65,
         .sweep_speed = 2111587, /* half a turn in 1017 ticks */
         .sweep_ticks = 1017U,
@@ -209,8 +209,8 @@ static inline align_cfg_t example_align_cfg(void)
         .settle_ticks = 763U,
         .measure_log2 = 9U,
         .step_ticks = 4U,
-        .step_voltage = 6772, /* 93 V */
-        .step_fall = 2627,    /* 93 V·4·T/L = 3.207 A */
+        .step_voltage = 6655, /* 91.4 V */
+        .step_fall = 2582,    /* 91.4 V·4·T/L = 3.151 A */
         .step_drop_q14 = 600, /* R·4·T/(2·L) = 0.036638 */
     };
 }
@@ -223,7 +223,9 @@ static inline startup_cfg_t example_startup_cfg(void)
         .current_hold = 6554,
         .current_move = 8192, /* 10 A */
         .current_slope = 65,
-        .ramp = 37036,             /* 2587 rpm/s */
+        .ramp = 37036,      /* 2587 rpm/s */
+        .along_max = 12534, /* 0.85 and 0.45 of 18 A */
+        .across_max = 6636,
         .track_speed = 1288490,    /* 90 rpm */
         .handover_speed = 2576980, /* 180 rpm */
         .hold_speed = 1803886,     /* 126 rpm */

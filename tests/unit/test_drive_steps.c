@@ -13,6 +13,7 @@
 #include "transitions.h"
 #include "unity.h"
 
+#include <math.h>
 #include <string.h>
 
 #define STALE (77U)          /* a count that something before has left */
@@ -252,6 +253,7 @@ static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
 static void test_a_hand_over_that_succeeds_forgets_the_attempts(void)
 {
     enter(DRIVE_STATE_HANDOVER);
+    drive.identified = true;
     drive.attempts = cfg.startup.attempts - 1U;
     drive.residual = cfg.startup.residual_max - 1;
     drag(cfg.startup.handover_speed);
@@ -283,6 +285,7 @@ static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vect
 static void test_the_last_attempt_that_fails_is_a_fault(void)
 {
     enter(DRIVE_STATE_HANDOVER);
+    drive.identified = true;
     drive.attempts = cfg.startup.attempts - 1U;
     drive.handover_periods = cfg.startup.handover_periods;
     drive.residual = cfg.startup.residual_max;
@@ -434,6 +437,7 @@ static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_
     const step_t ramp = cfg.speed_loop.ramp;
     const step_t beyond = cfg.speed_loop.speed_max; /* in one period: more than the whole torque */
 
+    cfg.startup.current_hold = 0; /* no imposed current comes in */
     assert_waits(no_motoring, ramp);
     assert_waits(no_braking, -ramp);
     assert_goes_on(no_braking, ramp);
@@ -538,54 +542,203 @@ static void test_what_was_imposed_goes_with_the_slope_down_to_the_least_current(
 
 /* ---- the alignment ---- */
 
-/* The tick that ends the alignment, with a largest current across the vector. */
-static void end_alignment(bool repeated, int32_t swing)
+/* The tick that ends a measurement of the alignment, with a largest current across the vector. */
+static void end_measurement(align_phase_t phase, int32_t swing, int32_t step_fall)
 {
+    const int32_t before = (1 << cfg.startup.align.measure_log2) - 1;
+    const bool first = phase == ALIGN_MEASURE_HIGH;
+
     fault_clear(&fault);
     enter(DRIVE_STATE_ALIGN);
-    drive.align = (align_t){.phase = ALIGN_DONE,
-                            .repeated = repeated,
+    drive.align = (align_t){.phase = phase,
+                            .tick = (uint32_t)before,
                             .swing = swing,
                             .current_ref = 3000,
-                            .step_fall = 2000,
+                            .step_fall = step_fall,
                             .high = {.voltage = 64 * 1000, .current = 64 * 2500},
-                            .low = {.voltage = 64 * 800, .current = 64 * 1500}};
+                            .low = {.voltage = 800 * before, .current = 1500 * before}};
+    if (first) {
+        drive.align.high = (align_point_t){.voltage = 1000 * before, .current = 2500 * before};
+    }
+    drive.signals.current_frame = (dq_t){first ? 2500 : 1500, 0};
+    drive.signals.voltage.d = first ? 1000 : 800;
     enter(transitions_next(drive.state, open_loop_step(&drive, &fault)));
+}
+
+static void end_alignment(int32_t swing)
+{
+    end_measurement(ALIGN_MEASURE_LOW, swing, 2000);
 }
 
 static void test_an_alignment_is_believed_when_the_rotor_rested(void)
 {
-    end_alignment(false, align_swing_max(&cfg.startup.align));
+    end_alignment(align_swing_max(&cfg.startup.align));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
 }
 
-static void test_a_rotor_that_swings_is_given_time_once_and_measured_again(void)
+static void test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated(void)
 {
-    end_alignment(false, align_swing_max(&cfg.startup.align) + 1);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
-    TEST_ASSERT_EQUAL(ALIGN_PULL, drive.align.phase);
-    TEST_ASSERT_TRUE(drive.align.repeated);
-    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
-    TEST_ASSERT_FALSE(drive.identified);
+    const int32_t resistance = drive.model.resistance_q14;
+
+    end_measurement(ALIGN_MEASURE_LOW, 0, 0);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
+    TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_EQUAL_INT32(resistance, drive.model.resistance_q14);
 }
 
-static void test_a_rotor_that_does_not_rest_then_is_looked_for_again(void)
+static void test_the_second_measurement_follows_when_the_rotor_rested_in_the_first(void)
 {
-    end_alignment(true, align_swing_max(&cfg.startup.align) + 1);
-    TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
-    TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
-    TEST_ASSERT_FALSE(drive.identified);
+    end_measurement(ALIGN_MEASURE_HIGH, align_swing_max(&cfg.startup.align), 2000);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
+    TEST_ASSERT_EQUAL(ALIGN_STEP, drive.align.phase);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+static void test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it(void)
+{
+    static const align_phase_t PHASES[] = {ALIGN_MEASURE_HIGH, ALIGN_MEASURE_LOW};
+
+    for (uint32_t k = 0; k < 2U; k++) {
+        drive.attempts = 0U;
+        end_measurement(PHASES[k], align_swing_max(&cfg.startup.align) + 1, 2000);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
+        TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
+        TEST_ASSERT_FALSE(drive.identified);
+    }
 }
 
 static void test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across(void)
 {
     drive.attempts = cfg.startup.attempts - 1U;
-    end_alignment(true, align_swing_max(&cfg.startup.align) + 1);
+    end_alignment(align_swing_max(&cfg.startup.align) + 1);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL(FAULT_STARTUP, fault.id);
     TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align) + 1, fault.value);
     TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align), fault.limit);
+}
+
+/* ---- a rotor that slipped ---- */
+
+/* The next reference of a vector at `present`, when 4·ramp is asked for. */
+static step_t reference_from(step_t present, uint32_t attempts, bool identified)
+{
+    enter(DRIVE_STATE_IF_RAMP);
+    drive.attempts = attempts;
+    drive.identified = identified;
+    drive.mode = (uint8_t)DRIVE_MODE_SPEED;
+    drive.vector.step = present;
+    drive.speed_loop.reference = present;
+    in.command =
+        (drive_command_t){.mode = (uint8_t)DRIVE_MODE_SPEED, .target = cfg.speed_loop.speed_max};
+    open_loop_plan(&drive, &in.command);
+    return drive.speed_reference;
+}
+
+static void test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys(void)
+{
+    const step_t ramp = cfg.startup.ramp;
+    const step_t present = 4 * ramp;
+
+    TEST_ASSERT_EQUAL_INT32(present - ramp, reference_from(present, 1U, false));
+    TEST_ASSERT_EQUAL_INT32(ramp - present, reference_from(-present, 1U, false));
+    TEST_ASSERT_EQUAL_INT32(0, reference_from(0, 1U, false));
+    TEST_ASSERT_EQUAL_INT32(present + ramp, reference_from(present, 0U, false));
+    TEST_ASSERT_EQUAL_INT32(present + ramp, reference_from(present, 1U, true));
+}
+
+static drive_state_t state_of_fast_vector(uint32_t attempts, bool identified)
+{
+    enter(DRIVE_STATE_IF_RAMP);
+    drive.attempts = attempts;
+    drive.identified = identified;
+    drive.vector.step = cfg.startup.handover_speed;
+    drive.speed_loop.reference = cfg.startup.handover_speed;
+    drive.speed_reference = cfg.startup.handover_speed;
+    enter(transitions_next(drive.state, open_loop_drag(&drive, &fault)));
+    return drive.state;
+}
+
+static void test_a_rotor_that_slipped_is_not_handed_over_before_it_has_stood(void)
+{
+    TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, state_of_fast_vector(1U, false));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, state_of_fast_vector(0U, false));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, state_of_fast_vector(1U, true));
+}
+
+/* ---- the limits of an imposed current ---- */
+
+static dq_t voltage_of_imposed(dq_t current)
+{
+    frame_t frame;
+
+    enter(DRIVE_STATE_HOLD);
+    current_loop_reset(&drive.current_loop);
+    drive.signals.bus = 22576; /* 310 V */
+    drive.signals.current_ref = (dq_t){0, 0};
+    drive.signals.current_frame = current;
+    frame = frame_of_vector(&drive);
+    frame_control_current(&drive, &frame);
+    return drive.signals.voltage;
+}
+
+/* What K_p of RUN makes of 500 beyond each limit, on top of the soft control; roundings of both. */
+static void test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone(void)
+{
+    const current_loop_cfg_t *const firm = &drive.model.run_loop;
+    const int32_t d = (500 * firm->pi_d.kp) >> firm->pi_d.kp_shift;
+    const int32_t q = (500 * firm->pi_q.kp) >> firm->pi_q.kp_shift;
+    const dq_t limit = {cfg.startup.along_max, cfg.startup.across_max};
+
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const dq_t beyond = {sign * (limit.d + 500), sign * (limit.q + 500)};
+        dq_t held;
+        dq_t soft;
+
+        held = voltage_of_imposed(beyond);
+        cfg.startup.along_max = 16384;
+        cfg.startup.across_max = 16384;
+        soft = voltage_of_imposed(beyond);
+        cfg.startup.along_max = limit.d;
+        cfg.startup.across_max = limit.q;
+        TEST_ASSERT_INT32_WITHIN(2, sign * d, soft.d - held.d);
+        TEST_ASSERT_INT32_WITHIN(2, sign * q, soft.q - held.q);
+    }
+}
+
+/* ---- the current vector near a hand-over ---- */
+
+/* i_q* after a slow period with a large error of the speed, beside i_d*. */
+static int32_t torque_beside(int32_t current_d, int32_t sign)
+{
+    const step_t speed = 2 * cfg.startup.handover_speed;
+
+    enter(DRIVE_STATE_RUN);
+    cfg.run.current_floor = 1000;
+    cfg.run.current_slope = 1;
+    cfg.run.current_fall = 1;
+    cfg.speed_loop.inertia = 0;
+    speed_loop_start(&drive.speed_loop, speed, sign * cfg.derating.current_max);
+    drive.speed_reference = speed;
+    drive.observer.speed = speed - (sign * (speed / 2));
+    drive.torque_range = (torque_range_t){-cfg.derating.current_max, cfg.derating.current_max};
+    drive.signals.current_ref = (dq_t){current_d, 0};
+    control_speed();
+    return drive.signals.current_ref.q;
+}
+
+static void test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one(void)
+{
+    const int32_t most = cfg.derating.current_max;
+    const int32_t slope = (int32_t)cfg.slow_ticks;
+    const int32_t d = (most * 3) / 5;
+    const double room = sqrt(((double)most * most) - ((double)(d - slope) * (d - slope)));
+
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        TEST_ASSERT_INT32_WITHIN(1, sign * (int32_t)room, torque_beside(d, sign));
+        TEST_ASSERT_EQUAL_INT32(0, torque_beside(most + slope, sign));
+        TEST_ASSERT_EQUAL_INT32(sign * most, torque_beside(1000, sign));
+    }
 }
 
 /* R = 512·(v_h − v_l)/(i_h − i_l) says 800 − 0.2·1500 = 500 of 1000 at zero current: far above the compensation. */
@@ -594,7 +747,7 @@ static void test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its
     cfg.modulator = example_modulator_cfg_with_dead_time();
     cfg.modulator.dead_time_band_q15 = 245;
     drive.modulator.dead_time_q15 = 655;
-    end_alignment(false, 0);
+    end_alignment(0);
     TEST_ASSERT_EQUAL_INT32(900, drive.modulator.dead_time_q15);
 }
 
@@ -605,7 +758,7 @@ static void test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time
     cfg.modulator.dead_time_band_q15 = 245;
     drive.modulator.dead_time_q15 = 655;
     drive.vector.position.turns_q32 = QUARTER;
-    end_alignment(false, 0);
+    end_alignment(0);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
     TEST_ASSERT_EQUAL_INT32(655, drive.modulator.dead_time_q15);
@@ -1057,9 +1210,14 @@ int main(void)
     RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
     RUN_TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below);
     RUN_TEST(test_an_alignment_is_believed_when_the_rotor_rested);
-    RUN_TEST(test_a_rotor_that_swings_is_given_time_once_and_measured_again);
-    RUN_TEST(test_a_rotor_that_does_not_rest_then_is_looked_for_again);
+    RUN_TEST(test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_repeated);
+    RUN_TEST(test_the_second_measurement_follows_when_the_rotor_rested_in_the_first);
+    RUN_TEST(test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_that_shows_it);
     RUN_TEST(test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across);
+    RUN_TEST(test_a_rotor_that_slipped_is_brought_to_rest_before_it_obeys);
+    RUN_TEST(test_a_rotor_that_slipped_is_not_handed_over_before_it_has_stood);
+    RUN_TEST(test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone);
+    RUN_TEST(test_the_torque_leaves_an_imposed_current_its_part_of_the_largest_one);
     RUN_TEST(test_what_the_alignment_finds_lost_corrects_the_dead_time_within_its_limits);
     RUN_TEST(test_a_vector_off_the_axis_of_phase_a_does_not_correct_the_dead_time);
     RUN_TEST(test_each_further_attempt_sweeps_the_other_way);

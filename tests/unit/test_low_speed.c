@@ -262,20 +262,22 @@ static void test_a_turning_rotor_is_caught_without_alignment_and_goes_on(void)
     }
 }
 
-static void test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pulled_in(void)
+static void
+test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        const double rpm = sign * 75.0; /* of 90, from where the observer runs free */
+        const double rpm = sign * 150.0; /* of 180, from where the observer takes over */
 
         begin();
         motor = example_motor_at(1.0, rpm * RAD_S_PER_RPM);
         run_at(sign * FAST_RPM);
         tick();
-        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_ALIGN);
-        /* The pulses say which way, and that it is slow. */
-        TEST_ASSERT_TRUE((sign * drive.flying_start.speed) > 0);
-        TEST_ASSERT_TRUE(abs(drive.flying_start.speed) < cfg.startup.track_speed);
-        expect_next(DRIVE_STATE_ALIGN, DRIVE_STATE_HOLD);
+        expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_IF_RAMP);
+        TEST_ASSERT_EQUAL_INT32(drive.flying_start.speed, drive.vector.step);
+        TEST_ASSERT_EQUAL_UINT32(rotor_position_angle(&drive.position),
+                                 rotor_position_angle(&drive.vector.position));
+        expect_next(DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER);
+        expect_next(DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN);
     }
 }
 
@@ -805,7 +807,8 @@ int main(void)
     RUN_TEST(test_alignment_brings_the_rotor_from_every_angle_to_the_angle_of_the_frame);
     RUN_TEST(test_alignment_measures_what_was_configured);
     RUN_TEST(test_a_turning_rotor_is_caught_without_alignment_and_goes_on);
-    RUN_TEST(test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_found_but_pulled_in);
+    RUN_TEST(
+        test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it);
     RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
     RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
     RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
