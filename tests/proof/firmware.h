@@ -13,6 +13,7 @@
 #include "../../firmware/control/nn_observer.c"
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"
+#include "../../firmware/control/torque_filter.c"
 #include "../../firmware/control/transforms.c"
 #include "../../firmware/control/virtual_resistance.c"
 #undef CFG

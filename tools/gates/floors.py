@@ -66,6 +66,7 @@ BUILT_OF = {
     "motion_loop": ["pi"],
     "nn_observer": ["transforms"],
     "phase_compensator": ["transforms"],
+    "torque_filter": ["transforms"],
     "virtual_resistance": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h"}
