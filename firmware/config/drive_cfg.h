@@ -21,6 +21,7 @@
 #include "protection.h"
 #include "startup.h"
 #include "supervision.h"
+#include "torque_filter.h"
 #include "virtual_resistance.h"
 
 #include <stdint.h>
@@ -72,6 +73,7 @@ typedef struct {
     supervision_cfg_t supervision;
     oscillation_cfg_t oscillation;
     voltage_drive_cfg_t voltage_drive;
+    torque_filter_cfg_t torque_filter;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;
 

@@ -23,6 +23,7 @@ static void enter(drive_t *drive, drive_state_t state)
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
     if (state == DRIVE_STATE_RUN) {
+        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
         frame_plan_rotor(drive);
     }
 }

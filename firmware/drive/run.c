@@ -158,7 +158,7 @@ static void lead_estimate(drive_t *drive, step_t before)
     const int32_t share_q14 = drive->cfg->run.acceleration_q14;
     const step_t near = drive->cfg->startup.handover_speed / NEAR_SHARE;
 
-    if (fx_abs(before - drive->observer.speed) <= near) {
+    if ((share_q14 != 0) && (fx_abs(before - drive->observer.speed) <= near)) {
         nn_observer_accelerate(&drive->observer, &drive->model.observer,
                                fx_mul_32x16(reference - before, share_q14) * Q14_TO_Q16);
     }
@@ -194,6 +194,19 @@ static void narrow_torque_range(drive_t *drive)
     }
 }
 
+/*
+ * The speed loop has its limits before the filter, so its integral stops where it stops without one. The filter overshoots
+ * a limit that the speed loop has just reached: that is cut off.
+ */
+static void filter_torque(drive_t *drive)
+{
+    const torque_range_t range = drive->torque_range;
+    const int32_t filtered = torque_filter_step(&drive->torque_filter, &drive->cfg->torque_filter,
+                                                drive->signals.current_ref.q);
+
+    drive->signals.current_ref.q = fx_clamp(filtered, range.lower, range.upper);
+}
+
 /* The torque current, and i_d*. HELD when the current is to be imposed. */
 static drive_event_t control_torque(drive_t *drive)
 {
@@ -206,6 +219,9 @@ static drive_event_t control_torque(drive_t *drive)
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
+    if (torque_filter_acts(&drive->cfg->torque_filter)) {
+        filter_torque(drive);
+    }
     wait_at_limit(drive, before, derated);
     lead_estimate(drive, before);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {

@@ -21,6 +21,7 @@
 #include "protection.h"
 #include "rotor_position.h"
 #include "supervision.h"
+#include "torque_filter.h"
 #include "transforms.h"
 
 #include <stdbool.h>
@@ -129,6 +130,7 @@ typedef struct {
     derating_t derating;
     supervision_t supervision;
     oscillation_t oscillation;
+    torque_filter_t torque_filter; /* of i_q* in RUN with current control */
     config_guard_t guard;
     fault_t fault; /* the last fault */
 } drive_t;

@@ -44,6 +44,11 @@ bool has_voltage_speed(const Config &config)
            config.tuning.voltage_speed_pct >= ABOVE_HANDOVER * config.tuning.handover_speed_pct;
 }
 
+bool has_notch(const Config &config)
+{
+    return config.tuning.notch_hz > 0;
+}
+
 bool has_oscillation(const Config &config)
 {
     return config.tuning.oscillation != OscillationAct::off;

@@ -27,6 +27,7 @@ bool has_handover(const Config &config);
 bool has_dead_time(const Config &config);
 bool has_voltage_drive(const Config &config);
 bool has_voltage_speed(const Config &config);
+bool has_notch(const Config &config);
 bool has_oscillation(const Config &config);
 bool has_angle_sensor(const Config &config);
 bool has_noise(const Config &config);
@@ -52,6 +53,7 @@ constexpr Acting WITH_VOLTAGE_DRIVE = {"only with drive.method = \"voltage_phase
 constexpr Acting WITH_VOLTAGE_SPEED = {"only with drive.method = \"voltage_phase\" and from 1.5 "
                                        "times startup.handover_speed_pct on",
                                        has_voltage_speed};
+constexpr Acting WITH_NOTCH = {"only with speed_loop.notch_hz above 0", has_notch};
 constexpr Acting WITH_OSCILLATION = {"only with supervision.oscillation other than \"off\"",
                                      has_oscillation};
 constexpr Acting WITH_ANGLE_SENSOR = {"only with drive.angle_source = \"sensor\"",

@@ -4,6 +4,7 @@
 #include "low_speed_units.h"
 #include "numbers.h"
 #include "rules.h"
+#include "torque_filter_units.h"
 
 extern "C" {
 #include "config_check.h"
@@ -749,6 +750,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.run = make_run(motor, board, tuning, scales, m, b);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.voltage_drive = make_voltage_drive(motor, tuning, b);
+    c.torque_filter = make_torque_filter(tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);

@@ -112,6 +112,9 @@ struct TuningSettings {
     double speed_damping = 0; // of the closed speed loop
     double speed_ramp_rpm_s = 0;
     double inertia_feed_forward = 0; // 0…1, share of J·dω/dt fed to the torque demand
+    double notch_hz = 0;             // taken out of the torque current; 0: nothing
+    double notch_width_pct = 70;     // of notch_hz
+    double torque_filter_hz = 0;     // corner of the low-pass of the torque current; 0: none
     double position_bandwidth_hz = 0;
     double position_speed_rpm = 0;           // profile limits
     double position_acceleration_rad_s2 = 0; // mechanical

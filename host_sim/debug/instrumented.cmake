@@ -5,11 +5,13 @@ set(seams
     trig_sincos transforms_clarke transforms_park transforms_park_inverse nn_observer_predict nn_observer_train
     rotor_position_step position_loop_step speed_loop_ramp speed_loop_accelerate speed_loop_step pi_step
     phase_compensator_step current_loop_plan current_loop_model current_loop_step modulator_track_bus modulator_limit
-    modulator_ratio modulator_compare modulator_compare_compensated virtual_resistance_step)
+    modulator_ratio modulator_compare modulator_compare_compensated torque_filter_step
+    virtual_resistance_step)
 
 # Read before each source. The modules' headers come first: they define what they define by its own name.
 set(text "/* SPDX-License-Identifier: MIT */\n")
-foreach(module IN ITEMS current_loop modulator motion_loop nn_observer phase_compensator rotor_position virtual_resistance)
+foreach(module IN ITEMS current_loop modulator motion_loop nn_observer phase_compensator rotor_position torque_filter
+        virtual_resistance)
     string(APPEND text "#include \"${module}.h\"\n")
 endforeach()
 foreach(seam IN LISTS seams)

@@ -416,6 +416,23 @@ decltype(virtual_resistance_step) *seam_virtual_resistance_step = [](auto res, a
     return drop;
 };
 
+// Each product is rounded down and then doubled: one of the low-pass, and in each part of the swing two of the turn and one
+// of the share, which is turned as well.
+decltype(torque_filter_step) *seam_torque_filter_step = [](auto filter, auto cfg, auto i) {
+    const double q26 = si.bases.current_a / Q26;
+    const auto swing = [&](dq_t z) { return std::complex<double>(z.d, z.q) * q26; };
+    twin::TorqueFilter twin(twin::torque_filter_params(*cfg));
+    twin.set(si.current(filter->origin), filter->smooth_q26 * q26, swing(filter->swing_q26));
+    const double exact = twin.step(si.current(i));
+    const int32_t current = CALL(torque_filter_step)(filter, cfg, i);
+    const std::complex<double> turned = swing(filter->swing_q26);
+    add("i_q", "A", si.current(current), exact, si.current(0.5) + 3 * q26);
+    add("low-pass", "A", filter->smooth_q26 * q26, twin.smooth(), 2 * q26);
+    add({"swing_d", "swing_q"}, "A", {turned.real(), turned.imag()},
+        {twin.swing().real(), twin.swing().imag()}, 8 * q26);
+    return current;
+};
+
 decltype(current_loop_plan) *seam_current_loop_plan = [](auto loop, auto cfg, auto reference,
                                                          auto speed) {
     si.cfg.current_loop = *cfg;

@@ -12,6 +12,7 @@
 #include "twin_nn_observer.h"
 #include "twin_phase_compensator.h"
 #include "twin_pi.h"
+#include "twin_torque_filter.h"
 #include "twin_virtual_resistance.h"
 
 #include <cmath>
@@ -144,6 +145,12 @@ inline PhaseCompensator::Params phase_compensator_params(const PerUnit &s)
     const double radian = TWO_PI / STEPS_PER_TURN;
     return {std::ldexp(c.gain, -16 - static_cast<int>(c.gain_shift)), c.lead_max * radian,
             c.brake_max * radian, s.current(c.current_min)};
+}
+
+inline TorqueFilter::Params torque_filter_params(const torque_filter_cfg_t &c)
+{
+    return {c.smooth_rate_q15 / Q15, c.notch_share_q15 / Q15,
+            std::complex<double>(c.notch_turn.cos, c.notch_turn.sin) / Q15};
 }
 
 // Currents in A, voltages in V.

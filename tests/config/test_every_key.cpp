@@ -108,6 +108,7 @@ public:
                         mode.set.push_back("supervision.oscillation=lower");
                         // Within what the board allows, so that a larger one acts.
                         mode.set.push_back("startup.align_current_pct=100");
+                        mode.set.push_back("speed_loop.notch_hz=100");
                     }
                     all.push_back(mode);
                 }

@@ -386,6 +386,34 @@ void voltage_drive()
            motor_b({"startup.handover_speed_pct=15"}, "voltage_phase").voltage_drive.speed_min);
 }
 
+// At 1 kHz 200 Hz turn by 72° in a sample, and the band of 100 Hz makes t = tan 18°; 100 Hz make r = 1 − exp(−0.2π).
+void torque_filter()
+{
+    const torque_filter_cfg_t none = motor_b().torque_filter;
+    TEST_ASSERT_FALSE(torque_filter_acts(&none));
+    const torque_filter_cfg_t c =
+        motor_b({"speed_loop.notch_hz=200", "speed_loop.notch_width_pct=50",
+                 "speed_loop.torque_filter_hz=100"})
+            .torque_filter;
+    expect(0.951056516 * 32768, c.notch_turn.sin);
+    expect(0.309016994 * 32768, c.notch_turn.cos);
+    expect(2 * 0.324919696 / 1.324919696 * 32768, c.notch_share_q15);
+    expect((1 - 0.533488091) * 32768, c.smooth_rate_q15);
+    // The band ends at a quarter of the rate, where t = 1; and at half of the rate a sample turns by half a turn.
+    const torque_filter_cfg_t fast =
+        motor_b({"speed_loop.notch_hz=500", "speed_loop.notch_width_pct=100"}).torque_filter;
+    TEST_ASSERT_EQUAL_INT32(32767, fast.notch_share_q15);
+    TEST_ASSERT_EQUAL_INT32(0, fast.notch_turn.sin);
+    TEST_ASSERT_EQUAL_INT32(-32767, fast.notch_turn.cos);
+    // 40 kHz over 20: the same turns for twice the frequency.
+    const torque_filter_cfg_t twice =
+        motor_b({"board.pwm_frequency_hz=40000", "speed_loop.slow_ticks=20",
+                 "speed_loop.notch_hz=400", "speed_loop.notch_width_pct=50"})
+            .torque_filter;
+    TEST_ASSERT_EQUAL_INT32(c.notch_turn.sin, twice.notch_turn.sin);
+    TEST_ASSERT_EQUAL_INT32(c.notch_share_q15, twice.notch_share_q15);
+}
+
 // The lowest voltage drive is above the highest speed: the rated one may be at most 1800/0.9.
 void a_voltage_drive_that_never_begins_is_refused()
 {
@@ -650,6 +678,7 @@ int main()
     RUN_TEST(the_angle_of_a_sensor_is_counted_in_pole_pairs);
     RUN_TEST(a_weak_motor_is_judged_above_the_noise_and_a_slow_one_late);
     RUN_TEST(voltage_drive);
+    RUN_TEST(torque_filter);
     RUN_TEST(a_voltage_drive_that_never_begins_is_refused);
     RUN_TEST(a_hand_over_beyond_the_highest_speed_is_refused);
     RUN_TEST(the_observers_base_is_at_most_512_times_that_of_the_current);

@@ -39,7 +39,7 @@ static constexpr double EXACT_SHARE = 1e-9;
 static constexpr double LAST_BITS = 8 * std::numeric_limits<double>::epsilon();
 
 // Each function of a control module that the drive calls; configuration, model and state beside them.
-static constexpr std::size_t SEAMS = 22 + 3;
+static constexpr std::size_t SEAMS = 23 + 3;
 
 struct Shares {
     std::set<std::string> functions;
@@ -82,7 +82,9 @@ static void test_every_tick_of_the_scenarios_is_within_its_roundings()
 
     take_run("s1", {}, shares);
     take_run("s1_robust", {"all"}, shares);
-    take_run("s2_robust", {"imp"}, shares, {"observer.feedback=0.08"});
+    take_run(
+        "s2_robust", {"imp"}, shares,
+        {"observer.feedback=0.08", "speed_loop.notch_hz=150", "speed_loop.torque_filter_hz=200"});
     take_run("s3_robust", {"deadtime"}, shares);
     take_run("s2_motor_b", {"adc"}, shares);
     take_run("s4", {"encoder"}, shares);
@@ -97,6 +99,15 @@ static void test_every_tick_of_the_scenarios_is_within_its_roundings()
 static Timeline &running()
 {
     static const nf::Config config = nf::load_scenario("s1_robust");
+    static Timeline timeline(config);
+    timeline.go_to(timeline.run().tick_at(0.5));
+    return timeline;
+}
+
+static Timeline &with_a_notch()
+{
+    static const nf::Config config =
+        nf::load_scenario("s1_robust", {}, {"speed_loop.notch_hz=150"});
     static Timeline timeline(config);
     timeline.go_to(timeline.run().tick_at(0.5));
     return timeline;
@@ -130,6 +141,7 @@ decltype(nn_observer_train) __real_nn_observer_train;
 decltype(speed_loop_step) __real_speed_loop_step;
 decltype(pi_step) __real_pi_step;
 decltype(phase_compensator_step) __real_phase_compensator_step;
+decltype(torque_filter_step) __real_torque_filter_step;
 decltype(virtual_resistance_step) __real_virtual_resistance_step;
 decltype(current_loop_step) __real_current_loop_step;
 decltype(modulator_compare) __real_modulator_compare;
@@ -171,6 +183,12 @@ int32_t __wrap_phase_compensator_step(phase_compensator_t *comp, const phase_com
     const int32_t lead = __real_phase_compensator_step(comp, cfg, current, rotor, speed, forwards);
     comp->angle = spoil("phase_compensator_step", comp->angle, 4U);
     return lead;
+}
+
+int32_t __wrap_torque_filter_step(torque_filter_t *filter, const torque_filter_cfg_t *cfg,
+                                  int32_t current)
+{
+    return spoil("torque_filter_step", __real_torque_filter_step(filter, cfg, current), 1);
 }
 
 dq_t __wrap_virtual_resistance_step(virtual_resistance_t *res, const virtual_resistance_cfg_t *cfg,
@@ -225,6 +243,9 @@ static void test_a_function_that_computes_wrongly_is_named()
     expect_function(voltage, "virtual_resistance_step");
     to_end_of_slow_period(run);
     expect_function(run, "speed_loop_step");
+    Timeline &notch = with_a_notch();
+    to_end_of_slow_period(notch);
+    expect_function(notch, "torque_filter_step");
     to_end_of_slow_period(voltage);
     expect_function(voltage, "pi_step");
 }

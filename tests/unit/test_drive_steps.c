@@ -952,6 +952,114 @@ test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_a
     TEST_ASSERT_EQUAL_UINT32(0U, drive.voltage_drive.calm_periods);
 }
 
+/* ---- the torque filter ---- */
+
+/* A speed loop that asks for `current`, and a low-pass that takes over half of a change in a period. */
+static void ask_for(int32_t current)
+{
+    cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 16384};
+    enter(DRIVE_STATE_RUN);
+    speed_loop_start(&drive.speed_loop, 0, current);
+    drive.speed_reference = 0;
+    drive.observer.speed = 0;
+    drive.torque_range = (torque_range_t){-6000, 6000};
+}
+
+static void test_the_torque_filter_stands_behind_the_speed_loop(void)
+{
+    ask_for(4000);
+    torque_filter_start(&drive.torque_filter, 1000);
+    control_speed();
+    TEST_ASSERT_EQUAL_INT32(2500, drive.signals.current_ref.q);
+    control_speed();
+    TEST_ASSERT_EQUAL_INT32(3250, drive.signals.current_ref.q);
+    cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 0};
+    control_speed();
+    TEST_ASSERT_EQUAL_INT32(4000, drive.signals.current_ref.q);
+}
+
+/* A low-pass that is still above a range that has just become narrow. */
+static void test_behind_the_torque_filter_the_torque_keeps_its_limits(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        ask_for(sign * 6000);
+        torque_filter_start(&drive.torque_filter, sign * 6000);
+        drive.torque_range = (torque_range_t){-3001, 3001};
+        control_speed();
+        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.signals.current_ref.q);
+    }
+}
+
+/* However long a rotor is too slow for the whole torque. */
+static void test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter(void)
+{
+    int32_t integral[2];
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        ask_for(5000);
+        torque_filter_start(&drive.torque_filter, 5000);
+        if (k == 0U) {
+            cfg.torque_filter = (torque_filter_cfg_t){.smooth_rate_q15 = 0};
+        }
+        drive.observer.speed = -cfg.startup.handover_speed;
+        for (uint32_t n = 0U; n < 500U; n++) {
+            control_speed();
+        }
+        TEST_ASSERT_EQUAL_INT32(6000, drive.signals.current_ref.q);
+        integral[k] = drive.speed_loop.pi.integral_q26;
+    }
+    TEST_ASSERT_EQUAL_INT32(integral[0], integral[1]);
+}
+
+static void assert_filter_begins_with(int32_t current)
+{
+    TEST_ASSERT_EQUAL_INT32(current, drive.torque_filter.origin);
+    TEST_ASSERT_EQUAL_INT32(current * 2048, drive.torque_filter.smooth_q26);
+    TEST_ASSERT_EQUAL_INT32(0, drive.torque_filter.swing_q26.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.torque_filter.swing_q26.q);
+}
+
+static void leave_a_swing_in_the_filter(void)
+{
+    drive.torque_filter = (torque_filter_t){.origin = 1, .smooth_q26 = 2, .swing_q26 = {3, 4}};
+}
+
+/* A twelfth of a turn of load angle leaves half of the imposed current as torque. */
+static void test_run_begins_with_the_torque_filter_at_the_torque_that_acts(void)
+{
+    enter(DRIVE_STATE_HANDOVER);
+    leave_a_swing_in_the_filter();
+    in = (drive_in_t){.adc_ia = 2048U, .adc_ib = 2048U, .adc_bus = 2822U};
+    in.command =
+        (drive_command_t){.target = 2 * cfg.startup.handover_speed, .request = DRIVE_REQUEST_RUN};
+    drive.offset_a = 16384;
+    drive.offset_b = 16384;
+    drive.slow_count = 1U;
+    drive.signals.current_ref = (dq_t){4000, 0};
+    drive.position.turns_q32 = -(QUARTER / 3);
+    drive.residual = 0;
+    drive.vector.step = cfg.startup.handover_speed;
+    drive.speed_reference = cfg.startup.handover_speed;
+    speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
+    drive_step(&drive, &in, &out);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    TEST_ASSERT_INT32_WITHIN(4000 / 16, 2000, drive.signals.current_ref.q);
+    assert_filter_begins_with(drive.signals.current_ref.q);
+}
+
+static void test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts(void)
+{
+    offer_voltage_drive();
+    leave_a_swing_in_the_filter();
+    drive.voltage_drive.active = true;
+    virtual_resistance_start(&drive.voltage_drive.damping, (dq_t){0, 1000});
+    drive.speed_reference = 0; /* too slow for a voltage drive */
+    control_speed();
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
+    TEST_ASSERT_EQUAL_INT32(1000, drive.signals.current_ref.q);
+    assert_filter_begins_with(1000);
+}
+
 /* ---- the monitor ---- */
 
 static int32_t heat_after_one_look(drive_state_t state)
@@ -1237,6 +1345,11 @@ int main(void)
     RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);
     RUN_TEST(test_the_voltage_drive_waits_for_the_speed_that_its_loop_is_asked_for);
     RUN_TEST(test_the_voltage_drive_gives_back_after_its_periods_and_current_control_counts_anew);
+    RUN_TEST(test_the_torque_filter_stands_behind_the_speed_loop);
+    RUN_TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits);
+    RUN_TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter);
+    RUN_TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts);
+    RUN_TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
     RUN_TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state);
     RUN_TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control);
