@@ -2,6 +2,9 @@
 #include "ratings.h"
 
 #include "numbers.h"
+#include "rules.h"
+#include "speed_margin.h"
+#include "torque_filter_units.h"
 
 #include <fmt/format.h>
 
@@ -74,6 +77,32 @@ void note_kappa(Config &config)
     }
 }
 
+// With less a loop swings longer than it takes to settle.
+constexpr double MARGIN_ASKED_DEG = 30;
+constexpr double DEG_PER_RAD = 360 / TWO_PI;
+
+void note_margin(Config &config)
+{
+    if (!has_torque_filter(config.tuning)) {
+        return;
+    }
+    const TuningSettings t =
+        for_sensor(by_rules(config.tuning, config.motor, config.board, config.model));
+    const double period_s = 1 / config.board.pwm_frequency_hz;
+    const double found =
+        DEG_PER_RAD * speed_margin(t, period_s, t.speed_bandwidth_hz, TorqueFilter::as_set);
+    if (found < MARGIN_ASKED_DEG) {
+        const double most_hz =
+            bandwidth_of_margin(t, period_s, MARGIN_ASKED_DEG / DEG_PER_RAD, t.speed_bandwidth_hz);
+        note(config, "speed_loop.bandwidth_hz", t.speed_bandwidth_hz,
+             fmt::format("speed_loop.notch_hz = {} and speed_loop.torque_filter_hz = {} leave {} "
+                         "phase margin; up to {:.4g} Hz it is {:g}° and more",
+                         t.notch_hz, t.torque_filter_hz,
+                         found > 0 ? fmt::format("{:.0f}° of", found) : "no", most_hz,
+                         MARGIN_ASKED_DEG));
+    }
+}
+
 } // namespace
 
 void note_ratings(Config &config)
@@ -81,6 +110,7 @@ void note_ratings(Config &config)
     note_torque(config);
     note_rated_point(config);
     note_kappa(config);
+    note_margin(config);
 }
 
 } // namespace nf

@@ -2,6 +2,8 @@
 #include "rules.h"
 
 #include "numbers.h"
+#include "speed_margin.h"
+#include "torque_filter_units.h"
 
 #include <algorithm>
 
@@ -261,6 +263,16 @@ double floor_pct(const Drive &drive)
     return std::min({asked, most, FLOOR_MAX_PCT});
 }
 
+// With a torque filter the loop is as much slower as keeps its phase margin.
+double with_filter(const TuningSettings &tuning, const Drive &drive, double bandwidth_hz)
+{
+    if (!has_torque_filter(tuning)) {
+        return bandwidth_hz;
+    }
+    const double margin = speed_margin(tuning, drive.period_s, bandwidth_hz, TorqueFilter::none);
+    return bandwidth_of_margin(tuning, drive.period_s, margin, bandwidth_hz);
+}
+
 void fill_motion(Filled &f, const Drive &drive)
 {
     const double lag = estimate_lag_s(f.tuning, drive.period_s);
@@ -271,7 +283,7 @@ void fill_motion(Filled &f, const Drive &drive)
         bandwidth = std::min(quiet_speed_rate(drive, f.tuning.handover_speed_pct), LAG_PHASE / lag);
         ramp = std::min(ramp, LAG_RAMP * drive.rated / lag);
     }
-    f.fill(&T::speed_bandwidth_hz, bandwidth / TWO_PI);
+    f.fill(&T::speed_bandwidth_hz, with_filter(f.tuning, drive, bandwidth / TWO_PI));
     f.fill(&T::speed_ramp_rpm_s, ramp / rad_s_from_rpm(1));
     f.fill(&T::position_bandwidth_hz, POSITION_SHARE * f.tuning.speed_bandwidth_hz);
     f.fill(&T::position_speed_rpm,

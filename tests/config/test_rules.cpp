@@ -289,6 +289,14 @@ void a_rating_that_is_not_reached_is_noted_with_its_line()
          "--set: observer.kappa = 0.0026: without observer.kappa_p the estimate is not stable at "
          "motor.max_speed_rpm = 2000 and board.pwm_frequency_hz = 10000; at least 0.005264 is "
          "asked for"},
+        {"speed_loop.notch_hz=55",
+         "tunings/t.toml:5: speed_loop.bandwidth_hz = 20: speed_loop.notch_hz = 55 and "
+         "speed_loop.torque_filter_hz = 0 leave 27° of phase margin; up to 18.6 Hz it is 30° and "
+         "more"},
+        {"speed_loop.notch_hz=40",
+         "tunings/t.toml:5: speed_loop.bandwidth_hz = 20: speed_loop.notch_hz = 40 and "
+         "speed_loop.torque_filter_hz = 0 leave no phase margin; up to 14.48 Hz it is 30° and "
+         "more"},
     };
     for (const auto &[set, note] : cases) {
         const nf::Config config = nf::load_scenario("s", {}, {set});
@@ -299,6 +307,8 @@ void a_rating_that_is_not_reached_is_noted_with_its_line()
     for (const char *fine : {"observer.kappa_p=0.1", "drive.angle_source=sensor"}) {
         TEST_ASSERT_TRUE(nf::load_scenario("s", {}, {fine}).scenario.notes.empty());
     }
+    folder.edit("tunings/t.toml", "bandwidth_hz = 20", "bandwidth_hz = 0");
+    TEST_ASSERT_TRUE(nf::load_scenario("s", {}, {"speed_loop.notch_hz=40"}).scenario.notes.empty());
 }
 
 // 10 kHz; a charge is not shorter than asked for.

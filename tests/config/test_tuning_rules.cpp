@@ -4,6 +4,7 @@
 
 #include "config.h"
 #include "numbers.h"
+#include "speed_margin.h"
 
 #include "unity.h"
 
@@ -203,6 +204,54 @@ void the_virtual_resistance_is_a_share_of_the_reactance()
     expect(0.2 * 0.0116 * 2000, ruled({slow, "motor.rated_speed_rpm=4500"}).virtual_resistance_ohm);
 }
 
+constexpr double DEGREE = 2 * nf::PI / 360;
+
+double margin_deg(const nf::TuningSettings &t, nf::TorqueFilter filter)
+{
+    return nf::speed_margin(t, PERIOD_S, t.speed_bandwidth_hz, filter) / DEGREE;
+}
+
+// Without lag, period and current loop the PI has the open loop (2s + 1)/s² with its gain 1 at s = j·√(2 + √5): atan 4.116.
+void the_speed_loop_has_the_margin_of_its_design()
+{
+    nf::TuningSettings t = ruled({"drive.angle_source=sensor"});
+    t.slow_ticks = 0;
+    t.speed_bandwidth_hz = 1e-3;
+    const double design = std::atan(2 * std::sqrt(2 + std::sqrt(5.0))) / DEGREE;
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, design, margin_deg(t, nf::TorqueFilter::none));
+    // A delay turns by 2πf times itself; at 2.058 mHz · 1 s of a period of 2 s by 0.741°.
+    t.slow_ticks = 20000;
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, design - 360 * 2.058e-3, margin_deg(t, nf::TorqueFilter::none));
+}
+
+void a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was()
+{
+    const nf::TuningSettings rigid = ruled();
+    const double margin = margin_deg(rigid, nf::TorqueFilter::none);
+    TEST_ASSERT_DOUBLE_WITHIN(5, 45, margin);
+    for (const char *filter : {"speed_loop.notch_hz=200", "speed_loop.notch_hz=40",
+                               "speed_loop.notch_hz=10", "speed_loop.torque_filter_hz=60"}) {
+        const nf::TuningSettings t = ruled({filter});
+        TEST_ASSERT_TRUE(t.speed_bandwidth_hz < rigid.speed_bandwidth_hz);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, margin, margin_deg(t, nf::TorqueFilter::as_set));
+        TEST_ASSERT_EQUAL_DOUBLE(rigid.observer_kappa_p, t.observer_kappa_p);
+        expect(t.speed_bandwidth_hz / 2.8, t.position_bandwidth_hz);
+    }
+    // Written, it stays.
+    TEST_ASSERT_EQUAL_DOUBLE(
+        14, ruled({"speed_loop.notch_hz=40", "speed_loop.bandwidth_hz=14"}).speed_bandwidth_hz);
+}
+
+// Up to the notch the loop would have to be 2.058 times as fast as its bandwidth.
+void a_notch_within_the_speed_loop_leaves_no_margin()
+{
+    const nf::TuningSettings t = ruled({"speed_loop.notch_hz=40", "speed_loop.bandwidth_hz=19.5"});
+    TEST_ASSERT_EQUAL_DOUBLE(-180, margin_deg(t, nf::TorqueFilter::as_set));
+    const double most = nf::bandwidth_of_margin(t, PERIOD_S, 0, 60);
+    TEST_ASSERT_TRUE(2.058 * most < 40);
+    TEST_ASSERT_EQUAL_DOUBLE(1, nf::bandwidth_of_margin(t, PERIOD_S, 0, 1));
+}
+
 // A sensor's speed does not lag: nothing is capped.
 void a_sensor_does_not_slow_the_speed_loop()
 {
@@ -239,6 +288,9 @@ int main()
     RUN_TEST(the_alignment_imposes_more_than_the_hold);
     RUN_TEST(what_is_written_is_not_changed);
     RUN_TEST(the_virtual_resistance_is_a_share_of_the_reactance);
+    RUN_TEST(the_speed_loop_has_the_margin_of_its_design);
+    RUN_TEST(a_torque_filter_slows_the_speed_loop_until_its_margin_is_what_it_was);
+    RUN_TEST(a_notch_within_the_speed_loop_leaves_no_margin);
     RUN_TEST(a_sensor_does_not_slow_the_speed_loop);
     return UNITY_END();
 }
