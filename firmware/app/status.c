@@ -79,30 +79,44 @@ static void add_measure(text_t *text, const char *name, const about_t *about, fa
     }
 }
 
-static void add_fault(text_t *text, const about_t *about, const fault_t *fault)
+/* Frequency of the last swing since the start; there has been one. */
+static void add_frequency(text_t *text, const char *name, const drive_t *drive,
+                          const about_t *about)
 {
+    const uint32_t ticks = drive->oscillation.span * drive->cfg->slow_ticks;
+    const uint32_t halves = drive->cfg->oscillation.halves_max;
+
+    add_quantity(text, name, units_decihertz(&about->rotation, halves, ticks), 1U);
+    text_add(text, " Hz");
+}
+
+static bool is_swing(const drive_t *drive)
+{
+    return (drive->state == DRIVE_STATE_FAULT) && (drive->fault.id == FAULT_OSCILLATION);
+}
+
+static void add_fault(text_t *text, const drive_t *drive, const about_t *about)
+{
+    const fault_t *const fault = &drive->fault;
     const fault_text_t *const words = fault_text(fault->id);
 
     text_add(text, " by ");
     text_add(text, words->name);
     add_measure(text, " ", about, words->unit, fault->value);
+    if (is_swing(drive)) {
+        add_frequency(text, " at ", drive, about);
+    }
     add_measure(text, ", limit ", about, words->unit, fault->limit);
     text_add(text, " (");
     text_add(text, words->advice);
     text_add(text, ")");
 }
 
-/* The last swing since the start, and whether it has lowered the bandwidth. */
+/* A swing that was no fault, and whether one has lowered the bandwidth. */
 static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 {
-    const uint32_t span = drive->oscillation.span;
-
-    if (span != 0U) {
-        const uint32_t ticks = span * drive->cfg->slow_ticks;
-        const uint32_t halves = drive->cfg->oscillation.halves_max;
-
-        add_quantity(text, ", swing ", units_decihertz(&about->rotation, halves, ticks), 1U);
-        text_add(text, " Hz");
+    if ((drive->oscillation.span != 0U) && !is_swing(drive)) {
+        add_frequency(text, ", swing ", drive, about);
     }
     if (drive->speed_loop.halvings != 0U) {
         text_add(text, ", half the speed bandwidth");
@@ -120,7 +134,7 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     barrier_compiler(); /* the fault is that of this state */
     text_add(text, names[state]);
     if (state == DRIVE_STATE_FAULT) {
-        add_fault(text, about, &drive->fault);
+        add_fault(text, drive, about);
     }
 }
 

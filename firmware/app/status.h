@@ -4,8 +4,9 @@
  *
  *     RUN, speed 1500 of 1500 rpm, phases 1.200 -0.600 -0.600 A, bus 24.010 V, 31 C, late 0, load 42 %
  *
- * A fault follows the state's name, with value, limit and what to check. Then comes the frequency of the last swing since
- * the start (oscillation.h), and whether the bandwidth of the speed loop is lowered.
+ * A fault follows the state's name, with value, limit and what to check; OSCILLATION with its frequency. Then comes the
+ * frequency of a swing since the start that was no fault (oscillation.h), and whether the bandwidth of the speed loop is
+ * lowered.
  */
 #ifndef STATUS_H
 #define STATUS_H

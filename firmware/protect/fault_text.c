@@ -65,8 +65,8 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
              "a current sensor does not tell what flows, or a motor wire is open; check sensors, "
              "then wires, then R"},
         [FAULT_OSCILLATION] = {"OSCILLATION", FAULT_UNIT_CURRENT,
-                               "speed loop too fast, dead time wrong or elastic shaft; lower "
-                               "speed_loop.bandwidth_hz, then check these"},
+                               "elastic shaft: set speed_loop.notch_hz to this frequency; loop too "
+                               "fast: lower bandwidth_hz; dead time wrong: correct it"},
     };
     const unsigned int index = (unsigned int)id;
 

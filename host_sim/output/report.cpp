@@ -95,7 +95,7 @@ std::string json_text(const Config &config, const RunResult &result)
         json[field.name] = result.metrics.*field.value;
     }
     json["faults"] = nlohmann::ordered_json::array();
-    for (const fault_t &fault : result.faults) {
+    for (const FoundFault &fault : result.faults) {
         json["faults"].push_back(fault_mark(fault, result.time_s(fault)));
     }
     json["state_final"] = state_name(result.state_final);
@@ -152,7 +152,7 @@ std::string table_text(const Config &config, const RunResult &result)
     text += number_line(SATURATION_INTERNAL_COUNT,
                         static_cast<double>(result.saturations.internal_count()), limits);
     text += saturation_lines(result.saturations);
-    for (const fault_t &fault : result.faults) {
+    for (const FoundFault &fault : result.faults) {
         text += line("fault", fault_mark(fault, result.time_s(fault)), "", true);
         text +=
             fmt::format("    {}\n    {}\n",

@@ -58,7 +58,7 @@ std::string end_text(const Recording &recording, const Result &result)
         return fmt::format("  ends in {}, speed {:.0f} rpm\n", state_name(result.state),
                            result.speed_rpm);
     }
-    const fault_t fault = recording.fault();
+    const FoundFault fault = {recording.fault(), result.fault.swing_hz};
     const int64_t at = recording.run.tick_of(fault.tick);
     return fmt::format("  fault at tick {}, {:.4f} s before the end, at {:.0f} rpm: {}\n", at,
                        static_cast<double>(recording.last() - at) * bases.control_period_s,
@@ -103,7 +103,7 @@ Result replay(const Recording &recording)
         result.difference = compare_end(recording, drive);
     }
     result.end_hash = drive_words_hash(&drive);
-    result.fault = drive.fault;
+    result.fault = found_fault(drive, image.bases);
     result.state = drive.state;
     result.speed_rpm = image.bases.rpm_from_step(speed);
     return result;

@@ -2,6 +2,7 @@
 // A recording, run again.
 #pragma once
 
+#include "found_fault.h"
 #include "recording.h"
 
 #include <optional>
@@ -21,7 +22,7 @@ struct Difference {
 struct Result {
     std::optional<Difference> difference; // the first
     uint32_t end_hash;                    // of the state after the last frame
-    fault_t fault;                        // then
+    FoundFault fault;                     // then
     drive_state_t state;
     double speed_rpm; // the drive's estimate in the tick before the fault, else at the end
 };

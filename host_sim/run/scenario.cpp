@@ -126,7 +126,7 @@ void Run::watch_state()
         return;
     }
     if (state == DRIVE_STATE_FAULT) {
-        result_.faults.push_back(run_.sim().drive().fault);
+        result_.faults.push_back(found_fault(run_.sim().drive(), run_.sim().bases()));
     }
     state_ = state;
 }
@@ -151,16 +151,12 @@ void Run::one()
     run_.advance();
 }
 
-// The last swing that supervision found.
 void Run::note_swing()
 {
     const drive_t &drive = run_.sim().drive();
-    if (drive.oscillation.span > 0) {
-        const double half_s = drive.oscillation.span * drive.cfg->slow_ticks *
-                              run_.sim().bases().control_period_s /
-                              drive.cfg->oscillation.halves_max;
+    if (const std::optional<double> hz = last_swing_hz(drive, run_.sim().bases())) {
         result_.notes.push_back(fmt::format(
-            "the torque current swung at {:.1f} Hz{}", 0.5 / half_s,
+            "the torque current swung at {:.1f} Hz{}", *hz,
             drive.speed_loop.halvings > 0 ? ", the speed loop was given half its bandwidth" : ""));
     }
 }

@@ -7,6 +7,7 @@
 // as well.
 #pragma once
 
+#include "found_fault.h"
 #include "metrics.h"
 #include "saturation.h"
 #include "tick.h"
@@ -39,7 +40,7 @@ struct RunResult {
     std::vector<Parameter> parameters;
     MetricValues metrics;
     Saturations saturations; // over the evaluation, while running
-    std::vector<fault_t> faults;
+    std::vector<FoundFault> faults;
     std::vector<std::string> notes; // what the drive did by itself
     int64_t ticks = 0;
     int64_t zero = 0;                             // the tick of t = 0

@@ -27,7 +27,7 @@ struct Case {
     double ticks; // until it is found, at most
 };
 
-std::string list_of(const std::vector<fault_t> &faults)
+std::string list_of(const std::vector<nf::FoundFault> &faults)
 {
     std::string text;
     for (const fault_t &fault : faults) {

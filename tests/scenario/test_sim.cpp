@@ -203,10 +203,29 @@ void test_the_drive_runs_from_t_0_on()
 void test_a_fault_of_temperature_is_said_in_degrees()
 {
     const Config config = load({"board.temperature_points_c=[-50, 150]"});
-    const fault_t fault = {FAULT_OVERTEMPERATURE, 3174, 3072, 0};
+    const nf::FoundFault fault = {{FAULT_OVERTEMPERATURE, 3174, 3072, 0}, {}};
     TEST_ASSERT_EQUAL_STRING(
         "OVERTEMPERATURE: 105.0 °C, limit 100.0 °C",
         nf::fault_measure(fault, nf::make_bases(config.motor, config.board), config.board).c_str());
+}
+
+// 10 half-waves in 25 slow periods of 1 ms; of another fault a swing before it is not said.
+void test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency()
+{
+    const Config config = load();
+    const nf::Bases bases = nf::make_bases(config.motor, config.board);
+    const drive_cfg_t cfg = nf::build(config);
+    drive_t drive{};
+    drive.cfg = &cfg;
+    drive.oscillation.span = 25;
+    drive.fault = {FAULT_OSCILLATION, 8192, 2048, 0};
+    TEST_ASSERT_EQUAL_STRING("OSCILLATION: 10 A at 200.0 Hz, limit 2.5 A",
+                             nf::fault_measure(nf::found_fault(drive, bases), bases).c_str());
+    drive.fault.id = FAULT_OVERCURRENT;
+    TEST_ASSERT_EQUAL_STRING("OVERCURRENT: 10 A, limit 2.5 A",
+                             nf::fault_measure(nf::found_fault(drive, bases), bases).c_str());
+    drive.oscillation.span = 0;
+    TEST_ASSERT_FALSE(nf::last_swing_hz(drive, bases).has_value());
 }
 
 // Opening the measuring range's protection: the fault is named with its tick, and lock is lost.
@@ -285,6 +304,7 @@ int main()
     RUN_TEST(test_load_scale_applies_to_every_torque_of_the_load);
     RUN_TEST(test_the_drive_runs_from_t_0_on);
     RUN_TEST(test_a_fault_of_temperature_is_said_in_degrees);
+    RUN_TEST(test_a_fault_of_a_swing_is_said_with_amplitude_and_frequency);
     RUN_TEST(test_faults_are_listed);
     RUN_TEST(test_a_fault_has_the_time_that_the_scenario_gives_it);
     RUN_TEST(test_limits_name_what_does_not_hold);

@@ -109,6 +109,17 @@ static void test_a_swing_has_its_frequency_and_says_what_it_has_lowered(void)
                                  52U);
 }
 
+static void test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude(void)
+{
+    fail();
+    app.drive.oscillation.span = 400U;
+    assert_fault(" by OSCILLATION 20.000 A at 25.0 Hz, limit 2.500 A (", FAULT_OSCILLATION, 16384,
+                 2048);
+    TEST_ASSERT_NULL(strstr(status(), "swing"));
+    assert_fault(" by OVERCURRENT 20.000 A, limit 10.000 A (", FAULT_OVERCURRENT, 16384, 8192);
+    TEST_ASSERT_NOT_NULL(strstr(status(), "), swing 25.0 Hz, speed "));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -119,5 +130,6 @@ int main(void)
     RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_fault_has_its_advice_in_brackets);
     RUN_TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered);
+    RUN_TEST(test_a_swing_that_is_a_fault_has_its_frequency_beside_its_amplitude);
     return UNITY_END();
 }

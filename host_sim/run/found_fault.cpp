@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "found_fault.h"
+
+namespace nf
+{
+
+FoundFault found_fault(const drive_t &drive, const Bases &bases)
+{
+    const bool is_swing = drive.fault.id == FAULT_OSCILLATION;
+    return {drive.fault, is_swing ? last_swing_hz(drive, bases) : std::nullopt};
+}
+
+std::optional<double> last_swing_hz(const drive_t &drive, const Bases &bases)
+{
+    if (drive.oscillation.span == 0) {
+        return std::nullopt;
+    }
+    const double span_s = drive.oscillation.span * drive.cfg->slow_ticks * bases.control_period_s;
+    return drive.cfg->oscillation.halves_max / (2 * span_s);
+}
+
+} // namespace nf
