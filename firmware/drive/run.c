@@ -6,6 +6,7 @@
 #include "trig.h"
 #include "voltage_drive.h"
 
+#define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
 #define NEAR_SHARE (4)   /* within 1/4 of the hand-over speed of its reference a rotor follows it */
@@ -196,15 +197,24 @@ static void narrow_torque_range(drive_t *drive)
 
 /*
  * The speed loop has its limits before the filter, so its integral stops where it stops without one. The filter overshoots
- * a limit that the speed loop has just reached: that is cut off.
+ * a limit that the speed loop has just reached: that is cut off. At rest it is short of the limit by a rounding, and what
+ * asks whether the torque is at its limit would not see it: there the torque is the limit.
  */
 static void filter_torque(drive_t *drive)
 {
     const torque_range_t range = drive->torque_range;
-    const int32_t filtered = torque_filter_step(&drive->torque_filter, &drive->cfg->torque_filter,
-                                                drive->signals.current_ref.q);
+    const int32_t asked = drive->signals.current_ref.q;
+    const int32_t near = fx_asr(range.upper - range.lower, TORQUE_ROUNDING_LOG2) + 1;
+    int32_t torque = torque_filter_step(&drive->torque_filter, &drive->cfg->torque_filter, asked);
 
-    drive->signals.current_ref.q = fx_clamp(filtered, range.lower, range.upper);
+    if ((asked >= range.upper) && (torque >= (range.upper - near))) {
+        torque = range.upper;
+    } else if ((asked <= range.lower) && (torque <= (range.lower + near))) {
+        torque = range.lower;
+    } else {
+        /* between its limits, or on its way */
+    }
+    drive->signals.current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
 /* The torque current, and i_d*. HELD when the current is to be imposed. */

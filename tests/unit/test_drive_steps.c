@@ -1011,6 +1011,32 @@ static void test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_withou
     TEST_ASSERT_EQUAL_INT32(integral[0], integral[1]);
 }
 
+/* Sine and cosine are rounded, so the gain of a notch at rest is not quite 1. */
+static void test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end(void)
+{
+    static const double notches_hz[] = {4.0, 10.0, 23.4, 120.0, 495.0}; /* at 1 kHz */
+
+    for (uint32_t k = 0U; k < 10U; k++) {
+        const int32_t limit = (k < 5U) ? 6001 : -6001;
+        const double turn = 6.283185307179586 * notches_hz[k % 5U] / 1000.0;
+
+        ask_for(2 * limit);
+        cfg.torque_filter = (torque_filter_cfg_t){
+            .notch_share_q15 = 1000,
+            .notch_turn = {.sin = (int16_t)lround(32767.0 * sin(turn)),
+                           .cos = (int16_t)lround(32767.0 * cos(turn))},
+        };
+        torque_filter_start(&drive.torque_filter, 0);
+        drive.torque_range = (torque_range_t){-6001, 6001};
+        drive.observer.speed =
+            (limit > 0) ? -cfg.startup.handover_speed : cfg.startup.handover_speed;
+        for (uint32_t n = 0U; n < 3000U; n++) {
+            control_speed();
+        }
+        TEST_ASSERT_EQUAL_INT32(limit, drive.signals.current_ref.q);
+    }
+}
+
 static void assert_filter_begins_with(int32_t current)
 {
     TEST_ASSERT_EQUAL_INT32(current, drive.torque_filter.origin);
@@ -1348,6 +1374,7 @@ int main(void)
     RUN_TEST(test_the_torque_filter_stands_behind_the_speed_loop);
     RUN_TEST(test_behind_the_torque_filter_the_torque_keeps_its_limits);
     RUN_TEST(test_at_the_end_of_its_range_the_torque_winds_up_no_more_than_without_a_filter);
+    RUN_TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end);
     RUN_TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts);
     RUN_TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
