@@ -987,6 +987,11 @@ static void test_behind_the_torque_filter_the_torque_keeps_its_limits(void)
         drive.torque_range = (torque_range_t){-3001, 3001};
         control_speed();
         TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.signals.current_ref.q);
+        ask_for(sign * 2000); /* half of the way to it is 4000 */
+        torque_filter_start(&drive.torque_filter, sign * 6000);
+        drive.torque_range = (torque_range_t){-3001, 3001};
+        control_speed();
+        TEST_ASSERT_EQUAL_INT32(sign * 3001, drive.signals.current_ref.q);
     }
 }
 
