@@ -6,7 +6,6 @@
 #define MEAN_BITS (6U)
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
-#define ONE_Q14 (16384)
 #define REST_SHARE (5) /* a rotor rests while |i_q| stays below 1/5 of the current */
 /* For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of both points. */
 #define LOST_BITS (3U)
@@ -60,65 +59,15 @@ static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point
     }
 }
 
-/* A voltage that is demanded in tick k acts from k + 1 on. So the effect of n ticks is measured in tick n + 2. */
-static void step_down(align_t *align, const align_cfg_t *cfg, int32_t current)
+/* Control that acts again takes the lower level at once. */
+static void measure_inductance(align_t *align, const align_cfg_t *cfg, dq_t current)
 {
-    if (align->tick == 1U) {
-        align->step_start = current;
-    }
-    if (align->tick > cfg->step_ticks) {
+    if (!inductance_holds_voltage(&cfg->inductance, align->tick)) {
         align->current_ref = cfg->current_low;
     }
-    if (align->tick > (cfg->step_ticks + 1U)) {
-        align->step_fall = align->step_start - current;
+    if (inductance_step(&align->inductance, &cfg->inductance, align->tick, current)) {
         next_align_phase(align);
     }
-}
-
-void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage)
-{
-    align->tick++;
-    switch (align->phase) {
-    case ALIGN_PULL:
-        pull_rotor(align, cfg);
-        break;
-    case ALIGN_MEASURE_HIGH:
-        measure(align, cfg, &align->high, current, voltage);
-        break;
-    case ALIGN_STEP:
-        step_down(align, cfg, current.d);
-        break;
-    case ALIGN_SETTLE:
-        if (align->tick >= cfg->settle_ticks) {
-            next_align_phase(align);
-        }
-        break;
-    case ALIGN_MEASURE_LOW:
-        measure(align, cfg, &align->low, current, voltage);
-        break;
-    default: /* DONE */
-        break;
-    }
-}
-
-bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg)
-{
-    return (align->phase == ALIGN_STEP) && (align->tick <= cfg->step_ticks);
-}
-
-bool align_has_measured(const align_t *align)
-{
-    return (align->tick == 0U) && ((align->phase == ALIGN_STEP) || (align->phase == ALIGN_DONE));
-}
-
-int32_t align_swing_max(const align_cfg_t *cfg)
-{
-    return cfg->current_high / REST_SHARE;
-}
-
-bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg)
-{
-    return align->swing <= align_swing_max(cfg);
 }
 
 /* 64 times the mean of the samples. */
@@ -127,7 +76,7 @@ static int32_t mean_of(int32_t sum)
     return fx_clamp(sum, -MEAN_MAX, MEAN_MAX);
 }
 
-int32_t align_resistance_q13(const align_t *align)
+static int32_t resistance_q13(const align_t *align)
 {
     const int32_t voltage = mean_of(align->high.voltage) - mean_of(align->low.voltage);
     const int32_t current = fx_asr(mean_of(align->high.current) - mean_of(align->low.current), 4U);
@@ -139,19 +88,7 @@ int32_t align_resistance_q13(const align_t *align)
     return result;
 }
 
-int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg)
-{
-    int32_t result = ALIGN_UNKNOWN;
-
-    if (align->step_fall > 0) {
-        const int32_t ratio = ((cfg->step_fall * ONE_Q14) / align->step_fall) - cfg->step_drop_q14;
-
-        result = (ratio > 0) ? fx_min(ratio, FX_Q15_MAX) : ALIGN_UNKNOWN;
-    }
-    return result;
-}
-
-int32_t align_lost_voltage(const align_t *align)
+static int32_t lost_voltage(const align_t *align)
 {
     const int32_t current = mean_of(align->high.current);
     const int32_t apart = current - mean_of(align->low.current);
@@ -166,4 +103,76 @@ int32_t align_lost_voltage(const align_t *align)
         lost = fx_clamp(fx_asr(left, MEAN_BITS - LOST_BITS), -LOST_MAX, LOST_MAX);
     }
     return lost;
+}
+
+static void evaluate(align_t *align, const align_cfg_t *cfg)
+{
+    const int32_t resistance = resistance_q13(align);
+
+    align->found = (align_found_t){
+        .resistance_q13 = resistance,
+        .inductance = {ALIGN_UNKNOWN, ALIGN_UNKNOWN},
+        .lost_voltage = lost_voltage(align),
+    };
+    if (resistance > 0) {
+        align->found.inductance =
+            inductance_result(&align->inductance, &cfg->inductance, resistance);
+    }
+    next_align_phase(align);
+}
+
+void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t voltage)
+{
+    align->tick++;
+    switch (align->phase) {
+    case ALIGN_PULL:
+        pull_rotor(align, cfg);
+        break;
+    case ALIGN_MEASURE_HIGH:
+        measure(align, cfg, &align->high, current, voltage);
+        break;
+    case ALIGN_INDUCTANCE:
+        measure_inductance(align, cfg, current);
+        break;
+    case ALIGN_SETTLE:
+        if (align->tick >= cfg->settle_ticks) {
+            next_align_phase(align);
+        }
+        break;
+    case ALIGN_MEASURE_LOW:
+        measure(align, cfg, &align->low, current, voltage);
+        break;
+    case ALIGN_EVALUATE:
+        evaluate(align, cfg);
+        break;
+    default: /* DONE */
+        break;
+    }
+}
+
+bool align_holds_voltage(const align_t *align, const align_cfg_t *cfg)
+{
+    return (align->phase == ALIGN_INDUCTANCE) &&
+           inductance_holds_voltage(&cfg->inductance, align->tick);
+}
+
+dq_t align_voltage(const align_t *align, const align_cfg_t *cfg)
+{
+    return inductance_voltage(&cfg->inductance, align->tick);
+}
+
+bool align_has_measured(const align_t *align)
+{
+    return (align->tick == 0U) &&
+           ((align->phase == ALIGN_INDUCTANCE) || (align->phase == ALIGN_EVALUATE));
+}
+
+int32_t align_swing_max(const align_cfg_t *cfg)
+{
+    return cfg->current_high / REST_SHARE;
+}
+
+bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg)
+{
+    return align->swing <= align_swing_max(cfg);
 }

@@ -5,10 +5,11 @@
  *   PULL          the current rises fast to its level while its vector makes half a turn; then the vector rests. The
  *                 turning vector catches a rotor at any angle, and the rotor comes to rest on it
  *   MEASURE_HIGH  mean of voltage and current
- *   STEP          a voltage step for a few ticks lowers the current; the change of the current gives L_d
+ *   INDUCTANCE    a pulse of the voltage across the current gives L_q, a step along it L_d, see inductance.h
  *   SETTLE        wait at the lower current
  *   MEASURE_LOW   mean of voltage and current. The difference to the first mean gives R; the offset of dead time and
  *                 device drop cancels. What is left of the voltage at zero current is that offset
+ *   EVALUATE      R, L_d, L_q and that offset, of what was measured
  *
  * Why the vector turns: a rotor opposite to a fixed vector would not start, and a rotor just before that angle would
  * swing back by half a turn, and more under load. A vector that turns in the wanted direction reaches every rotor angle.
@@ -24,6 +25,7 @@
 #ifndef ALIGN_H
 #define ALIGN_H
 
+#include "inductance.h"
 #include "transforms.h"
 
 #include <stdbool.h>
@@ -39,19 +41,16 @@ typedef struct {
     uint32_t pull_ticks;   /* the whole PULL, 1…2^20 */
     uint32_t settle_ticks; /* 1…2^20 */
     uint32_t measure_log2; /* the means are over 2^n ticks, 6…16 */
-    uint32_t step_ticks;   /* 2…16 */
-    int32_t step_voltage;  /* Q15 of U_b, 1…32767 */
-    /* fall of the current that step_voltage alone causes on the nominal L_d, Q15 of I_b, 1…16384 */
-    int32_t step_fall;
-    int32_t step_drop_q14; /* R·t/(2·L_d), the share by which the falling R·i reduces it, 0…8192 */
+    inductance_cfg_t inductance;
 } align_cfg_t;
 
 typedef enum {
     ALIGN_PULL = 0,
     ALIGN_MEASURE_HIGH,
-    ALIGN_STEP,
+    ALIGN_INDUCTANCE,
     ALIGN_SETTLE,
     ALIGN_MEASURE_LOW,
+    ALIGN_EVALUATE, /* one tick: what takes long is not done in the tick that acts on it */
     ALIGN_DONE
 } align_phase_t;
 
@@ -61,17 +60,31 @@ typedef struct {
     int32_t current;
 } align_point_t;
 
+/* R and L that the measurement does not give are ALIGN_UNKNOWN. */
+typedef struct {
+    int32_t resistance_q13;         /* R in U_b/I_b, 0…32767 */
+    inductance_result_t inductance; /* unknown without R */
+    /*
+     * The voltage that R·i does not explain, extrapolated to zero current: what dead time and device drop take beyond
+     * their compensation. Q15 of U_b, ±16384, rounded down; 0 when there is no valid measurement. Both currents must be
+     * more than a quarter of the larger one apart: the distance to zero counts as at most four times theirs.
+     */
+    int32_t lost_voltage;
+} align_found_t;
+
+#define ALIGN_UNKNOWN (INDUCTANCE_UNKNOWN)
+
 typedef struct {
     align_phase_t phase;
     uint32_t tick;       /* of the phase */
     bool backwards;      /* the vector turns from β towards α */
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
-    int32_t swing;      /* largest |i_q| of both measurements, 0…34400 */
-    int32_t step_start; /* i_d before the step acts */
-    int32_t step_fall;  /* measured fall of i_d by the step */
+    int32_t swing; /* largest |i_q| of both measurements, 0…34400 */
+    inductance_t inductance;
     align_point_t high;
     align_point_t low;
+    align_found_t found; /* when DONE */
 } align_t;
 
 /* Begin. backwards: the drive is going to turn backwards. */
@@ -98,27 +111,10 @@ bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
 /* The largest |i_q| of a rotor that rests, Q15 of I_b. */
 int32_t align_swing_max(const align_cfg_t *cfg);
 
-#define ALIGN_UNKNOWN (-1)
+/* Whether the current control pauses in this tick: from the one that ends MEASURE_HIGH on, while the voltage is given. */
+bool align_holds_voltage(const align_t *align, const align_cfg_t *cfg);
 
-/*
- * Whether the current control pauses in this tick. v_d then stays as it is; in the first tick of STEP the caller lowers
- * it once by step_voltage. True from the tick that ends MEASURE_HIGH on, while the
- * step acts.
- */
-bool align_steps_voltage(const align_t *align, const align_cfg_t *cfg);
-
-/*
- * The measured values, when DONE: R in U_b/I_b, Q13, 0…32767, and the ratio L_d / nominal in Q14, 1…32767, to first
- * order in the nominal R·t/(2·L_d). ALIGN_UNKNOWN when there is no valid measurement. One division each.
- */
-int32_t align_resistance_q13(const align_t *align);
-int32_t align_inductance_q14(const align_t *align, const align_cfg_t *cfg);
-
-/*
- * The voltage that R·i does not explain, extrapolated to zero current: what dead time and device drop take beyond their
- * compensation. Q15 of U_b, ±16384, rounded down; 0 when there is no valid measurement. Both currents must be more than a
- * quarter of the larger one apart: the distance to zero counts as at most four times theirs. One division.
- */
-int32_t align_lost_voltage(const align_t *align);
+/* Then, the change of the demanded voltage in this tick, see inductance.h. */
+dq_t align_voltage(const align_t *align, const align_cfg_t *cfg);
 
 #endif

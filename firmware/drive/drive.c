@@ -300,13 +300,14 @@ static void slow_step(drive_t *drive, const drive_in_t *in, uint32_t left, bool 
     }
 }
 
-/* The voltage step of the alignment: v_d drops once and stays; the integrals of the loop do not change. */
-static void step_voltage(drive_t *drive)
+/* The alignment measures inductances: the voltage changes as it says; the integrals of the loop do not. */
+static void give_voltage(drive_t *drive)
 {
-    if (drive->align.tick == 1U) {
-        drive->signals.voltage.d =
-            fx_max(drive->signals.voltage.d - drive->cfg->startup.align.step_voltage, -FX_Q15_MAX);
-    }
+    const dq_t change = align_voltage(&drive->align, &drive->cfg->startup.align);
+    dq_t *const voltage = &drive->signals.voltage;
+
+    voltage->d = fx_clamp(voltage->d + change.d, -FX_Q15_MAX, FX_Q15_MAX);
+    voltage->q = fx_clamp(voltage->q + change.q, -FX_Q15_MAX, FX_Q15_MAX);
 }
 
 /* Currents to compare values. */
@@ -316,8 +317,8 @@ static void control_current(drive_t *drive, compare_t *out)
         (drive->state == DRIVE_STATE_RUN) ? frame_of_rotor(drive) : frame_of_vector(drive);
 
     if ((drive->state == DRIVE_STATE_ALIGN) &&
-        align_steps_voltage(&drive->align, &drive->cfg->startup.align)) {
-        step_voltage(drive);
+        align_holds_voltage(&drive->align, &drive->cfg->startup.align)) {
+        give_voltage(drive);
     } else if (drive->voltage_drive.active) {
         voltage_drive_step(drive);
     } else {

@@ -115,16 +115,19 @@ static bool lies_along_phase_a(const drive_t *drive)
 
 static drive_event_t finish_alignment(drive_t *drive)
 {
-    const align_cfg_t *const cfg = &drive->cfg->startup.align;
+    const align_found_t *const found = &drive->align.found;
     const model_nominal_t nominal = drive_nominal(drive);
-    const int32_t resistance = align_resistance_q13(&drive->align);
-    const int32_t inductance = align_inductance_q14(&drive->align, cfg);
 
-    if ((resistance > 0) && (inductance > 0)) {
-        model_set(&drive->model, &drive->cfg->model, &nominal, resistance, inductance);
+    if (found->inductance.ratio_q14 > 0) {
+        const model_measured_t measured = {
+            found->resistance_q13,
+            found->inductance.ratio_q14,
+            found->inductance.saliency_q13,
+        };
+
+        model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
         if (lies_along_phase_a(drive)) {
-            modulator_correct(&drive->modulator, &drive->cfg->modulator,
-                              align_lost_voltage(&drive->align));
+            modulator_correct(&drive->modulator, &drive->cfg->modulator, found->lost_voltage);
         }
         estimate_start(drive, 0, drive->signals.current);
     }
@@ -135,7 +138,7 @@ static drive_event_t finish_alignment(drive_t *drive)
 }
 
 /* A rotor that does not rest is looked for at once: while it slips, the load makes it faster. One that only swings costs a start. */
-static drive_event_t judge_alignment(drive_t *drive, fault_t *fault)
+static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
 {
     const align_cfg_t *const cfg = &drive->cfg->startup.align;
     const align_t *const align = &drive->align;
@@ -143,24 +146,26 @@ static drive_event_t judge_alignment(drive_t *drive, fault_t *fault)
 
     if (!align_is_at_rest(align, cfg)) {
         event = repeat_start(drive, align->swing, align_swing_max(cfg), fault);
-    } else if (align->phase == ALIGN_DONE) {
-        event = finish_alignment(drive);
-    } else {
-        /* the second measurement follows */
     }
     return event;
 }
 
+/* What is found is evaluated in one tick and acted on in the next one. */
 static drive_event_t align(drive_t *drive, fault_t *fault)
 {
     drive_signals_t *const s = &drive->signals;
+    const bool done = drive->align.phase == ALIGN_DONE;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     align_step(&drive->align, &drive->cfg->startup.align, s->current_frame, s->voltage.d);
     s->current_ref = (dq_t){.d = drive->align.current_ref, .q = 0};
     drive->vector.step = drive->align.frame_speed;
-    if (align_has_measured(&drive->align)) {
-        event = judge_alignment(drive, fault);
+    if (done) {
+        event = finish_alignment(drive);
+    } else if (align_has_measured(&drive->align)) {
+        event = judge_rest(drive, fault);
+    } else {
+        /* it goes on */
     }
     return event;
 }

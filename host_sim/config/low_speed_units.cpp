@@ -19,9 +19,14 @@ constexpr double SETTLE = 6;
 constexpr double MEASURE = 4;
 // The second level of the current: well apart from the first, and still enough to hold a load.
 constexpr double LOW_SHARE = 0.62;
-// The voltage step between them: at most this share of the bus, so that the duty has room.
+// Between them voltages for L_d and L_q: at most this share of the bus, so that the duty has room.
 constexpr double STEP_SHARE = 0.3;
-constexpr int STEP_TICKS_MAX = 16;
+constexpr double STEP_TICKS_MIN = 2; // a filter before the converter takes less of it than of one
+constexpr double STEP_TICKS_MAX = 16;
+// The current across swings by this share of the imposed one. From 1/√3 on, a phase with half of it against it passes
+// through zero; so an L_q of 0.6 of the file's is still measured without dead time.
+constexpr double PULSE_SHARE = 0.3;
+constexpr double PULSE_QUARTERS = 4;
 // Damping wanted of the rotor's swing, and the slow integral that sets the mean current, per ω_n.
 constexpr double HOLD_DAMPING = 0.7;
 constexpr double HOLD_INTEGRAL = 0.2;
@@ -121,20 +126,36 @@ uint32_t measure_log2(double swing, const Bases &b)
     return static_cast<uint32_t>(std::clamp(std::ceil(std::log2(wanted)), 6.0, 16.0));
 }
 
-void set_voltage_step(align_cfg_t &c, double fall_a, const BoardSettings &board, const Model &m,
-                      const Bases &b)
+// How long a voltage acts that changes a flux linkage by so much.
+uint32_t step_ticks(double flux, const BoardSettings &board, const Bases &b)
 {
-    const double largest = STEP_SHARE * board.bus_nominal_v;
+    const double needed = flux / (STEP_SHARE * board.bus_nominal_v) / b.control_period_s;
+    return static_cast<uint32_t>(std::clamp(std::ceil(needed), STEP_TICKS_MIN, STEP_TICKS_MAX));
+}
+
+// The step along the current lowers it by fall_a; what R·i takes from it is added.
+void set_voltage_step(inductance_cfg_t &c, double fall_a, const BoardSettings &board,
+                      const Model &m, const Bases &b)
+{
     const double flux = m.inductance_d * fall_a;
-    const double needed = std::ceil(flux / largest / b.control_period_s);
-    c.step_ticks = static_cast<uint32_t>(std::clamp(needed, 2.0, double{STEP_TICKS_MAX}));
+    c.step_ticks = step_ticks(flux, board, b);
     const double time_s = c.step_ticks * b.control_period_s;
     const double drop = m.resistance * time_s / (2 * m.inductance_d);
-    const double voltage = std::min(largest, flux / time_s * (1 + drop));
-    const double fall = voltage * time_s / m.inductance_d;
+    const double voltage = std::min(STEP_SHARE * board.bus_nominal_v, flux / time_s * (1 + drop));
     keep(c.step_voltage, voltage / b.voltage_v * Q15, 1, MANTISSA_MAX);
-    keep(c.step_fall, fall / b.current_a * Q15, 1, Q14);
-    c.step_drop_q14 = static_cast<int32_t>(std::lround(std::min(drop * Q14, Q13)));
+    keep(c.step_response, voltage * time_s / m.inductance_d / b.current_a * Q15, 1, Q14);
+}
+
+void set_voltage_pulse(inductance_cfg_t &c, double swing_a, const BoardSettings &board,
+                       const Model &m, const Bases &b)
+{
+    const double flux = m.inductance_q * swing_a;
+    c.pulse_ticks = step_ticks(flux, board, b);
+    const double time_s = c.pulse_ticks * b.control_period_s;
+    const double voltage = std::min(STEP_SHARE * board.bus_nominal_v, flux / time_s);
+    const double response_a = PULSE_QUARTERS * voltage * time_s / m.inductance_d;
+    keep(c.pulse_voltage, voltage / b.voltage_v * Q15, 1, MANTISSA_MAX);
+    keep(c.pulse_response, response_a / b.current_a * Q15, 1, 2 * Q15 - 1);
 }
 
 // Half a turn of the vector: in the rotor's own time, and not faster than the drive may turn.
@@ -170,7 +191,8 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     c.pull_ticks = std::max(c.sweep_ticks, ticks(sweep_time_s(swing, b) * (PULL / SWEEP), b));
     c.settle_ticks = ticks(SETTLE / swing, b);
     c.measure_log2 = measure_log2(swing, b);
-    set_voltage_step(c, current * (1 - LOW_SHARE), board, m, b);
+    set_voltage_step(c.inductance, current * (1 - LOW_SHARE), board, m, b);
+    set_voltage_pulse(c.inductance, current * PULSE_SHARE, board, m, b);
     return c;
 }
 
@@ -206,7 +228,8 @@ ModelHeadroom model_headroom(const TuningSettings &tuning)
     const double r = tuning.adapt_resistance_pct / 100;
     const double l = tuning.adapt_inductance_pct / 100;
     const double f = tuning.adapt_flux_pct / 100;
-    return {(1 + r) / (1 - l), (1 + l) * (1 + l), (1 + f) / (1 - l)};
+    const double s = tuning.adapt_saliency_pct / 100;
+    return {(1 + r) / (1 - l), (1 + l) * (1 + l), (1 + f) / (1 - l), 1 + s, (1 + l) * (1 + s)};
 }
 
 startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &board,
@@ -308,6 +331,7 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
         static_cast<int32_t>(std::lround(tuning.adapt_resistance_pct / 100 * Q14));
     c.inductance_limit_q14 =
         static_cast<int32_t>(std::lround(tuning.adapt_inductance_pct / 100 * Q14));
+    c.saliency_limit_q14 = static_cast<int32_t>(std::lround(tuning.adapt_saliency_pct / 100 * Q14));
     c.flux_limit_q14 = static_cast<int32_t>(std::lround(tuning.adapt_flux_pct / 100 * Q14));
     keep(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
          MANTISSA_MAX);
@@ -329,7 +353,7 @@ double startup_time(const MotorSettings &motor, const BoardSettings &board,
     const double measuring = 2 * std::exp2(measure_log2(swing, b)) * b.control_period_s;
     const double pulling = sweep_time_s(swing, b) * (PULL / SWEEP);
     return looking + board.bootstrap_charge_s + pulling + SETTLE / swing + measuring +
-           STEP_TICKS_MAX * b.control_period_s;
+           (1 + PULSE_QUARTERS) * STEP_TICKS_MAX * b.control_period_s;
 }
 
 } // namespace nf

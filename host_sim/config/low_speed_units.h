@@ -8,11 +8,13 @@
 namespace nf
 {
 
-// How far the model may be corrected, as the largest factor on a weight of the observer.
+// How far the model may be corrected, as the largest factor on a weight of the observer or a gain.
 struct ModelHeadroom {
-    double weight; // T·R/L, T/L
-    double rate;   // (L/φ)²
-    double flux;   // φ/L
+    double weight;     // T·R/L, T/L
+    double rate;       // (L/φ)²
+    double flux;       // φ/L
+    double saliency;   // L_q/L_d
+    double inductance; // L_q
 };
 ModelHeadroom model_headroom(const TuningSettings &tuning);
 

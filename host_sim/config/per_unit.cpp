@@ -330,15 +330,15 @@ oscillation_cfg_t make_oscillation(const MotorSettings &motor, const TuningSetti
 // The base of the observer's states, I_x = 2^s·I_b: both states fit for every current that the
 // over-current protection lets through (three phases within it make a vector of 2/√3 of it). Not
 // larger than that, for the adaptation's gains per unit grow with it.
-int observer_shift(const MotorSettings &motor, const BoardSettings &board, double flux_headroom,
-                   const Model &m, const Bases &b)
+int observer_shift(const MotorSettings &motor, const BoardSettings &board,
+                   const ModelHeadroom &headroom, const Model &m, const Bases &b)
 {
     constexpr double largest_base = 1 << 9;
     const double current = 2 / std::sqrt(3.0) * board.overcurrent_a / b.current_a;
-    const double x = current + flux_headroom * m.flux_current / b.current_a;
-    const double y = current * m.inductance_q / m.inductance_d;
-    require(flux_headroom * m.flux_current / b.current_a, 0, largest_base - 1,
-            {"motor.flux_linkage_wb", motor.flux_linkage_wb},
+    const double flux = headroom.flux * m.flux_current / b.current_a;
+    const double x = current + flux;
+    const double y = current * headroom.saliency * m.inductance_q / m.inductance_d;
+    require(flux, 0, largest_base - 1, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
             "φ/L_d below 511 times twice board.current_full_scale_a");
     require(y, 0, largest_base, {"motor.inductance_q_h", motor.inductance_q_h},
             "L_q/L_d within the observer's base");
@@ -434,13 +434,25 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings 
 {
     const ModelHeadroom headroom = model_headroom(tuning);
     nn_observer_cfg_t c{};
-    c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, headroom.flux, m, b));
+    c.current_shift = static_cast<uint32_t>(observer_shift(motor, board, headroom, m, b));
     set_network(c, motor, board, tuning, headroom, m, b);
     set_adaptation(c, tuning, headroom.rate, m, b);
     c.speed_limit = b.speed_limit;
     keep(c.rho_speed_min, b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200,
          1, Q30 / 2);
     return c;
+}
+
+// A gain that can still grow by `headroom`, as far as there is room.
+void leave_room(int32_t &mantissa, uint32_t &shift, double headroom)
+{
+    int bits = 0;
+    while (static_cast<int>(shift) - bits > 1 &&
+           std::ldexp(mantissa * headroom, -bits) > MANTISSA_MAX) {
+        bits++;
+    }
+    mantissa = static_cast<int32_t>(std::lround(std::ldexp(mantissa, -bits)));
+    shift -= static_cast<uint32_t>(bits);
 }
 
 // Pole of the closed loop at the bandwidth, zero of the PI on the motor's R/L or INTEGRAL_RATIO above.
@@ -451,8 +463,12 @@ pi_cfg_t make_current_pi(const TuningSettings &tuning, const Model &m, const Bas
     const double kp = omega * inductance * b.current_a / b.voltage_v;
     const double own = m.resistance / inductance;
     const double corner = std::max(own, omega * INTEGRAL_RATIO);
-    return make_pi(kp, kp * corner * b.control_period_s, corner > own ? 2 : 1,
-                   "current_loop.bandwidth_hz", tuning.current_bandwidth_hz);
+    pi_cfg_t c = make_pi(kp, kp * corner * b.control_period_s, corner > own ? 2 : 1,
+                         "current_loop.bandwidth_hz", tuning.current_bandwidth_hz);
+    const double headroom = model_headroom(tuning).inductance;
+    leave_room(c.kp, c.kp_shift, headroom);
+    leave_room(c.ki, c.ki_shift, headroom);
+    return c;
 }
 
 current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSettings &tuning,

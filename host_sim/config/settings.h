@@ -103,6 +103,7 @@ struct TuningSettings {
     double handover_speed_pct = 10;  // of rated speed
     double adapt_resistance_pct = 0; // how far the model may be corrected; 0: not at all
     double adapt_inductance_pct = 0;
+    double adapt_saliency_pct = 0;
     double adapt_flux_pct = 0;
     double adapt_dead_time_pct = 0;
     double current_bandwidth_hz = 0;

@@ -72,7 +72,7 @@ void compare_configuration(Rows &rows, const drive_cfg_t &own, const drive_cfg_t
 }
 
 // D: the winding's share times R/L, 3 as below, and the feedback's, whose mantissa is rounded to nearest, that of the corner
-// down to an even number. f/D of the new D is rounded to nearest too.
+// down to an even number. f/D is rounded to nearest in the configuration, and again of the new D.
 template <typename Word>
 void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_observer_cfg_t &from,
                    double ratio)
@@ -88,7 +88,7 @@ void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_obse
          LARGEST_WORD);
     word("observer.feedback_q15", own.feedback_q15,
          from.decay * share / std::max(own.decay, 1) * Q15,
-         is_fed ? 0.5 + 0.5 / std::max(own.decay, 1) * Q15 : 0);
+         is_fed ? 0.5 + 0.5 * from.decay / std::max(own.decay, 1) : 0);
 }
 
 // Configured values times what the drive has found out of R, L and φ; each ratio that is applied rounds down, and the
@@ -99,7 +99,10 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
     const double r = m.resistance_q14 / Q14;
     const double l = m.inductance_q14 / Q14;
     const double inverse = m.inductance_inverse_q14 / Q14;
+    const double saliency = m.saliency_q14 / Q14;
     const double flux = std::floor(m.flux_q30 / Q30 * Q14) / Q14;
+    const double l_q = l * saliency; // rounded down to 2^-14 before it is applied
+    constexpr double of_q = 3;
     const auto word = [&rows](const std::string &name, int32_t drive, double reference,
                               double tolerance, double largest = LARGEST_MANTISSA) {
         rows.push_back({"model", name, "", static_cast<double>(drive), std::min(reference, largest),
@@ -111,17 +114,23 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
          LARGEST_WORD - 1);
     word("observer.eta", m.observer.eta, from.eta * l * l, 3);
     word("observer.kappa_p", m.observer.kappa_p, from.kappa_p * l * l, 3);
+    word("observer.saliency_q13", m.observer.saliency_q13, from.saliency_q13 * saliency, 1);
+    // 1/saliency is rounded down to 2^-14 first.
+    word("observer.iq_gain_q14", m.observer.iq_gain_q14, from.iq_gain_q14 / saliency,
+         1 + from.iq_gain_q14 / Q14);
     const auto loop = [&](const std::string &name, const current_loop_cfg_t &own,
-                          const current_loop_cfg_t &nominal) {
+                          const current_loop_cfg_t &nominal, double gain_d, double gain_q) {
         word(name + ".resistance_q13", own.resistance_q13, nominal.resistance_q13 * r, 1);
         word(name + ".emf_q13", own.emf_q13, nominal.emf_q13 * flux, 1);
-        word(name + ".pi_d.kp", own.pi_d.kp, nominal.pi_d.kp, 0);
-        word(name + ".pi_d.ki", own.pi_d.ki, nominal.pi_d.ki, 0);
-        word(name + ".pi_q.kp", own.pi_q.kp, nominal.pi_q.kp, 0);
-        word(name + ".pi_q.ki", own.pi_q.ki, nominal.pi_q.ki, 0);
+        word(name + ".reactance_d_q13", own.reactance_d_q13, nominal.reactance_d_q13 * l, 1);
+        word(name + ".reactance_q_q13", own.reactance_q_q13, nominal.reactance_q_q13 * l_q, of_q);
+        word(name + ".pi_d.kp", own.pi_d.kp, nominal.pi_d.kp * gain_d, 1);
+        word(name + ".pi_d.ki", own.pi_d.ki, nominal.pi_d.ki * gain_d, 1);
+        word(name + ".pi_q.kp", own.pi_q.kp, nominal.pi_q.kp * gain_q, of_q);
+        word(name + ".pi_q.ki", own.pi_q.ki, nominal.pi_q.ki * gain_q, of_q);
     };
-    loop("run_loop", m.run_loop, built.current_loop);
-    loop("hold_loop", m.hold_loop, built.hold_loop);
+    loop("run_loop", m.run_loop, built.current_loop, l, l_q);
+    loop("hold_loop", m.hold_loop, built.hold_loop, 1, 1);
 }
 
 void compare_words(Rows &rows, const Simulation &sim, const drive_t &again, const drive_out_t &out)

@@ -66,7 +66,7 @@ Model Replacement::model(const drive_t &drive) const
     return {bases_.control_period_s,
             motor_.resistance_ohm * belief_.resistance * drive.model.resistance_q14 / Q14,
             motor_.inductance_d_h * inductance,
-            motor_.inductance_q_h * inductance,
+            motor_.inductance_q_h * inductance * drive.model.saliency_q14 / Q14,
             motor_.flux_linkage_wb * belief_.flux * drive.model.flux_q30 / Q30,
             speed_of(bases_, drive.cfg->observer.rho_speed_min),
             speed_of(bases_, drive.cfg->observer.speed_limit)};

@@ -30,6 +30,9 @@ std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
                   drive.model.resistance_q14 * ratio_q14, config.plant.resistance_scale),
         parameter("inductance_d_h", motor.inductance_d_h, config.model.inductance,
                   drive.model.inductance_q14 * ratio_q14, config.plant.inductance_scale),
+        parameter("inductance_q_h", motor.inductance_q_h, config.model.inductance,
+                  drive.model.inductance_q14 * drive.model.saliency_q14 * ratio_q14 * ratio_q14,
+                  config.plant.inductance_scale * config.plant.saliency_scale),
         parameter("flux_linkage_wb", motor.flux_linkage_wb, config.model.flux,
                   std::ldexp(drive.model.flux_q30, -30), config.plant.flux_scale),
     };

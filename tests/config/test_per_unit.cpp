@@ -92,11 +92,9 @@ void every_field_is_what_was_worked_out_by_hand()
     TEST_ASSERT_GREATER_THAN(BY_HAND_LEAST, compared);
 }
 
-std::uint32_t observer_shift(const char *flux)
+std::uint32_t observer_shift(const std::vector<std::string> &set)
 {
-    const nf::Config config =
-        nf::load_parts("motor_a", "bench_310v", "published", {},
-                       {std::string("motor.flux_linkage_wb=") + flux, "motor.rated_torque_nm=4"});
+    const nf::Config config = nf::load_parts("motor_a", "bench_310v", "published", {}, set);
     return nf::build(config).observer.current_shift;
 }
 
@@ -104,8 +102,19 @@ std::uint32_t observer_shift(const char *flux)
 // the sum is 39.88 A and fits it, with 19.31 A it is 40.095 A and takes twice of it.
 void the_observers_base_holds_the_longest_vector_that_protection_lets_through()
 {
-    TEST_ASSERT_EQUAL_UINT32(0U, observer_shift("0.2215"));
-    TEST_ASSERT_EQUAL_UINT32(1U, observer_shift("0.2240"));
+    TEST_ASSERT_EQUAL_UINT32(
+        0U, observer_shift({"motor.flux_linkage_wb=0.2215", "motor.rated_torque_nm=4"}));
+    TEST_ASSERT_EQUAL_UINT32(
+        1U, observer_shift({"motor.flux_linkage_wb=0.2240", "motor.rated_torque_nm=4"}));
+}
+
+// φ/L_d of 33.4 A and that vector fit 80 A. The q state is 20.785 A·L_q/L_d: three times L_d/L_q is 62.4 A, and 81 A if the drive
+// may correct it by 30 %.
+void the_observers_base_holds_the_largest_saliency_that_may_be_found()
+{
+    const std::string salient = "motor.inductance_q_h=0.0348";
+    TEST_ASSERT_EQUAL_UINT32(1U, observer_shift({salient, "adaptation.saliency_pct=28"}));
+    TEST_ASSERT_EQUAL_UINT32(2U, observer_shift({salient, "adaptation.saliency_pct=30"}));
 }
 
 constexpr double ROUNDING = 0.5 + 1e-6;
@@ -465,11 +474,16 @@ void start()
     expect(2231, c.align.settle_ticks);
     expect(11, c.align.measure_log2); // 1487 ticks
     // L·2.01653 A at 93 V takes 2.93 ticks; in 3 it takes 90.74 V, and R·3·T/(2·L) = 0.0045 more.
-    expect(3, c.align.step_ticks);
+    const inductance_cfg_t &l = c.align.inductance;
+    expect(3, l.step_ticks);
     const double volts = 0.0135 * 0.38 * 1.5 * 3.53778 / 3e-4 * 1.0045;
-    expect(volts / 450 * 32768, c.align.step_voltage);
-    expect(volts * 3e-4 / 0.0135 / 40 * 32768, c.align.step_fall);
-    expect(0.0045 * 16384, c.align.step_drop_q14);
+    expect(volts / 450 * 32768, l.step_voltage);
+    expect(volts * 3e-4 / 0.0135 / 40 * 32768, l.step_response);
+    // L_q·1.592 A at 93 V takes 4.02 ticks; in 5 it takes 74.82 V. Four times that is for L_d 4·1.592·23.5/13.5 A.
+    expect(5, l.pulse_ticks);
+    const double swing = 0.3 * 1.5 * 3.53778;
+    expect(0.0235 * swing / 5e-4 / 450 * 32768, l.pulse_voltage);
+    expect(4 * swing * 23.5 / 13.5 / 40 * 32768, l.pulse_response);
     expect(6.3 / 40 * 32768, c.current_move);
     expect(120 * STEPS_PER_RPM, c.handover_speed);
     expect(60 * STEPS_PER_RPM, c.track_speed);
@@ -539,19 +553,21 @@ void model()
     const model_cfg_t c = motor_b().model;
     expect(0.9 * 16384, c.resistance_limit_q14);
     expect(0.4 * 16384, c.inductance_limit_q14);
+    expect(1.0 * 16384, c.saliency_limit_q14);
     expect(0.25 * 16384, c.flux_limit_q14);
     expect(1e-3 / 0.05 * 40 / 27.7777778 * 32768, c.flux_rate);
     expect(240 * STEPS_PER_RPM, c.flux_speed_min);
 }
 
-// Flying start 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step; the charge on top.
+// Flying start 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
+// of the pulse; the charge on top.
 // With 1 % of the current ω_n is a tenth.
 void the_time_of_a_start()
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
     const nf::Config c =
         nf::load_parts("motor_b", "bench_310v", "robust", {}, {"board.bootstrap_charge_s=0.01"});
-    TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (50 + 4096 + 16) * 1e-4 + 30 / SWING + 0.01,
+    TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (50 + 4096 + 80) * 1e-4 + 30 / SWING + 0.01,
                               nf::startup_time(c.motor, c.board, c.tuning));
     const nf::Config least =
         nf::load_parts("motor_b", "bench_310v", "robust", {}, {"startup.current_pct=1"});
@@ -662,6 +678,7 @@ int main()
     UNITY_BEGIN();
     RUN_TEST(every_field_is_what_was_worked_out_by_hand);
     RUN_TEST(the_observers_base_holds_the_longest_vector_that_protection_lets_through);
+    RUN_TEST(the_observers_base_holds_the_largest_saliency_that_may_be_found);
     RUN_TEST(protection);
     RUN_TEST(derating);
     RUN_TEST(bus_currents);

@@ -391,6 +391,8 @@ void the_optional_settings_are_refused_outside_their_ranges()
                     "--set: adaptation.resistance_pct = 91: is too large; allowed: 0 to 90 %");
     expect_override("adaptation.inductance_pct=51",
                     "--set: adaptation.inductance_pct = 51: is too large; allowed: 0 to 50 %");
+    expect_override("adaptation.saliency_pct=101",
+                    "--set: adaptation.saliency_pct = 101: is too large; allowed: 0 to 100 %");
     expect_override("adaptation.flux_pct=-1",
                     "--set: adaptation.flux_pct = -1: is too small; allowed: 0 to 50 %");
     expect_override("current_loop.floor_pct=51",

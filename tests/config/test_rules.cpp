@@ -236,13 +236,19 @@ void the_model_may_be_corrected_as_far_as_the_tuning_says()
     const Folder folder;
     const model_cfg_t off = built({}).model;
     TEST_ASSERT_EQUAL_INT32(0, off.resistance_limit_q14 | off.inductance_limit_q14 |
-                                   off.flux_limit_q14);
+                                   off.saliency_limit_q14 | off.flux_limit_q14);
     const model_cfg_t c = built({"adaptation.resistance_pct=60", "adaptation.inductance_pct=40",
-                                 "adaptation.flux_pct=25"})
+                                 "adaptation.saliency_pct=70", "adaptation.flux_pct=25"})
                               .model;
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.60 * 16384, c.resistance_limit_q14);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.40 * 16384, c.inductance_limit_q14);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.70 * 16384, c.saliency_limit_q14);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.25 * 16384, c.flux_limit_q14);
+}
+
+int bits_lost(uint32_t before, uint32_t after)
+{
+    return static_cast<int>(before) - static_cast<int>(after);
 }
 
 // The weights keep room for the largest correction: none of them may end at 15 bits.
@@ -258,6 +264,22 @@ void the_weights_have_room_for_the_largest_correction()
     TEST_ASSERT_TRUE(c.eta * 1.4 * 1.4 <= 32767);
     TEST_ASSERT_TRUE(c.kappa_p * 1.4 * 1.4 <= 32767);
     TEST_ASSERT_TRUE(c.flux_q27 * (1.25 / 0.6) <= 134217727);
+}
+
+void the_gains_of_the_current_loop_have_room_for_it_too()
+{
+    const Folder folder;
+    const current_loop_cfg_t plain = built({}).current_loop;
+    const current_loop_cfg_t c =
+        built({"adaptation.inductance_pct=40", "adaptation.saliency_pct=100"}).current_loop;
+    for (const auto &[kept, own] : {std::pair{plain.pi_d, c.pi_d}, std::pair{plain.pi_q, c.pi_q}}) {
+        TEST_ASSERT_TRUE(own.kp * 1.4 * 2 <= 32767);
+        TEST_ASSERT_TRUE(own.ki * 1.4 * 2 <= 32767);
+        TEST_ASSERT_DOUBLE_WITHIN(
+            ROUNDING, std::ldexp(kept.kp, -bits_lost(kept.kp_shift, own.kp_shift)), own.kp);
+        TEST_ASSERT_DOUBLE_WITHIN(
+            ROUNDING, std::ldexp(kept.ki, -bits_lost(kept.ki_shift, own.ki_shift)), own.ki);
+    }
 }
 
 void rho_is_the_tunings_limit_and_off_by_default()
@@ -365,6 +387,7 @@ int main()
     RUN_TEST(the_least_current_is_there_only_where_dead_time_or_drop_is_compensated);
     RUN_TEST(the_model_may_be_corrected_as_far_as_the_tuning_says);
     RUN_TEST(the_weights_have_room_for_the_largest_correction);
+    RUN_TEST(the_gains_of_the_current_loop_have_room_for_it_too);
     RUN_TEST(rho_is_the_tunings_limit_and_off_by_default);
     RUN_TEST(a_rating_that_is_not_reached_is_noted_with_its_line);
     RUN_TEST(charge_of_the_bootstrap_supplies_is_the_boards_and_needs_a_start_up);

@@ -10,6 +10,7 @@
 #include "../../firmware/control/align.c"
 #include "../../firmware/control/angle_sensor.c"
 #include "../../firmware/control/flying_start.c"
+#include "../../firmware/control/inductance.c"
 #include "../../firmware/control/nn_observer.c"
 #include "../../firmware/control/phase_compensator.c"
 #include "../../firmware/control/pi.c"

@@ -21,6 +21,7 @@ RULES = (
     ("feedback by T·R/L", "zoo:71@2:user", ("observer.feedback=0",)),
     ("current loop by the PWM", "zoo:5@2:user", ("current_loop.bandwidth_hz=500",),
      ("observer.feedback=0",)),  # which holds this motor too
+    ("acceleration of the reference", "zoo:industrial:227@2:user", ("observer.acceleration_feed_forward=0",)),
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
     ("alignment above the hold", "zoo:16@11:user", ("startup.align_current_pct=0",)),
 )

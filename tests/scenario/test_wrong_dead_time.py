@@ -48,7 +48,7 @@ class WrongDeadTime(unittest.TestCase):
         exact = self.unmeasured[SCENARIOS[1], 1.0, "adaptation.dead_time_pct=0"]
         for (_, share, *_), found in self.unmeasured.items():
             if share != 1.0:
-                self.assertGreater(found[FIGURES[0]], GROWTH * exact[FIGURES[0]] + SCATTER)
+                self.assertGreater(found[FIGURES[1]], GROWTH * exact[FIGURES[1]] + SCATTER)
 
 
 if __name__ == "__main__":

@@ -208,10 +208,15 @@ static inline align_cfg_t example_align_cfg(void)
         .pull_ticks = 3050U,
         .settle_ticks = 763U,
         .measure_log2 = 9U,
-        .step_ticks = 4U,
-        .step_voltage = 6655, /* 91.4 V */
-        .step_fall = 2582,    /* 91.4 V·4·T/L = 3.151 A */
-        .step_drop_q14 = 600, /* R·4·T/(2·L) = 0.036638 */
+        .inductance =
+            {
+                .pulse_ticks = 3U,
+                .pulse_voltage = 6757,  /* 2.4 A·L/(3·T) = 92.8 V */
+                .pulse_response = 7864, /* 4·2.4 A */
+                .step_ticks = 4U,
+                .step_voltage = 6655,  /* 91.4 V */
+                .step_response = 2582, /* 91.4 V·4·T/L = 3.151 A */
+            },
     };
 }
 
@@ -257,13 +262,14 @@ static inline model_cfg_t example_model_cfg(void)
     };
 }
 
-/* R by 60 %, L by 40 %, φ by 25 %. */
+/* R by 60 %, L_d by 40 %, L_q/L_d by a factor of 2, φ by 25 %. */
 static inline model_cfg_t example_model_cfg_with_corrections(void)
 {
     model_cfg_t cfg = example_model_cfg();
 
     cfg.resistance_limit_q14 = 9830;
     cfg.inductance_limit_q14 = 6554;
+    cfg.saliency_limit_q14 = 16384;
     cfg.flux_limit_q14 = 4096;
     return cfg;
 }

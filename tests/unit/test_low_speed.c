@@ -723,7 +723,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.hold_loop = cfg.current_loop;
         cfg.startup.flying_start = (flying_start_cfg_t){
             1, 256U, 1U + (run % 16U), 1U, 256U, 1 + (int32_t)(run * 1700U), run, run};
-        cfg.startup.align.step_voltage = 32767;
+        cfg.startup.align.inductance.step_voltage = 32767;
+        cfg.startup.align.inductance.pulse_voltage = 32767;
         cfg.startup.handover_speed = 2;
         cfg.startup.track_speed = 1;
         cfg.startup.hold_speed = 1;
@@ -735,7 +736,7 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.modulator.dead_time_q15 = 8192;
         cfg.modulator.drop_q15 = 2048;
         cfg.modulator.edge_slope = 32767;
-        cfg.model = (model_cfg_t){15000, 8192, 8192, 32767, 0};
+        cfg.model = (model_cfg_t){15000, 8192, 16384, 8192, 32767, 0};
         cfg.crc = config_guard_crc(&cfg);
         TEST_ASSERT_NULL(drive_init(&drive, &cfg));
         for (uint32_t k = 0U; k < 10000U; k++) {

@@ -28,16 +28,25 @@ static current_loop_cfg_t hold_loop;
 static const model_nominal_t NOMINAL = {&observer, &run_loop, &hold_loop};
 static model_t model;
 
+static void lower_gains(pi_cfg_t *pi)
+{
+    pi->kp /= 3;
+    pi->ki /= 3;
+}
+
 void setUp(void)
 {
     cfg = example_model_cfg_with_corrections();
     observer = example_observer_cfg();
-    /* Half of the mantissas, so that they can grow. */
+    /* Smaller mantissas, so that they can grow. */
     observer.eta /= 2;
     observer.kappa_p /= 2;
     observer.volt_gain /= 2;
     observer.decay /= 2;
+    observer.iq_gain_q14 /= 2;
     run_loop = example_current_loop_cfg();
+    lower_gains(&run_loop.pi_d);
+    lower_gains(&run_loop.pi_q);
     hold_loop = example_hold_loop_cfg();
     memset(&model, 0x5A, sizeof model);
     model_reset(&model, &NOMINAL);
@@ -57,9 +66,26 @@ static int32_t inductance_of(double ratio)
     return (int32_t)lround(ONE_Q14 * ratio);
 }
 
+static int32_t saliency_of(double ratio)
+{
+    return (int32_t)lround(observer.saliency_q13 * ratio);
+}
+
+static void set_words(int32_t resistance_q13, int32_t inductance_q14, int32_t saliency_q13)
+{
+    const model_measured_t measured = {resistance_q13, inductance_q14, saliency_q13};
+
+    model_set(&model, &cfg, &NOMINAL, &measured);
+}
+
+static void set_salient(double resistance, double inductance, double saliency)
+{
+    set_words(resistance_of(resistance), inductance_of(inductance), saliency_of(saliency));
+}
+
 static void set(double resistance, double inductance)
 {
-    model_set(&model, &cfg, &NOMINAL, resistance_of(resistance), inductance_of(inductance));
+    set_salient(resistance, inductance, 1.0);
 }
 
 /* A nominal value times a ratio. */
@@ -71,8 +97,15 @@ static void assert_scaled(const char *what, int32_t nominal, double ratio, int32
                                       actual, what);
 }
 
-/* Every number that the model corrects, for ratios of R, L and φ. */
-static void assert_model(double r, double l, double flux)
+static void assert_loop(const current_loop_cfg_t *nominal, const current_loop_cfg_t *actual,
+                        double l, double saliency)
+{
+    assert_scaled("ω·L_d", nominal->reactance_d_q13, l, actual->reactance_d_q13);
+    assert_scaled("ω·L_q", nominal->reactance_q_q13, l * saliency, actual->reactance_q_q13);
+}
+
+/* Every number that the model corrects, for ratios of R, L_d, L_q/L_d and φ. */
+static void assert_salient_model(double r, double l, double saliency, double flux)
 {
     const nn_observer_cfg_t *const o = &model.observer;
 
@@ -86,6 +119,33 @@ static void assert_model(double r, double l, double flux)
     assert_scaled("R in hold", hold_loop.resistance_q13, r, model.hold_loop.resistance_q13);
     assert_scaled("EMF in run", run_loop.emf_q13, flux, model.run_loop.emf_q13);
     assert_scaled("EMF in hold", hold_loop.emf_q13, flux, model.hold_loop.emf_q13);
+    assert_scaled("L_q/L_d", observer.saliency_q13, saliency, o->saliency_q13);
+    assert_scaled("L_d/L_q", observer.iq_gain_q14, 1.0 / saliency, o->iq_gain_q14);
+    assert_loop(&run_loop, &model.run_loop, l, saliency);
+    assert_loop(&hold_loop, &model.hold_loop, l, saliency);
+    assert_scaled("K_p of d", run_loop.pi_d.kp, l, model.run_loop.pi_d.kp);
+    assert_scaled("K_i of d", run_loop.pi_d.ki, l, model.run_loop.pi_d.ki);
+    assert_scaled("K_p of q", run_loop.pi_q.kp, l * saliency, model.run_loop.pi_q.kp);
+    assert_scaled("K_i of q", run_loop.pi_q.ki, l * saliency, model.run_loop.pi_q.ki);
+}
+
+static void assert_model(double r, double l, double flux)
+{
+    assert_salient_model(r, l, 1.0, flux);
+}
+
+static void put_inductances_back(current_loop_cfg_t *loop, const current_loop_cfg_t *nominal)
+{
+    loop->reactance_d_q13 = nominal->reactance_d_q13;
+    loop->reactance_q_q13 = nominal->reactance_q_q13;
+}
+
+static void put_gains_back(current_loop_cfg_t *loop, const current_loop_cfg_t *nominal)
+{
+    loop->pi_d.kp = nominal->pi_d.kp;
+    loop->pi_d.ki = nominal->pi_d.ki;
+    loop->pi_q.kp = nominal->pi_q.kp;
+    loop->pi_q.ki = nominal->pi_q.ki;
 }
 
 /* The model with what it corrects put back. */
@@ -102,6 +162,11 @@ static void assert_rest_untouched(void)
     o.feedback_q15 = observer.feedback_q15;
     o.corner = observer.corner;
     o.flux_q27 = observer.flux_q27;
+    o.saliency_q13 = observer.saliency_q13;
+    o.iq_gain_q14 = observer.iq_gain_q14;
+    put_inductances_back(&run, &run_loop);
+    put_inductances_back(&hold, &hold_loop);
+    put_gains_back(&run, &run_loop);
     run.resistance_q13 = run_loop.resistance_q13;
     run.emf_q13 = run_loop.emf_q13;
     hold.resistance_q13 = hold_loop.resistance_q13;
@@ -118,6 +183,7 @@ static void test_reset_takes_the_configured_values_bit_by_bit(void)
     TEST_ASSERT_EQUAL_MEMORY(&hold_loop, &model.hold_loop, sizeof hold_loop);
     TEST_ASSERT_EQUAL_INT32(16384, model.resistance_q14);
     TEST_ASSERT_EQUAL_INT32(16384, model.inductance_q14);
+    TEST_ASSERT_EQUAL_INT32(16384, model.saliency_q14);
     TEST_ASSERT_EQUAL_INT32(1 << 30, model.flux_q30);
 }
 
@@ -136,6 +202,47 @@ static void test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_e
         assert_model(resistance_of(r) / (double)run_loop.resistance_q13, l, 1.0);
         assert_rest_untouched();
     }
+}
+
+static void test_a_measured_saliency_reaches_the_network_and_the_q_axis(void)
+{
+    static const double nominals[] = {0.8, 1.0, 1.6};
+    static const double ratios[] = {0.52, 0.8, 1.0, 1.3, 1.95};
+
+    for (uint32_t i = 0U; i < 15U; i++) {
+        observer.saliency_q13 = (int32_t)lround(8192.0 * nominals[i / 5U]);
+        observer.iq_gain_q14 = (int32_t)lround(8192.0 / nominals[i / 5U]); /* half, with room */
+        model_reset(&model, &NOMINAL);
+        set_salient(1.0, 1.2, ratios[i % 5U]);
+        assert_salient_model(1.0, 1.2, ratios[i % 5U], 1.0);
+        assert_rest_untouched();
+    }
+}
+
+/* Two current sensors differ by 2 %, and the measurement is not exact. */
+static void test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one(void)
+{
+    static const int32_t nearest[] = {8192 - 256, 8192, 8192 + 256};
+
+    for (uint32_t i = 0U; i < 3U; i++) {
+        set_words(resistance_of(1.0), inductance_of(1.2), nearest[i]);
+        TEST_ASSERT_EQUAL_INT32(8192, model.observer.saliency_q13);
+        TEST_ASSERT_EQUAL_INT32(observer.iq_gain_q14, model.observer.iq_gain_q14);
+        assert_model(1.0, 1.2, 1.0);
+    }
+    set_words(resistance_of(1.0), inductance_of(1.2), nearest[0] - 1);
+    TEST_ASSERT_EQUAL_INT32(8192 - 257, model.observer.saliency_q13);
+    set_words(resistance_of(1.0), inductance_of(1.2), nearest[2] + 1);
+    TEST_ASSERT_EQUAL_INT32(8192 + 257, model.observer.saliency_q13);
+}
+
+static void test_an_unknown_saliency_leaves_the_configured_one(void)
+{
+    set_words(resistance_of(1.0), inductance_of(1.2), -1);
+    assert_model(1.0, 1.2, 1.0);
+    set_salient(1.0, 1.2, 1.5);
+    set_words(resistance_of(1.0), inductance_of(1.2), -1);
+    assert_model(1.0, 1.2, 1.0);
 }
 
 static void test_what_was_configured_is_measured_as_no_change(void)
@@ -213,14 +320,19 @@ static void test_ratios_end_at_their_limits(void)
     const double r = 9830.0 / ONE_Q14;
     const double l = 6554.0 / ONE_Q14;
 
-    model_set(&model, &cfg, &NOMINAL, 32767, 32767);
+    set_words(32767, 32767, saliency_of(1.0));
     assert_model(1.0 + r, 1.0 + l, 1.0);
-    model_set(&model, &cfg, &NOMINAL, 1, 1);
+    set_words(1, 1, saliency_of(1.0));
     assert_model(1.0 - r, 1.0 - l, 1.0);
     set(1.7, 1.0);
     assert_model(1.0 + r, 1.0, 1.0);
     set(1.0, 0.5);
     assert_model(1.0, 1.0 - l, 1.0);
+    cfg.saliency_limit_q14 = 8192;
+    set_salient(1.0, 1.0, 1.7);
+    assert_salient_model(1.0, 1.0, 1.5, 1.0);
+    set_salient(1.0, 1.0, 0.5);
+    assert_salient_model(1.0, 1.0, 1.0 / 1.5, 1.0);
 }
 
 static void test_with_the_corrections_off_no_measurement_changes_anything(void)
@@ -230,7 +342,8 @@ static void test_with_the_corrections_off_no_measurement_changes_anything(void)
 
     cfg = example_model_cfg();
     for (int32_t k = 0; k < 1000; k++) {
-        model_set(&model, &cfg, &NOMINAL, seeded_in(&seed, 1, 32767), seeded_in(&seed, 1, 32767));
+        set_words(seeded_in(&seed, 1, 32767), seeded_in(&seed, 1, 32767),
+                  seeded_in(&seed, 1, 32767));
         model_track_flux(&model, &cfg, &NOMINAL, seeded_in(&seed, -8192, 8191),
                          seeded_in(&seed, -30000000, 30000000));
         TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
@@ -244,8 +357,12 @@ static void test_each_correction_is_switched_off_alone(void)
     assert_model(1.0, 1.2, 1.0);
     cfg = example_model_cfg_with_corrections();
     cfg.inductance_limit_q14 = 0;
-    set(1.5, 1.2);
-    assert_model(resistance_of(1.5) / (double)run_loop.resistance_q13, 1.0, 1.0);
+    set_salient(1.5, 1.2, 1.5);
+    assert_salient_model(resistance_of(1.5) / (double)run_loop.resistance_q13, 1.0, 1.5, 1.0);
+    cfg = example_model_cfg_with_corrections();
+    cfg.saliency_limit_q14 = 0;
+    set_salient(1.0, 1.2, 1.5);
+    assert_model(1.0, 1.2, 1.0);
 }
 
 /* ---- flux ---- */
@@ -339,19 +456,19 @@ static void test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27(
     for (int32_t k = 0; k < 100; k++) {
         model_track_flux(&model, &cfg, &NOMINAL, -8192, 0x20000000);
     }
-    model_set(&model, &cfg, &NOMINAL, 32767, 1);
+    set_words(32767, 1, saliency_of(1.0));
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay);
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.volt_gain);
     TEST_ASSERT_EQUAL_INT32(0x7FFFFFF, model.observer.flux_q27);
     TEST_ASSERT_EQUAL_INT32(32767, model.run_loop.emf_q13);
     TEST_ASSERT_EQUAL_INT32(32767, model.hold_loop.emf_q13);
-    model_set(&model, &cfg, &NOMINAL, 32767, 32767);
+    set_words(32767, 32767, saliency_of(1.0));
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.eta);
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.kappa_p);
     /* 16384 units of it are fed back, and stay: 16384.5/2^15 of 32767, rounded up. */
     observer.feedback_q15 = 16384;
     model_reset(&model, &NOMINAL);
-    model_set(&model, &cfg, &NOMINAL, 32767, 1);
+    set_words(32767, 1, saliency_of(1.0));
     TEST_ASSERT_EQUAL_INT32(32767, model.observer.decay);
     TEST_ASSERT_EQUAL_INT32(16385, model.observer.feedback_q15);
 }
@@ -360,7 +477,7 @@ static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
 {
     run_loop.resistance_q13 = 0;
     model_reset(&model, &NOMINAL);
-    model_set(&model, &cfg, &NOMINAL, 32767, 16384);
+    set_words(32767, 16384, saliency_of(1.0));
     TEST_ASSERT_EQUAL_INT32(16384 + 9830, model.resistance_q14);
     TEST_ASSERT_EQUAL_INT32(0, model.run_loop.resistance_q13);
 }
@@ -370,6 +487,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_reset_takes_the_configured_values_bit_by_bit);
     RUN_TEST(test_measured_ratios_reach_every_weight_and_both_loops_and_nothing_else);
+    RUN_TEST(test_a_measured_saliency_reaches_the_network_and_the_q_axis);
+    RUN_TEST(test_a_saliency_within_a_32nd_of_the_configured_one_is_that_one);
+    RUN_TEST(test_an_unknown_saliency_leaves_the_configured_one);
     RUN_TEST(test_what_was_configured_is_measured_as_no_change);
     RUN_TEST(test_with_feedback_too_what_was_configured_is_measured_as_no_change);
     RUN_TEST(test_measured_resistance_and_inductance_scale_the_windings_decay_not_the_feedback);

@@ -57,10 +57,11 @@ TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.
 BUILT_OF = {
-    "align": ["transforms"],
+    "align": ["inductance", "transforms"],
     "angle_sensor": ["rotor_position"],
     "current_loop": ["pi", "transforms"],
     "flying_start": ["transforms"],
+    "inductance": ["transforms"],
     "model": ["current_loop", "nn_observer"],
     "modulator": ["transforms"],
     "motion_loop": ["pi"],

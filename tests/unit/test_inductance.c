@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT */
+/* L_d and L_q from a pulse and a step of the voltage: salient windings, a loaded rotor, any response. */
+#include "example_cfg.h"
+#include "figure.h"
+#include "inductance.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Motor A and the bases of example_cfg.h. */
+#define PERIOD_S (1e-4)
+#define RESISTANCE (2.125)
+#define INDUCTANCE (0.0116)
+#define CURRENT_LSB_A (40.0 / 32768.0)
+#define VOLTAGE_LSB_V (450.0 / 32768.0)
+#define RESISTANCE_Q13 (RESISTANCE * 40.0 / 450.0 * 8192.0)
+#define CURRENT_A (8.0)
+#define RAD_PER_DEG (3.14159265358979 / 180.0)
+#define STEPS (200) /* of Euler's method in a tick */
+
+static inductance_cfg_t cfg;
+static inductance_t test;
+
+void setUp(void)
+{
+    cfg = example_align_cfg().inductance;
+    test = (inductance_t){.start = {0, 0}};
+}
+
+void tearDown(void)
+{
+}
+
+static uint32_t last_tick(void)
+{
+    return (4U * cfg.pulse_ticks) + 2U + cfg.step_ticks + 2U;
+}
+
+/* ---- the voltages ---- */
+
+static void
+test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_along_falls(void)
+{
+    int32_t across = 0;
+    int32_t along = 0;
+    int64_t area = 0;
+
+    for (uint32_t tick = 0U; tick <= last_tick(); tick++) {
+        const dq_t change = inductance_voltage(&cfg, tick);
+        const uint32_t quarter = (tick + cfg.pulse_ticks - 1U) / cfg.pulse_ticks; /* 1…4 */
+        const int32_t sign = ((quarter == 2U) || (quarter == 3U)) ? -1 : 1;
+        const bool pulses = (quarter >= 1U) && (quarter <= 4U);
+
+        across += change.q;
+        along += change.d;
+        area += across;
+        TEST_ASSERT_EQUAL_INT32(pulses ? (sign * cfg.pulse_voltage) : 0, across);
+        TEST_ASSERT_EQUAL_INT32((tick >= ((4U * cfg.pulse_ticks) + 3U)) ? -cfg.step_voltage : 0,
+                                along);
+    }
+    TEST_ASSERT_EQUAL_INT64(0, area);
+}
+
+/* The last sample of a response is that two ticks after its voltage. */
+static void test_control_pauses_until_the_step_has_been_demanded_for_its_ticks(void)
+{
+    const uint32_t end = (4U * cfg.pulse_ticks) + 2U + cfg.step_ticks;
+
+    for (uint32_t tick = 0U; tick <= (2U * end); tick++) {
+        TEST_ASSERT_EQUAL(tick <= end, inductance_holds_voltage(&cfg, tick));
+        TEST_ASSERT_EQUAL(tick >= last_tick(),
+                          inductance_step(&test, &cfg, tick, (dq_t){1000, -1000}));
+    }
+}
+
+/* ---- windings ---- */
+
+typedef struct {
+    double resistance; /* as ratios to those of motor A, L_q/L_d as it is */
+    double inductance;
+    double saliency;
+    double angle_deg; /* of the rotor before the vector */
+    double lost_v;    /* taken from the voltage by the sign of i_q */
+} winding_t;
+
+typedef struct {
+    double d;
+    double q;
+} vector_t;
+
+static vector_t turned(vector_t v, double angle)
+{
+    return (vector_t){(v.d * cos(angle)) + (v.q * sin(angle)),
+                      (v.q * cos(angle)) - (v.d * sin(angle))};
+}
+
+/* One period, rotor at rest. L·di/dt = v − R·i in the frame of the rotor; i and v are in that of the vector. */
+static vector_t period(const winding_t *w, vector_t i, vector_t v)
+{
+    const double angle = w->angle_deg * RAD_PER_DEG;
+    const double l_d = w->inductance * INDUCTANCE;
+    const double l_q = l_d * w->saliency;
+    const double r = w->resistance * RESISTANCE;
+    const double h = PERIOD_S / STEPS;
+
+    for (int32_t k = 0; k < STEPS; k++) {
+        const double lost = (i.q > 0.0) ? w->lost_v : -w->lost_v;
+        const vector_t left = {v.d - (r * i.d), v.q - lost - (r * i.q)};
+        const vector_t rotor = turned(left, angle);
+        const vector_t change = turned((vector_t){rotor.d / l_d, rotor.q / l_q}, -angle);
+
+        i.d += h * change.d;
+        i.q += h * change.q;
+    }
+    return i;
+}
+
+/* The converter has 12 bits, ±20 A: 8 LSB. */
+static int32_t converted(double ampere)
+{
+    return (int32_t)lround(ampere / CURRENT_LSB_A / 8.0) * 8;
+}
+
+/* From the rest at CURRENT_A: what is demanded acts in the period after its own. */
+static inductance_result_t measure(const winding_t *w)
+{
+    const double held_v = w->resistance * RESISTANCE * CURRENT_A;
+    vector_t current = {CURRENT_A, 0.0};
+    vector_t demanded = {held_v, 0.0};
+    vector_t acting = demanded;
+    bool done = false;
+
+    test = (inductance_t){.start = {0, 0}};
+    for (uint32_t tick = 1U; !done; tick++) {
+        const dq_t sample = {converted(current.d), converted(current.q)};
+        const dq_t change = inductance_voltage(&cfg, tick);
+
+        done = inductance_step(&test, &cfg, tick, sample);
+        demanded.d += change.d * VOLTAGE_LSB_V;
+        demanded.q += change.q * VOLTAGE_LSB_V;
+        current = period(w, current, acting);
+        acting = demanded;
+    }
+    return inductance_result(&test, &cfg, (int32_t)lround(w->resistance * RESISTANCE_Q13));
+}
+
+static double worst_d; /* as shares of their bounds */
+static double worst_q;
+
+/*
+ * Half a count of the converter, 4 LSB, in each sample: ΔL_d/L_d from two samples of the fall. In the pulse four samples count
+ * once, twice, twice and once. Euler's steps, and the trapezoid of R·i: (R·T/L)²/12 of the share of R·i, below 0.1 %. Q14 and
+ * Q13 are exact to 0.02 %. An angle mixes both, and the root of the cross response: the errors add.
+ */
+static void check(const winding_t *w)
+{
+    const inductance_result_t found = measure(w);
+    const double fall = 2627.0 / w->inductance;
+    const double swing = 7864.0 / (w->inductance * w->saliency);
+    const double bound_d = (8.0 / fall) + 0.0012;
+    const double bound_q = (24.0 / swing) + 0.0012;
+    const double share = fabs(sin(w->angle_deg * RAD_PER_DEG));
+    const double apart = fmax(w->saliency, 1.0 / w->saliency);
+    const double mixed = share * apart * (bound_d + bound_q);
+    const double d = found.ratio_q14 / 16384.0 / w->inductance;
+    const double q = found.saliency_q13 / 8192.0 / w->saliency;
+
+    worst_d = fmax(worst_d, fabs(d - 1.0) / (bound_d + mixed));
+    worst_q = fmax(worst_q, fabs(q - 1.0) / (bound_d + bound_q + (2.0 * mixed)));
+}
+
+static void test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency(void)
+{
+    static const double ratios[] = {0.6, 0.8, 1.0, 1.25, 1.4};
+    static const double saliencies[] = {0.7, 1.0, 1.3, 2.0, 2.8};
+
+    worst_d = 0.0;
+    worst_q = 0.0;
+    for (uint32_t k = 0U; k < 125U; k++) {
+        const winding_t w = {.resistance = ratios[k % 5U],
+                             .inductance = ratios[(k / 5U) % 5U],
+                             .saliency = saliencies[k / 25U]};
+
+        check(&w);
+    }
+    figure_check("L_d, as a share of its bound", worst_d, 1.0, 0.3);
+    figure_check("L_q/L_d, as a share of its bound", worst_q, 1.0, 0.3);
+}
+
+static void test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes(void)
+{
+    static const double saliencies[] = {0.7, 1.0, 1.3, 2.0};
+
+    worst_d = 0.0;
+    worst_q = 0.0;
+    for (int32_t k = 0; k < 52; k++) {
+        const winding_t w = {.resistance = 1.3,
+                             .inductance = 0.8,
+                             .saliency = saliencies[k % 4],
+                             .angle_deg = 5.0 * ((k / 4) - 6)};
+
+        check(&w);
+    }
+    figure_check("L_d off the vector, as a share of its bound", worst_d, 1.0, 0.2);
+    figure_check("L_q/L_d off the vector, as a share of its bound", worst_q, 1.0, 0.2);
+}
+
+/* A gimbal motor's winding: 7 times the resistance, R·T/L = 0.13; the pulse does not reach its height. */
+static void test_a_winding_that_decays_within_the_pulse_is_measured(void)
+{
+    worst_d = 0.0;
+    worst_q = 0.0;
+    for (int32_t k = 0; k < 5; k++) {
+        const winding_t w = {.resistance = 7.0, .inductance = 0.8 + (0.1 * k), .saliency = 1.1};
+
+        check(&w);
+    }
+    figure_check("L_d of a decaying winding, as a share of its bound", worst_d, 1.0, 0.05);
+    figure_check("L_q/L_d of a decaying winding, as a share of its bound", worst_q, 1.0, 0.05);
+}
+
+/* What goes with the sign of the current across cancels: 6 V of 93 V would be 6 %. */
+static void test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing(void)
+{
+    const winding_t without = {.resistance = 1.0, .inductance = 1.0, .saliency = 1.3};
+    winding_t with = without;
+    int32_t before;
+
+    with.lost_v = 6.2;
+    before = measure(&without).saliency_q13;
+    TEST_ASSERT_INT32_WITHIN(before / 150, before, measure(&with).saliency_q13);
+}
+
+static void test_rotor_gets_no_momentum_and_the_current_across_comes_back(void)
+{
+    const winding_t w = {.resistance = 1.0, .inductance = 1.0, .saliency = 1.0};
+    vector_t current = {CURRENT_A, 0.0};
+    vector_t demanded = {RESISTANCE * CURRENT_A, 0.0};
+    vector_t acting = demanded;
+    double momentum = 0.0;
+    double highest = 0.0;
+
+    for (uint32_t tick = 1U; tick <= ((4U * cfg.pulse_ticks) + 2U); tick++) {
+        const dq_t change = inductance_voltage(&cfg, tick);
+
+        demanded.q += change.q * VOLTAGE_LSB_V;
+        current = period(&w, current, acting);
+        acting = demanded;
+        momentum += current.q;
+        highest = fmax(highest, fabs(current.q));
+    }
+    /* 0.3 of the current, less what R·i takes in three ticks and in six. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.1 * 2.4, 2.4, highest);
+    /* R·t/L of a quarter is 0.055: to first order both vanish, to second 0.055² of the height and of its area are left. */
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * 0.055 * 0.055 * 2.4, 0.0, current.q);
+    TEST_ASSERT_DOUBLE_WITHIN(0.055 * 2.4 * 6.0, 0.0, momentum);
+}
+
+/* ---- responses that say nothing ---- */
+
+static void test_without_a_fall_along_the_current_nothing_is_known(void)
+{
+    test.pulse.change.q = cfg.pulse_response;
+    for (int32_t fall = -100000; fall <= 0; fall += 50000) {
+        inductance_result_t found;
+
+        test.step.change.d = fall;
+        found = inductance_result(&test, &cfg, 1547);
+        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.ratio_q14);
+        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.saliency_q13);
+    }
+}
+
+static void test_without_a_response_across_the_inductance_along_the_current_is_known(void)
+{
+    test.step.change.d = cfg.step_response;
+    for (int32_t change = -100000; change <= 0; change += 50000) {
+        inductance_result_t found;
+
+        test.pulse.change.q = change;
+        found = inductance_result(&test, &cfg, 1547);
+        TEST_ASSERT_EQUAL_INT32(16384, found.ratio_q14);
+        TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, found.saliency_q13);
+    }
+}
+
+/* The root is longer than the sum: one of the inductances would be negative. */
+static void test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown(void)
+{
+    test.step.change.d = cfg.step_response;
+    test.pulse.change = (dq_t){cfg.pulse_response + 100, cfg.pulse_response};
+    TEST_ASSERT_TRUE(inductance_result(&test, &cfg, 0).ratio_q14 > 0);
+    TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, inductance_result(&test, &cfg, 0).saliency_q13);
+}
+
+/* Twice the mean of 4 ticks, 8·5000: the resistance takes 5000·11091/8192 of 6772, 3 more than all. */
+static void test_when_the_resistance_takes_the_whole_voltage_nothing_is_known(void)
+{
+    test.step.change.d = cfg.step_response;
+    test.step.carried = 8 * 5000;
+    TEST_ASSERT_TRUE(inductance_result(&test, &cfg, 11000).ratio_q14 > 0);
+    TEST_ASSERT_EQUAL_INT32(INDUCTANCE_UNKNOWN, inductance_result(&test, &cfg, 11100).ratio_q14);
+}
+
+static void test_results_end_at_15_bits(void)
+{
+    test.step.change.d = 1;
+    test.pulse.change.q = cfg.pulse_response;
+    TEST_ASSERT_EQUAL_INT32(32767, inductance_result(&test, &cfg, 0).ratio_q14);
+    test.step.change.d = cfg.step_response;
+    test.pulse.change.q = 1;
+    TEST_ASSERT_EQUAL_INT32(32767, inductance_result(&test, &cfg, 0).saliency_q13);
+}
+
+static void test_any_response_gives_a_result_within_its_range(void)
+{
+    seeded_t seed = {0x1D1CU};
+
+    for (int32_t run = 0; run < 20000; run++) {
+        inductance_result_t found;
+
+        cfg = (inductance_cfg_t){.pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
+                                 .pulse_voltage = seeded_in(&seed, 1, 32767),
+                                 .pulse_response = seeded_in(&seed, 1, 65535),
+                                 .step_ticks = (uint32_t)seeded_in(&seed, 2, 16),
+                                 .step_voltage = seeded_in(&seed, 1, 32767),
+                                 .step_response = seeded_in(&seed, 1, 16384)};
+        test = (inductance_t){.start = {0, 0}};
+        for (uint32_t tick = 1U; tick <= last_tick(); tick++) {
+            const dq_t current = {seeded_in(&seed, -1, 1) * 34400, seeded_in(&seed, -1, 1) * 34400};
+
+            TEST_ASSERT_EQUAL(tick == last_tick(), inductance_step(&test, &cfg, tick, current));
+        }
+        found = inductance_result(&test, &cfg, seeded_in(&seed, 0, 32767));
+        TEST_ASSERT_TRUE((found.ratio_q14 == INDUCTANCE_UNKNOWN) ||
+                         ((found.ratio_q14 >= 1) && (found.ratio_q14 <= 32767)));
+        TEST_ASSERT_TRUE((found.saliency_q13 == INDUCTANCE_UNKNOWN) ||
+                         ((found.saliency_q13 >= 1) && (found.saliency_q13 <= 32767)));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(
+        test_voltage_across_goes_one_way_twice_as_long_the_other_and_back_then_that_along_falls);
+    RUN_TEST(test_control_pauses_until_the_step_has_been_demanded_for_its_ticks);
+    RUN_TEST(test_both_inductances_are_measured_whatever_the_resistance_and_the_saliency);
+    RUN_TEST(test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes);
+    RUN_TEST(test_a_winding_that_decays_within_the_pulse_is_measured);
+    RUN_TEST(test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing);
+    RUN_TEST(test_rotor_gets_no_momentum_and_the_current_across_comes_back);
+    RUN_TEST(test_without_a_fall_along_the_current_nothing_is_known);
+    RUN_TEST(test_without_a_response_across_the_inductance_along_the_current_is_known);
+    RUN_TEST(test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown);
+    RUN_TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known);
+    RUN_TEST(test_results_end_at_15_bits);
+    RUN_TEST(test_any_response_gives_a_result_within_its_range);
+    return UNITY_END();
+}
