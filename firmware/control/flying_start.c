@@ -5,6 +5,8 @@
 
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
+#define CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
+#define ONE_Q14 (16384)
 
 /* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
 static uint32_t pause_ticks(const flying_start_t *start, const flying_start_cfg_t *cfg)
@@ -40,13 +42,23 @@ static int32_t magnitude(ab_t v)
     return (int32_t)trig_sqrt((uint32_t)alpha_square + (uint32_t)beta_square);
 }
 
-/* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
-static bool plausible(const flying_start_t *start, const flying_start_cfg_t *cfg, int32_t current)
+/* What the nominal motor makes of the measured speed in a pulse. The resistance takes a share of it in each tick. */
+static int32_t expected_current(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
     const int32_t per_tick =
         fx_asr(fx_mul_32x16(fx_abs(start->speed), cfg->emf_current), cfg->emf_shift);
-    const int32_t expected = fx_min(per_tick, FX_Q15_MAX) * (int32_t)start->length;
+    const int32_t rise = fx_min(per_tick, FX_Q15_MAX);
+    int32_t current = 0;
 
+    for (uint32_t tick = 0U; tick < start->length; tick++) {
+        current = fx_min(current - fx_mul_32x16(current * 2, cfg->decay_q15) + rise, CURRENT_MAX);
+    }
+    return current;
+}
+
+/* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
+static bool plausible(int32_t expected, int32_t current)
+{
     return ((2 * current) > expected) && (current < (2 * expected));
 }
 
@@ -55,18 +67,24 @@ static flying_start_result_t judge(flying_start_t *start, const flying_start_cfg
 {
     /*@ split start->length; */
     const uint32_t length = start->length;
-    const int32_t least = fx_min(magnitude(start->first), magnitude(second));
+    const int32_t one = magnitude(start->first);
+    const int32_t other = magnitude(second);
+    const int32_t least = fx_min(one, other);
     const angle_t turned = direction(second) - direction(start->first);
     const uint32_t between = length + pause_ticks(start, cfg);
     const int32_t ticks = fx_max((int32_t)between, 2);
     flying_start_result_t result = FLYING_START_STANDING;
+    int32_t expected;
 
     start->speed = fx_signed(turned) / ticks;
-    if (((4 * least) > cfg->current) && plausible(start, cfg, least)) {
+    expected = expected_current(start, cfg);
+    if (((4 * least) > cfg->current) && plausible(expected, least)) {
         const angle_t quarter = (start->speed > 0) ? QUARTER_TURN : QUARTER_TURN_BACK;
         const int32_t since_middle = fx_asr(start->speed * (int32_t)length, 1U);
 
         start->angle = direction(second) + quarter + fx_unsigned(since_middle);
+        start->inductance_q14 =
+            fx_clamp((expected * ONE_Q14) / fx_max(fx_asr(one + other, 1U), 1), 1, FX_Q15_MAX);
         result = FLYING_START_TURNING;
     }
     return result;
@@ -85,19 +103,22 @@ static flying_start_result_t judge_then_charge(flying_start_t *start, const flyi
     return result;
 }
 
-/* Wait until the old current has decayed. */
+/*
+ * Wait until the old current has decayed, and for two ticks at least: the compare values of now act a tick later. With the
+ * values of before the legs would switch in the pulse, and the dead time would take its part of it.
+ */
 static flying_start_result_t preload(flying_start_t *start, const flying_start_cfg_t *cfg,
                                      ab_t current)
 {
     flying_start_result_t result = FLYING_START_BUSY;
 
-    if (magnitude(current) <= fx_asr(cfg->current, FLYING_START_QUIET_LOG2)) {
+    if (magnitude(current) > fx_asr(cfg->current, FLYING_START_QUIET_LOG2)) {
+        result = (start->tick < cfg->wait_ticks) ? FLYING_START_BUSY : FLYING_START_LIVE;
+    } else if (start->tick > 1U) {
         next_start_phase(start);
         start->gates = true;
-    } else if (start->tick >= cfg->wait_ticks) {
-        result = FLYING_START_LIVE;
     } else {
-        /* it decays */
+        /* the compare values of now do not act yet */
     }
     return result;
 }

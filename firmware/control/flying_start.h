@@ -9,6 +9,9 @@
  * no effect. When the speed does not fit the magnitude of the current, the measurement is noise: the rotor stands, or it
  * is slow enough to be pulled in.
  *
+ * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the rotor turns in it, less
+ * what R takes. φ of a file is better known than L, so what does not fit is taken for an error of L.
+ *
  * Before the first pulse, current that still flows has to decay through the diodes of the open bridge.
  *
  * A bootstrap supply has to be charged before its first high side is driven. That needs a low side that is on for longer
@@ -33,9 +36,13 @@ typedef struct {
     uint32_t pulse_ticks; /* a pulse ends after this many ticks at the latest, 1…16 */
     uint32_t gap_factor;  /* length of the pause in lengths of the pulse, 1…16 … */
     uint32_t pause_max;   /* … but at most this many ticks, 1…256 */
-    /* φ/L_d·ω·T, the current per tick at a speed: Q15 of I_b = speed · emf_current / 2^(16 + emf_shift), 1…32767 */
+    /*
+     * The current of the first tick of a pulse, φ/L_q·ω·T·(1 − exp(−a))/a, a = T·R/L_q: Q15 of I_b
+     * = speed · emf_current / 2^(16 + emf_shift), 1…32767
+     */
     int32_t emf_current;
     uint32_t emf_shift;    /* 0…30 */
+    int32_t decay_q15;     /* what a tick takes of a current, 1 − exp(−a), 0…32767 */
     uint32_t charge_ticks; /* bootstrap charge when the rotor stands, ticks, 0…2^20 */
 } flying_start_cfg_t;
 
@@ -47,7 +54,7 @@ typedef enum {
 } flying_start_result_t;
 
 typedef enum {
-    /* until the current is zero; compare values of now act a tick later */
+    /* until the current is zero, and the compare values of now act: two ticks at least */
     FLYING_START_PRELOAD = 0,
     FLYING_START_FIRST_PULSE,
     FLYING_START_PAUSE,
@@ -61,8 +68,10 @@ typedef struct {
     uint32_t length; /* of the pulses */
     ab_t first;      /* current at the end of the first pulse */
     bool gates;      /* enable the gates in this tick */
-    step_t speed;    /* measured speed, valid with TURNING */
-    angle_t angle;   /* of the rotor at the end of the second pulse, valid with TURNING */
+    /* Valid with TURNING: */
+    step_t speed;           /* measured */
+    angle_t angle;          /* of the rotor at the end of the second pulse */
+    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767 */
 } flying_start_t;
 
 /* Begin. */
@@ -72,7 +81,7 @@ void flying_start_reset(flying_start_t *start);
  * One tick. current: measured at this instant, Q15 of I_b, |α|, |β| ≤ 65535. Sets `gates`.
  *
  * Returns BUSY until the result is known. The last tick of the second pulse returns TURNING or STANDING; it computes two
- * arctangents, a square root and a division. When the rotor stands and charge_ticks is not 0, the last tick of the charge
+ * arctangents, two square roots and two divisions. When the rotor stands and charge_ticks is not 0, the last tick of the charge
  * returns STANDING instead. `gates` is still set in the tick that returns one of these. The caller opens the gates in that
  * tick, unless current control takes over a rotor that turns. LIVE is returned in the first phase only, before the gates
  * are enabled.

@@ -49,12 +49,28 @@ static bool has_to_stand(const drive_t *drive)
     return (drive->attempts > 0U) && !drive->identified;
 }
 
+/* R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the estimate swings. */
+static void take_inductance_of_pulses(drive_t *drive)
+{
+    const model_nominal_t nominal = drive_nominal(drive);
+    const model_measured_t found = {
+        .resistance_q13 = drive->cfg->current_loop.resistance_q13,
+        .inductance_q14 = drive->flying_start.inductance_q14,
+        .saliency_q13 = MODEL_UNKNOWN,
+    };
+
+    model_set(&drive->model, &drive->cfg->model, &nominal, &found);
+}
+
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
 static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
     const flying_start_t *const found = &drive->flying_start;
     const bool fast = fx_abs(found->speed) >= drive->cfg->startup.handover_speed;
 
+    if (!drive->identified) {
+        take_inductance_of_pulses(drive);
+    }
     rotor_position_reset(&drive->position, found->angle);
     estimate_start(drive, found->speed, transforms_park(current_ab, trig_sincos(found->angle)));
     rotor_position_step(&drive->position, drive->observer.speed_out);

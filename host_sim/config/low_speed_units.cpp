@@ -211,12 +211,17 @@ flying_start_cfg_t make_flying_start(const MotorSettings &motor, const BoardSett
     c.gap_factor = static_cast<uint32_t>(
         std::clamp(std::floor(FLYING_START_TURN / turn) - 1, 1.0, double{FLYING_START_GAP_MAX}));
     c.pause_max = FLYING_START_PAUSE_MAX;
-    const double per_step = TWO_PI / STEPS_PER_TURN * m.flux_current / b.current_a * Q15;
+    // The EMF lies along q. What R takes in a tick: a = T·R/L_q.
+    const double a = b.control_period_s * m.resistance / m.inductance_q;
+    const double left = -std::expm1(-a) / a;
+    const double per_step =
+        TWO_PI / STEPS_PER_TURN * m.flux / m.inductance_q * left / b.current_a * Q15;
     const Mantissa emf =
         normalise(std::ldexp(per_step, 16), 0, 30, {"motor.flux_linkage_wb", motor.flux_linkage_wb},
                   CURRENT_REASON);
     c.emf_current = emf.value;
     c.emf_shift = emf.shift;
+    keep(c.decay_q15, -std::expm1(-a) * Q15, 0, MANTISSA_MAX);
     c.charge_ticks = board.bootstrap_charge_s > 0 ? ticks(board.bootstrap_charge_s, b) : 0;
     return c;
 }

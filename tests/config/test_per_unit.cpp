@@ -510,7 +510,10 @@ void flying_start()
     expect(0.315 / 40 * 32768, c.current);
     expect(16, c.gap_factor);
     expect(21, c.charge_ticks);
-    expect_mantissa(27.7777778 / 40 * 32768 / 683565275.6 * 65536, c.emf_current, c.emf_shift);
+    // φ/L_q = 15.95745 A, of which R leaves (1 − e^−a)/a = 0.999139 in a tick, a = T·R/L_q = 0.00172340.
+    expect_mantissa(15.95745 * 0.999139 / 40 * 32768 / 683565275.6 * 65536, c.emf_current,
+                    c.emf_shift);
+    expect(0.00172192 * 32768, c.decay_q15);
     expect(25.0 * 20 / 2048 / 40 * 32768,
            motor_b({"motor.max_current_a=4"}).startup.flying_start.current);
     const std::vector<std::string> fast = {

@@ -191,8 +191,10 @@ static inline flying_start_cfg_t example_flying_start_cfg(void)
         .pulse_ticks = 8U,
         .gap_factor = 8U,
         .pause_max = 32U,
-        .emf_current = 21465, /* φ/L/I_b = 0.834052: 3.9982e-5 LSB a tick per step, times 2^29 */
+        /* φ/L/I_b = 0.834052, less T·R/(2·L) = 0.00916 of it: 3.96175e-5 LSB a tick per step, times 2^29 */
+        .emf_current = 21270,
         .emf_shift = 13U,
+        .decay_q15 = 595, /* T·R/L = 0.018319 */
     };
 }
 
