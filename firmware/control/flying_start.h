@@ -34,7 +34,7 @@ typedef struct {
     int32_t current;      /* a pulse ends above this current, Q15 of I_b, 1…16384 */
     uint32_t wait_ticks;  /* LIVE when the current has not decayed after this many ticks, 1…2^20 */
     uint32_t pulse_ticks; /* a pulse ends after this many ticks at the latest, 1…16 */
-    uint32_t gap_factor;  /* length of the pause in lengths of the pulse, 1…16 … */
+    uint32_t gap_factor;  /* length of the pause in lengths of the pulse, 1…64 … */
     uint32_t pause_max;   /* … but at most this many ticks, 1…256 */
     /*
      * The current of the first tick of a pulse, φ/L_q·ω·T·(1 − exp(−a))/a, a = T·R/L_q: Q15 of I_b
