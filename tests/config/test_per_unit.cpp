@@ -503,12 +503,42 @@ void a_start_imposes_what_motor_and_board_bear()
                .startup.current_hold);
 }
 
-// 0.05·6.3 A, or 25 counts of 20 A/2048; 1800 rpm are 0.006 turn in a tick, 24000 rpm 0.08.
+// A pulse of 0.315 A turns the rotor by 0.315·L_q/φ, 0.0031418 turn: 46 pauses and the pulse make 0.15. The first fast motor turns by
+// 0.039270 turn, which makes 2, the second by 0.016711, which makes 7; but 24000 rpm are 0.08 turn in a tick, and 4 and one make 0.4.
+// With L_d for L_q it is 0.0018049 turn, which makes 82, and 0.006 turn in a tick make 65.
+void the_pause_of_a_flying_start_makes_a_turn_of_0_15()
+{
+    const auto gap = [](const std::vector<std::string> &set) {
+        return motor_b(set).startup.flying_start.gap_factor;
+    };
+    std::vector<std::string> fast = {"motor.max_speed_rpm=24000", "motor.flux_linkage_wb=0.03",
+                                     "motor.rated_torque_nm=0.3"};
+
+    expect(46, gap({}));
+    expect(2, gap(fast));
+    fast.emplace_back("motor.inductance_q_h=0.01");
+    fast.emplace_back("motor.inductance_d_h=0.01");
+    expect(4, gap(fast));
+    expect(64, gap({"motor.inductance_q_h=0.0135"}));
+}
+
+// Rated torque takes 521 ms to 1800 rpm: a tenth is more than 256 ticks. With a fifth of the inertia it is 104 ticks, with a hundredth 5.
+void a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed()
+{
+    const auto most = [](const char *inertia) {
+        return motor_b({inertia}).startup.flying_start.pause_max;
+    };
+
+    expect(256, most("motor.inertia_kg_m2=0.011"));
+    expect(104, most("motor.inertia_kg_m2=0.0022"));
+    expect(32, most("motor.inertia_kg_m2=0.00011"));
+}
+
+// 0.05·6.3 A, or 25 counts of 20 A/2048.
 void flying_start()
 {
     const flying_start_cfg_t c = motor_b({"board.bootstrap_charge_s=0.00205"}).startup.flying_start;
     expect(0.315 / 40 * 32768, c.current);
-    expect(16, c.gap_factor);
     expect(21, c.charge_ticks);
     // φ/L_q = 15.95745 A, of which R leaves (1 − e^−a)/a = 0.999139 in a tick, a = T·R/L_q = 0.00172340.
     expect_mantissa(15.95745 * 0.999139 / 40 * 32768 / 683565275.6 * 65536, c.emf_current,
@@ -516,9 +546,6 @@ void flying_start()
     expect(0.00172192 * 32768, c.decay_q15);
     expect(25.0 * 20 / 2048 / 40 * 32768,
            motor_b({"motor.max_current_a=4"}).startup.flying_start.current);
-    const std::vector<std::string> fast = {
-        "motor.max_speed_rpm=24000", "motor.flux_linkage_wb=0.03", "motor.rated_torque_nm=0.3"};
-    expect(4, motor_b(fast).startup.flying_start.gap_factor);
 }
 
 // Without a start of its own the run's current changes as with one of 100 %.
@@ -562,7 +589,7 @@ void model()
     expect(240 * STEPS_PER_RPM, c.flux_speed_min);
 }
 
-// Flying start 50 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
+// Flying start 274 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
 // of the pulse; the charge on top.
 // With 1 % of the current ω_n is a tenth.
 void the_time_of_a_start()
@@ -570,7 +597,7 @@ void the_time_of_a_start()
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
     const nf::Config c =
         nf::load_parts("motor_b", "bench_310v", "robust", {}, {"board.bootstrap_charge_s=0.01"});
-    TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (50 + 4096 + 80) * 1e-4 + 30 / SWING + 0.01,
+    TEST_ASSERT_DOUBLE_WITHIN(swing_error_s, (274 + 4096 + 80) * 1e-4 + 30 / SWING + 0.01,
                               nf::startup_time(c.motor, c.board, c.tuning));
     const nf::Config least =
         nf::load_parts("motor_b", "bench_310v", "robust", {}, {"startup.current_pct=1"});
@@ -706,6 +733,8 @@ int main()
     RUN_TEST(start);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
     RUN_TEST(flying_start);
+    RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);
+    RUN_TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed);
     RUN_TEST(run);
     RUN_TEST(hold_loop);
     RUN_TEST(model);

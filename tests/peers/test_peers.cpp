@@ -186,7 +186,8 @@ double bandwidth_hz(const nf::Config &config)
 }
 
 // The drive's own observer in double precision, in its own place: the place is fair. The speed loop reads the speed a tick later
-// there, which is 2πf·T of a figure in a transient. Else what differs is the roundings of both runs.
+// there, which is 2πf·T of a figure in a transient. Else what differs is the roundings of both runs: as noise, and as an offset. The
+// drive rounds the current error down, by up to a step of its signals in each axis, which turns the angle by (1 + ρ)·L/φ times the step.
 void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
 {
     constexpr int BITS = 14;
@@ -206,7 +207,9 @@ void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
         const double later = TWO_PI * bandwidth_hz(config) / config.board.pwm_frequency_hz;
         const double rpm =
             noise.speed_rad_s * 60 / TWO_PI / config.motor.pole_pairs + later * own.speed_rpm;
-        const double deg = noise.angle_rad * 360 / TWO_PI + later * own.angle_deg;
+        const double offset_rad = steps.signal * (1 + config.tuning.observer_rho_max) *
+                                  MOTOR_A.inductance_d_h / MOTOR_A.flux_wb;
+        const double deg = (noise.angle_rad + offset_rad) * 360 / TWO_PI + later * own.angle_deg;
 
         std::printf("%s: %.4g and %.4g rpm ± %.2g; %.4g and %.4g° ± %.2g\n", name, own.speed_rpm,
                     other.speed_rpm, rpm, own.angle_deg, other.angle_deg, deg);

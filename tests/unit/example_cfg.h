@@ -182,7 +182,7 @@ static inline modulator_cfg_t example_modulator_cfg_with_dead_time(void)
     return cfg;
 }
 
-/* Pulses of up to 8 ticks, pauses 8 times as long. */
+/* Pulses of up to 8 ticks, pauses 8 times as long: 80 ticks are a tenth of the time in which rated torque reaches 2000 rpm. */
 static inline flying_start_cfg_t example_flying_start_cfg(void)
 {
     return (flying_start_cfg_t){
@@ -190,7 +190,7 @@ static inline flying_start_cfg_t example_flying_start_cfg(void)
         .wait_ticks = 1000U,
         .pulse_ticks = 8U,
         .gap_factor = 8U,
-        .pause_max = 32U,
+        .pause_max = 80U,
         /* φ/L/I_b = 0.834052, less T·R/(2·L) = 0.00916 of it: 3.96175e-5 LSB a tick per step, times 2^29 */
         .emf_current = 21270,
         .emf_shift = 13U,

@@ -449,7 +449,7 @@ static void test_any_current_gives_a_result_in_time_with_a_speed_below_a_quarter
             .current = seeded_in(&seed, 1, 16384),
             .wait_ticks = (uint32_t)seeded_in(&seed, 1, 100),
             .pulse_ticks = (uint32_t)seeded_in(&seed, 1, 16),
-            .gap_factor = (uint32_t)seeded_in(&seed, 1, 16),
+            .gap_factor = (uint32_t)seeded_in(&seed, 1, 64),
             .pause_max = 256U,
             .emf_current = seeded_in(&seed, 1, 32767),
             .emf_shift = (uint32_t)seeded_in(&seed, 0, 30),
