@@ -301,6 +301,45 @@ static void test_a_caught_rotor_is_measured_at_its_first_standstill(void)
 
 /* ---- the command withdrawn ---- */
 
+static void catch_it(void)
+{
+    motor = example_motor_at(1.0, FAST_RPM * RAD_S_PER_RPM);
+    run_at(FAST_RPM);
+    tick();
+    expect_next(DRIVE_STATE_FLYING_START, DRIVE_STATE_RUN);
+}
+
+/*
+ * The converter's half a count is 4 LSB in both axes, 5.7 of the 670 LSB in which a pulse of two ticks ends: each direction is off by
+ * 0.0085 rad at most, and each magnitude by as large a share. The rotor turns by 0.226 rad from one to the other: 8.4 % together.
+ */
+#define PULSE_L_TOLERANCE (0.084)
+
+static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured(void)
+{
+    const double file = 0.8; /* of the motor's L */
+    int32_t *const emf_current = &cfg.startup.flying_start.emf_current;
+    int32_t measured;
+
+    *emf_current = (int32_t)lround(*emf_current / file);
+    begin();
+    catch_it();
+    TEST_ASSERT_FALSE(drive.identified);
+    TEST_ASSERT_DOUBLE_WITHIN(PULSE_L_TOLERANCE / file, 1.0 / file,
+                              drive.model.inductance_q14 / 16384.0);
+    TEST_ASSERT_EQUAL_INT32(16384, drive.model.saliency_q14);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0, drive.model.resistance_q14 / 16384.0);
+
+    begin();
+    go_to(DRIVE_STATE_HOLD);
+    measured = drive.model.inductance_q14;
+    in.command.request = 0U;
+    tick();
+    catch_it();
+    TEST_ASSERT_TRUE(drive.flying_start.inductance_q14 > (measured + 2000));
+    TEST_ASSERT_EQUAL_INT32(measured, drive.model.inductance_q14);
+}
+
 static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
 {
     for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
@@ -820,6 +859,7 @@ int main(void)
     RUN_TEST(
         test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it);
     RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
+    RUN_TEST(test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured);
     RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
     RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
     RUN_TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor);
