@@ -5,7 +5,7 @@
 
 #define QUARTER_TURN (0x40000000U)
 #define QUARTER_TURN_BACK (0xC0000000U)
-#define CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
+#define PULSE_CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
 #define ONE_Q14 (16384)
 
 /* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
@@ -43,7 +43,7 @@ static int32_t magnitude(ab_t v)
 }
 
 /* What the nominal motor makes of the measured speed in a pulse. The resistance takes a share of it in each tick. */
-static int32_t expected_current(const flying_start_t *start, const flying_start_cfg_t *cfg)
+static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg_t *cfg)
 {
     const int32_t per_tick =
         fx_asr(fx_mul_32x16(fx_abs(start->speed), cfg->emf_current), cfg->emf_shift);
@@ -51,7 +51,8 @@ static int32_t expected_current(const flying_start_t *start, const flying_start_
     int32_t current = 0;
 
     for (uint32_t tick = 0U; tick < start->length; tick++) {
-        current = fx_min(current - fx_mul_32x16(current * 2, cfg->decay_q15) + rise, CURRENT_MAX);
+        current = fx_clamp(current - fx_mul_32x16(current * 2, cfg->decay_q15) + rise, 0,
+                           PULSE_CURRENT_MAX);
     }
     return current;
 }
@@ -77,7 +78,7 @@ static flying_start_result_t judge(flying_start_t *start, const flying_start_cfg
     int32_t expected;
 
     start->speed = fx_signed(turned) / ticks;
-    expected = expected_current(start, cfg);
+    expected = pulse_current(start, cfg);
     if (((4 * least) > cfg->current) && plausible(expected, least)) {
         const angle_t quarter = (start->speed > 0) ? QUARTER_TURN : QUARTER_TURN_BACK;
         const int32_t since_middle = fx_asr(start->speed * (int32_t)length, 1U);

@@ -198,10 +198,11 @@ static void test_a_loaded_rotor_off_the_vector_is_measured_in_its_own_axes(void)
     worst_d = 0.0;
     worst_q = 0.0;
     for (int32_t k = 0; k < 52; k++) {
+        const int32_t step = (k / 4) - 6;
         const winding_t w = {.resistance = 1.3,
                              .inductance = 0.8,
                              .saliency = saliencies[k % 4],
-                             .angle_deg = 5.0 * ((k / 4) - 6)};
+                             .angle_deg = 5.0 * step};
 
         check(&w);
     }
