@@ -50,6 +50,7 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
     const int32_t rise = fx_min(per_tick, FX_Q15_MAX);
     int32_t current = 0;
 
+    /*@ loop widen_hints current, 0x1FFFF; */
     for (uint32_t tick = 0U; tick < start->length; tick++) {
         current = fx_clamp(current - fx_mul_32x16(current * 2, cfg->decay_q15) + rise, 0,
                            PULSE_CURRENT_MAX);
