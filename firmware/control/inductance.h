@@ -18,7 +18,7 @@
  *     1/L_d, 1/L_q = (B_dd + B_qq)/2 ± √((B_dd − B_qq)²/4 + B_dq²)
  *
  * Rotor. In the pulse the torque turns the rotor there and back, and its EMF makes L_q look smaller by a share
- * ω_x²·t²/3, ω_x² = 1.5·P²·φ²/(J·L_q), t a quarter. It ends displaced by 2·(V·t/L_q)/I·(ω_n·t)², less than a mrad.
+ * ω_x²·t²/3, ω_x² = 1.5·P²·φ²/(J·L_q), t a quarter. It ends displaced by 2·(V·t/L_q)/I·(ω_n·t)².
  *
  * Pure, total. Currents Q15 of I_b, voltages Q15 of U_b.
  */
@@ -73,7 +73,7 @@ bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t t
 
 /*
  * After the last tick. resistance_q13: U_b/I_b, 0…32767. A word that the responses do not give is INDUCTANCE_UNKNOWN; both are
- * when L_d is. Seven divisions and a square root.
+ * when L_d is. Nine divisions and a square root.
  */
 inductance_result_t inductance_result(const inductance_t *test, const inductance_cfg_t *cfg,
                                       int32_t resistance_q13);

@@ -11,7 +11,7 @@
 #define SALIENCY_CERTAIN (512) /* Q14: 1/32 */
 /*
  * For what a start does once. As a part of the tick's functions it would take their registers: 4 % of a RUN tick on a
- * Cortex-M0+. To a compiler without it the attribute means nothing.
+ * Cortex-M0+.
  */
 #define NEVER_INLINED __attribute__((noinline))
 
@@ -152,10 +152,13 @@ void model_reset(model_t *model, const model_nominal_t *nominal)
 NEVER_INLINED void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                              const model_measured_t *measured)
 {
-    const int32_t ratio_q14 =
-        (measured->resistance_q13 * MODEL_RATIO_ONE) / fx_max(nominal->run_loop->resistance_q13, 1);
+    const int32_t nominal_q13 = fx_max(nominal->run_loop->resistance_q13, 1);
 
-    model->resistance_q14 = limited(ratio_q14, cfg->resistance_limit_q14);
+    if (measured->resistance_q13 > 0) {
+        const int32_t ratio_q14 = (measured->resistance_q13 * MODEL_RATIO_ONE) / nominal_q13;
+
+        model->resistance_q14 = limited(ratio_q14, cfg->resistance_limit_q14);
+    }
     model->inductance_q14 = limited(measured->inductance_q14, cfg->inductance_limit_q14);
     model->inductance_inverse_q14 = inverse_q14(model->inductance_q14);
     model->saliency_q14 =

@@ -54,7 +54,7 @@ typedef struct {
 
 /* What was measured. */
 typedef struct {
-    int32_t resistance_q13; /* U_b/I_b, 1…32767 */
+    int32_t resistance_q13; /* U_b/I_b, 1…32767; MODEL_UNKNOWN: what is in force stays */
     int32_t inductance_q14; /* L_d as a ratio to the configured one, 1…32767 */
     int32_t saliency_q13;   /* L_q/L_d, 1…32767; MODEL_UNKNOWN: the configured one stays */
 } model_measured_t;

@@ -49,12 +49,15 @@ static bool has_to_stand(const drive_t *drive)
     return (drive->attempts > 0U) && !drive->identified;
 }
 
-/* R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the estimate swings. */
+/*
+ * R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the estimate swings. They give
+ * φ/L_q, of which φ and L_q/L_d of the file are believed.
+ */
 static void take_inductance_of_pulses(drive_t *drive)
 {
     const model_nominal_t nominal = drive_nominal(drive);
     const model_measured_t found = {
-        .resistance_q13 = drive->cfg->current_loop.resistance_q13,
+        .resistance_q13 = MODEL_UNKNOWN,
         .inductance_q14 = drive->flying_start.inductance_q14,
         .saliency_q13 = MODEL_UNKNOWN,
     };
