@@ -2,6 +2,7 @@
 #include "model.h"
 
 #include "fx.h"
+#include "inlining.h"
 
 #define ONE_Q30 (0x40000000)
 #define Q14_TO_Q30 (16U)
@@ -9,11 +10,6 @@
 #define CORNER_MAX (0x8000000)
 #define HALF_Q15 (0x4000)
 #define SALIENCY_CERTAIN (512) /* Q14: 1/32 */
-/*
- * For what a start does once. As a part of the tick's functions it would take their registers: 4 % of a RUN tick on a
- * Cortex-M0+.
- */
-#define NEVER_INLINED __attribute__((noinline))
 
 static int32_t limited(int32_t ratio_q14, int32_t limit_q14)
 {

@@ -3,6 +3,7 @@
 
 #include "estimate.h"
 #include "frame.h"
+#include "inlining.h"
 #include "run.h"
 #include "trig.h"
 
@@ -66,7 +67,7 @@ static void take_inductance_of_pulses(drive_t *drive)
 }
 
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
-static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
+NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab)
 {
     const flying_start_t *const found = &drive->flying_start;
     const bool fast = fx_abs(found->speed) >= drive->cfg->startup.handover_speed;

@@ -3,10 +3,8 @@
 
 #include "estimate.h"
 #include "frame.h"
+#include "inlining.h"
 #include "voltage_drive.h"
-
-/* All that such a function calls becomes part of it. To a compiler without it the attribute means nothing. */
-#define INLINES_ALL __attribute__((flatten))
 
 INLINES_ALL void straight_estimate(drive_t *drive)
 {
