@@ -225,6 +225,10 @@ class Board:
         self.tick_to_take()
         self.tick()
 
+    def tick_to_search(self):
+        """To where the next tick asks for the gates, after `run`: the search for a turning rotor waits until its own compare values act."""
+        self.take()
+
     def type(self, line):
         """A line at the console, as fast as its receiver takes it: a sleep ends for any reason, here for the line."""
         left = f"{line}\r".encode()

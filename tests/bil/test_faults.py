@@ -163,7 +163,8 @@ class OverCurrent(unittest.TestCase):
         made.type("clear")
         made.tick(CALIBRATION_TICKS)
         made.type("run")
-        made.take()
+        made.tick_to_search()
+        made.tick()
         self.assertTrue(made.chip.timer.gates_on())
 
 

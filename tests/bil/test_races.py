@@ -93,7 +93,7 @@ class Breaks(unittest.TestCase):
         """The drive asks for the gates in the very tick in which the break comes."""
         made = ready()
         made.type("run")
-        made.tick_to_take()
+        made.tick_to_search()
         once(made.chip.converters[0].register("JDR1"), lambda: spike(made))
         made.tick()
         self.assertFalse(made.chip.timer.gates_on())
@@ -125,7 +125,7 @@ class LostTicks(unittest.TestCase):
         """That tick hangs for longer than its guard waits, and then goes on."""
         made = ready()
         made.type("run")
-        made.tick_to_take()
+        made.tick_to_search()
         guard = made.chip.system
         once(made.chip.converters[0].register("JDR1"), lambda: made.chip.advance(guard.due - made.chip.now))
         self.assertEqual(made.handle_next(), guard.ADC1_2)

@@ -150,7 +150,7 @@ class Recorder(unittest.TestCase):
         drive.board.type("clear")
         drive.tick(CALIBRATION_TICKS)
         drive.board.type("run")
-        drive.tick(100)
+        drive.tick(200)  # behind the search, in which the gates open for a while
         self.assertTrue(drive.board.chip.timer.gates_on())
         return drive, tick
 

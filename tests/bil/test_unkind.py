@@ -119,7 +119,7 @@ class EachAccess(unittest.TestCase):
         made.chip.usart.instant = True
         made.type("run")
         made.said()
-        made.tick_to_take()
+        made.tick_to_search()
         return made
 
     def on(self):
