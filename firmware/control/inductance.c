@@ -10,7 +10,7 @@
 #define RESPONSE_MAX (0x1000000)
 #define CHANGE_MAX (0x3FFFF)
 #define ONE_Q13 (8192)
-#define ONE_Q27 (0x8000000)
+#define TWO_Q27 (0x10000000)
 
 /* The sign of the pulse in its tick k. */
 static int32_t pulse_sign(const inductance_cfg_t *cfg, uint32_t k)
@@ -65,22 +65,29 @@ static void note(inductance_response_t *response, dq_t current, int32_t along, i
     response->carried = plus(response->carried, (before + after) * along);
 }
 
+/* k: the tick of the voltage that acts from this sample on. Before the first it wraps to where no voltage acts. */
+static void note_pulse(inductance_t *test, const inductance_cfg_t *cfg, uint32_t k, dq_t current)
+{
+    note(&test->pulse, current, current.q, pulse_sign(cfg, k - 1U), pulse_sign(cfg, k));
+}
+
+static void note_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t k, dq_t current)
+{
+    if (k == 0U) {
+        test->start_d = current.d;
+    }
+    note(&test->step, current, current.d - test->start_d, step_sign(cfg, k - 1U),
+         step_sign(cfg, k));
+}
+
 bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t tick, dq_t current)
 {
     const uint32_t middle = pulse_end(cfg);
-    const bool steps = tick > middle;
-    const uint32_t since = steps ? (tick - middle) : tick;
-    const uint32_t k = since - DELAY_TICKS; /* the voltage that acts from this sample on */
-    dq_t rise;
 
-    if (since == 1U) {
-        test->start = current;
-    }
-    rise = (dq_t){current.d - test->start.d, current.q - test->start.q};
-    if (steps) {
-        note(&test->step, rise, rise.d, step_sign(cfg, k - 1U), step_sign(cfg, k));
+    if (tick <= middle) {
+        note_pulse(test, cfg, tick - DELAY_TICKS, current);
     } else {
-        note(&test->pulse, rise, rise.q, pulse_sign(cfg, k - 1U), pulse_sign(cfg, k));
+        note_step(test, cfg, tick - middle - DELAY_TICKS, current);
     }
     return tick >= (middle + cfg->step_ticks + DELAY_TICKS);
 }
@@ -89,7 +96,7 @@ bool inductance_step(inductance_t *test, const inductance_cfg_t *cfg, uint32_t t
 static int32_t expected(int32_t nominal, int32_t voltage, int32_t carried, int32_t ticks,
                         int32_t resistance_q13)
 {
-    const int32_t mean = fx_clamp(carried / (2 * ticks), -FX_Q15_MAX, FX_Q15_MAX);
+    const int32_t mean = fx_sat16(carried / (2 * ticks));
     const int32_t left = voltage - fx_asr(mean * resistance_q13, 13U);
 
     return (nominal * fx_clamp(left, 0, FX_Q15_MAX)) / voltage;
@@ -121,10 +128,10 @@ static inductance_result_t result_of(int32_t along, int32_t across)
     inductance_result_t result = {INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN};
 
     if (along > 0) {
-        result.ratio_q14 = fx_clamp((2 * ONE_Q27) / along, 1, FX_Q15_MAX);
-    }
-    if ((along > 0) && (across > 0)) {
-        result.saliency_q13 = fx_clamp((along * ONE_Q13) / across, 1, FX_Q15_MAX);
+        result.ratio_q14 = fx_min(TWO_Q27 / along, FX_Q15_MAX);
+        if (across > 0) {
+            result.saliency_q13 = fx_clamp((along * ONE_Q13) / across, 1, FX_Q15_MAX);
+        }
     }
     return result;
 }
@@ -139,7 +146,6 @@ inductance_result_t inductance_result(const inductance_t *test, const inductance
     const int32_t dd = element_q13(test->step.change.d, step);
     const int32_t qq = element_q13(test->pulse.change.q, pulse);
     const int32_t root = apart(dd - qq, 2 * element_q13(test->pulse.change.d, pulse));
-    const bool known = (dd > 0) && (qq > 0);
 
-    return known ? result_of(dd + qq + root, dd + qq - root) : result_of(2 * dd, 0);
+    return (qq > 0) ? result_of(dd + qq + root, dd + qq - root) : result_of(2 * dd, 0);
 }

@@ -47,7 +47,7 @@ typedef struct {
 } inductance_response_t;
 
 typedef struct {
-    dq_t start; /* the current before */
+    int32_t start_d; /* the current along before the step */
     inductance_response_t pulse;
     inductance_response_t step;
 } inductance_t;

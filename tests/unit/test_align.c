@@ -113,7 +113,7 @@ static void test_reset_forgets_what_was_there_before(void)
     TEST_ASSERT_EQUAL_INT32(0, align.frame_speed);
     TEST_ASSERT_EQUAL_INT32(0, align.high.current | align.high.voltage | align.low.current |
                                    align.low.voltage | align.inductance.pulse.change.q |
-                                   align.inductance.step.change.d | align.inductance.start.d);
+                                   align.inductance.step.change.d | align.inductance.start_d);
 }
 
 static void

@@ -24,11 +24,13 @@
 
 static inductance_cfg_t cfg;
 static inductance_t test;
+static int32_t resistance_q13; /* of the words worked out by hand: 1.0 unless a test says otherwise */
 
 void setUp(void)
 {
     cfg = example_align_cfg().inductance;
-    test = (inductance_t){.start = {0, 0}};
+    test = (inductance_t){.start_d = 0};
+    resistance_q13 = 8192;
 }
 
 void tearDown(void)
@@ -134,7 +136,7 @@ static inductance_result_t measure(const winding_t *w)
     vector_t acting = demanded;
     bool done = false;
 
-    test = (inductance_t){.start = {0, 0}};
+    test = (inductance_t){.start_d = 0};
     for (uint32_t tick = 1U; !done; tick++) {
         const dq_t sample = {converted(current.d), converted(current.q)};
         const dq_t change = inductance_voltage(&cfg, tick);
@@ -261,6 +263,17 @@ static void test_rotor_gets_no_momentum_and_the_current_across_comes_back(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.055 * 2.4 * 6.0, 0.0, momentum);
 }
 
+static void test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_begins(void)
+{
+    for (uint32_t tick = 1U; tick <= last_tick(); tick++) {
+        const bool before = tick <= ((4U * cfg.pulse_ticks) + 3U);
+
+        (void)inductance_step(&test, &cfg, tick, (dq_t){before ? 5000 : 1000, 0});
+    }
+    TEST_ASSERT_EQUAL_INT32(0, test.step.change.d);
+    TEST_ASSERT_EQUAL_INT32(0, test.step.carried);
+}
+
 /* ---- responses that say nothing ---- */
 
 static void test_without_a_fall_along_the_current_nothing_is_known(void)
@@ -317,6 +330,110 @@ static void test_results_end_at_15_bits(void)
     TEST_ASSERT_EQUAL_INT32(32767, inductance_result(&test, &cfg, 0).saliency_q13);
 }
 
+/* ---- words, worked out by hand ---- */
+
+/*
+ * A response with the voltage and the mean current of its ticks, Q15. What is expected is
+ * response·(voltage − R·mean)/voltage.
+ */
+typedef struct {
+    int32_t response;
+    int32_t voltage;
+    int32_t mean;
+    dq_t change;
+} response_t;
+
+/* Expected 8192: a change is its element of B, Q13. */
+static const response_t unit = {.response = 8192, .voltage = 1, .mean = 0};
+
+static void check_words(response_t step, response_t pulse, int32_t ratio_q14, int32_t saliency_q13)
+{
+    const int32_t pulse_ticks = 4 * (int32_t)cfg.pulse_ticks;
+    inductance_result_t found;
+
+    cfg.step_response = step.response;
+    cfg.step_voltage = step.voltage;
+    test.step.carried = 2 * (int32_t)cfg.step_ticks * step.mean;
+    test.step.change = step.change;
+    cfg.pulse_response = pulse.response;
+    cfg.pulse_voltage = pulse.voltage;
+    test.pulse.carried = 2 * pulse_ticks * pulse.mean;
+    test.pulse.change = pulse.change;
+    found = inductance_result(&test, &cfg, resistance_q13);
+    TEST_ASSERT_EQUAL_INT32(ratio_q14, found.ratio_q14);
+    TEST_ASSERT_EQUAL_INT32(saliency_q13, found.saliency_q13);
+}
+
+static void check_elements(int32_t dd, int32_t cross, int32_t qq, int32_t ratio_q14,
+                           int32_t saliency_q13)
+{
+    response_t step = unit;
+    response_t pulse = unit;
+
+    step.change.d = dd;
+    pulse.change = (dq_t){cross, qq};
+    check_words(step, pulse, ratio_q14, saliency_q13);
+}
+
+static void test_axes_are_those_of_the_elements_to_the_last_word(void)
+{
+    check_elements(8192, 0, 8192, 16384, 8192);
+    check_elements(8192, 0, 4096, 16384, 16384);
+    check_elements(4096, 0, 8192, 32767, 4096);
+    check_elements(8192, 2000, 8192, 13168, 13483);
+    /* Sum 3, root √5: 2; the longer axis is the d axis only where d is not the smaller element. */
+    check_elements(1, 1, 2, 32767, 1638);
+    check_elements(2, 1, 1, 32767, 32767);
+    /* Sum 4, root √20: 4; one of the two is left without a word. */
+    check_elements(1, 2, 3, INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN);
+    check_elements(3, 2, 1, 32767, INDUCTANCE_UNKNOWN);
+    check_elements(8192, 8192, 0, 16384, INDUCTANCE_UNKNOWN);
+    /* Below one step of its word. */
+    check_elements(1, 71, 10000, 32767, 1);
+}
+
+static void test_elements_end_at_16_bits(void)
+{
+    check_elements(40000, 0, 32767, 4096, 8192);
+    check_elements(8192, 20000, 8192, 5461, INDUCTANCE_UNKNOWN);
+}
+
+/* The same step, expected and found, with the ratio that it gives. */
+static void check_step(response_t step, int32_t ratio_q14)
+{
+    check_words(step, unit, ratio_q14, INDUCTANCE_UNKNOWN);
+}
+
+static void test_what_is_expected_follows_the_voltage_that_the_resistance_leaves(void)
+{
+    check_step((response_t){1000, 1000, 500, {250, 0}}, 32767);
+    check_step((response_t){1000, 1000, 500, {500, 0}}, 16384);
+    check_step((response_t){1, 1, 0, {1, 0}}, 16384);
+    /* The voltage that is left is 0 to 1.0, the mean ±1.0. */
+    check_step((response_t){100, 10, 100, {100, 0}}, INDUCTANCE_UNKNOWN);
+    check_step((response_t){1000, 1000, -32767, {32767, 0}}, 16384);
+    check_step((response_t){1000, 1000, -32767, {32766, 0}}, 16386);
+    resistance_q13 = 2048; /* 16384·(20000 − 8191)/20000 */
+    check_step((response_t){16384, 20000, 34000, {9673, 0}}, 16384);
+    resistance_q13 = 32767; /* leaves −131054 */
+    check_words(unit, (response_t){65535, 10, 32767, {0, 8192}}, INDUCTANCE_UNKNOWN,
+                INDUCTANCE_UNKNOWN);
+}
+
+/* Bound 262143; expected 513·511 = 262143 and 16384·16 = 262144: a change of one more or less is seen. */
+static void test_changes_end_at_18_bits(void)
+{
+    response_t step = unit;
+    response_t pulse = {.response = 16384, .voltage = 1, .mean = -15};
+
+    check_step((response_t){513, 1, -510, {300000, 0}}, 16384);
+    step.change.d = 8191;
+    pulse.change = (dq_t){-300000, 262144};
+    check_words(step, pulse, 8193, INDUCTANCE_UNKNOWN);
+    pulse = (response_t){513, 1, -510, {-300000, 262144}};
+    check_words(step, pulse, INDUCTANCE_UNKNOWN, INDUCTANCE_UNKNOWN);
+}
+
 static void test_any_response_gives_a_result_within_its_range(void)
 {
     seeded_t seed = {0x1D1CU};
@@ -330,7 +447,7 @@ static void test_any_response_gives_a_result_within_its_range(void)
                                  .step_ticks = (uint32_t)seeded_in(&seed, 2, 16),
                                  .step_voltage = seeded_in(&seed, 1, 32767),
                                  .step_response = seeded_in(&seed, 1, 16384)};
-        test = (inductance_t){.start = {0, 0}};
+        test = (inductance_t){.start_d = 0};
         for (uint32_t tick = 1U; tick <= last_tick(); tick++) {
             const dq_t current = {seeded_in(&seed, -1, 1) * 34400, seeded_in(&seed, -1, 1) * 34400};
 
@@ -355,11 +472,16 @@ int main(void)
     RUN_TEST(test_a_winding_that_decays_within_the_pulse_is_measured);
     RUN_TEST(test_voltage_lost_by_the_sign_of_the_current_across_costs_next_to_nothing);
     RUN_TEST(test_rotor_gets_no_momentum_and_the_current_across_comes_back);
+    RUN_TEST(test_current_along_counts_from_the_sample_where_the_voltage_of_the_step_begins);
     RUN_TEST(test_without_a_fall_along_the_current_nothing_is_known);
     RUN_TEST(test_without_a_response_across_the_inductance_along_the_current_is_known);
     RUN_TEST(test_a_cross_response_that_no_winding_has_leaves_the_saliency_unknown);
     RUN_TEST(test_when_the_resistance_takes_the_whole_voltage_nothing_is_known);
     RUN_TEST(test_results_end_at_15_bits);
+    RUN_TEST(test_axes_are_those_of_the_elements_to_the_last_word);
+    RUN_TEST(test_elements_end_at_16_bits);
+    RUN_TEST(test_what_is_expected_follows_the_voltage_that_the_resistance_leaves);
+    RUN_TEST(test_changes_end_at_18_bits);
     RUN_TEST(test_any_response_gives_a_result_within_its_range);
     return UNITY_END();
 }
