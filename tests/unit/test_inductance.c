@@ -416,8 +416,8 @@ static void test_what_is_expected_follows_the_voltage_that_the_resistance_leaves
     resistance_q13 = 2048; /* 16384·(20000 − 8191)/20000 */
     check_step((response_t){16384, 20000, 34000, {9673, 0}}, 16384);
     resistance_q13 = 32767; /* leaves −131054 */
-    check_words(unit, (response_t){65535, 10, 32767, {0, 8192}}, INDUCTANCE_UNKNOWN,
-                INDUCTANCE_UNKNOWN);
+    check_words((response_t){8192, 1, 0, {8192, 0}}, (response_t){65535, 10, 32767, {0, 8192}},
+                16384, INDUCTANCE_UNKNOWN);
 }
 
 /* Bound 262143; expected 513·511 = 262143 and 16384·16 = 262144: a change of one more or less is seen. */
