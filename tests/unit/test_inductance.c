@@ -24,7 +24,8 @@
 
 static inductance_cfg_t cfg;
 static inductance_t test;
-static int32_t resistance_q13; /* of the words worked out by hand: 1.0 unless a test says otherwise */
+static int32_t
+    resistance_q13; /* of the words worked out by hand: 1.0 unless a test says otherwise */
 
 void setUp(void)
 {
