@@ -23,19 +23,19 @@ void current_loop_turn(current_loop_t *loop, sincos_t angle)
     pi_reset(&loop->pi_q, fx_sat16(turned.q));
 }
 
-/* v_q limited to what v_d leaves of the circle. */
-static int32_t limit_q(pi_t *pi_q, dq_t v, int32_t limit)
+/* The voltage of one axis, limited to what that of the other one leaves of the circle. */
+static int32_t limit_to_rest(pi_t *pi, int32_t voltage, int32_t other, int32_t limit)
 {
-    const int32_t room = (limit * limit) - (v.d * v.d);
-    int32_t v_q = v.q;
+    const int32_t room = (limit * limit) - (other * other);
+    int32_t limited = voltage;
 
-    if ((v_q * v_q) > room) {
+    if ((voltage * voltage) > room) {
         const int32_t bound = (int32_t)trig_sqrt((uint32_t)fx_max(room, 0));
 
-        v_q = fx_clamp(v_q, -bound, bound);
-        pi_unwind(pi_q, v.q - v_q);
+        limited = fx_clamp(voltage, -bound, bound);
+        pi_unwind(pi, voltage - limited);
     }
-    return v_q;
+    return limited;
 }
 
 void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
@@ -64,15 +64,27 @@ static bool lies_in_circle(dq_t v, int32_t limit)
     return transforms_square(v) <= (uint32_t)square;
 }
 
-/* The demand lies outside of the circle. Each axis by itself may lie within the limit. */
+/*
+ * The demand lies outside of the circle. Each axis by itself may lie within the limit.
+ *
+ * v_d is −ω·L_q·i_q: below zero while the motor drives, above while it brakes. The axis that comes second loses voltage.
+ * Driving, v_q comes second: i_q falls, and v_d with it. Braking, that would let the EMF drive more of i_q, which asks for
+ * more v_d, until v_d has the whole circle and nothing holds i_q. So v_d comes second there: i_d falls, and with it the
+ * v_q that the EMF asks for.
+ */
 static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit)
 {
-    const dq_t wanted = {
+    dq_t v = {
         .d = pi_limit(&loop->pi_d, integral_q26.d, u.d, limit),
         .q = pi_limit(&loop->pi_q, integral_q26.q, u.q, limit),
     };
 
-    return (dq_t){.d = wanted.d, .q = limit_q(&loop->pi_q, wanted, limit)};
+    if (v.d > 0) {
+        v.d = limit_to_rest(&loop->pi_d, v.d, v.q, limit);
+    } else {
+        v.q = limit_to_rest(&loop->pi_q, v.q, v.d, limit);
+    }
+    return v;
 }
 
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
