@@ -2,7 +2,9 @@
 #include "nn_observer.h"
 
 #define STATE_BITS (11U)     /* from Q26, as observer_predict_state() returns a state, to Q15 */
-#define SALIENCY_NONE (8192) /* L_q = L_d */
+#define ONE_Q13 (8192)
+#define SALIENCY_NONE ONE_Q13 /* L_q = L_d */
+#define STATE_MAX (46341)     /* Q15, of x̂ and ŷ */
 #define SPEED_TO_HALF (14U)
 #define PI_Q12 (12868)     /* angle of half a step in Q15 rad = (step >> 14)·π·2^12 >> 15 */
 #define SPEED_TO_RHO (10U) /* speeds are divided by 2^10 before the division for ρ */
@@ -11,6 +13,24 @@
 static int32_t observer_half_step(step_t speed)
 {
     return fx_asr(fx_asr(speed, SPEED_TO_HALF) * PI_Q12, 15U);
+}
+
+/*
+ * ψ_c = φ/L_d + (1 − c·L_q/L_d)·i_d + j·(L_q/L_d − c)·i_q. For c = 1 and L_q = L_d this is φ/L_d, whatever the current.
+ */
+static dq_t observer_gradient_state(const nn_observer_cfg_t *cfg, dq_t current)
+{
+    const int32_t share = cfg->frame_share_q13;
+    const int32_t along = ONE_Q13 - fx_asr(share * cfg->saliency_q13, 13U);
+    const int32_t across = cfg->saliency_q13 - share;
+    const uint32_t shift = 13U + cfg->current_shift;
+    const dq_t state = {
+        .d = fx_asr(cfg->flux_q27, 12U) + fx_asr(along * current.d, shift),
+        .q = fx_asr(across * current.q, shift),
+    };
+
+    return (dq_t){fx_clamp(state.d, -STATE_MAX, STATE_MAX),
+                  fx_clamp(state.q, -STATE_MAX, STATE_MAX)};
 }
 
 void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t speed, dq_t current,
@@ -32,6 +52,9 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
         .current = {fx_sat15(current.d), fx_sat15(current.q)},
         .rotates = cfg->saliency_q13 != SALIENCY_NONE,
     };
+    if (cfg->frame_share_q13 != 0) {
+        obs->state = observer_gradient_state(cfg, obs->current);
+    }
 }
 
 /* î − m·(î + e) lies between î and −e, so it fits where î does. */
@@ -133,8 +156,10 @@ void nn_observer_predict(nn_observer_t *obs, const nn_observer_cfg_t *cfg, dq_t 
     obs->rotated_error = rotated;
     obs->gradient =
         fx_sat16(fx_asr((rotated.q * before.d) - (rotated.d * before.q), cfg->gradient_shift));
-    obs->state.d = fx_asr(state_q26.d, STATE_BITS);
-    obs->state.q = fx_asr(state_q26.q, STATE_BITS);
+    if (cfg->frame_share_q13 == 0) {
+        obs->state.d = fx_asr(state_q26.d, STATE_BITS);
+        obs->state.q = fx_asr(state_q26.q, STATE_BITS);
+    }
 }
 
 void nn_observer_train(nn_observer_t *obs, const nn_observer_cfg_t *cfg)
@@ -184,4 +209,7 @@ void nn_observer_refresh(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_
     obs->rho_q13 = observer_rho(cfg, rotor_speed);
     obs->rotates = (obs->rho_q13 != 0) || (cfg->saliency_q13 != SALIENCY_NONE);
     obs->half_step_q15 = observer_half_step(obs->speed);
+    if (cfg->frame_share_q13 != 0) {
+        obs->state = observer_gradient_state(cfg, obs->current);
+    }
 }

@@ -44,6 +44,11 @@
  * measured current. With f = 1 the state would follow the measurement: the error then is that of one tick, and the rotor is
  * lost. So f stays small.
  *
+ * Gradient. x̂, ŷ in b are what W2 turns. A turn of the frame by δ also turns the measured current, and e by δ·j·ψ_1 with
+ *     ψ_c = x̂ − c·(L_q/L_d)·î_d + j·(ŷ − c·î_q),  c = 1
+ * With the paper's c = 0 and L_q = L_d, b is δ·(φ/L_d)²·(1 + i_d·L_d/φ − ρ·i_q·L_d/φ): its loop gain follows the current. With
+ * c = 1, b = e'_q·Re ψ_1 − e'_d·Im ψ_1 is δ·|ψ_1|² for every ρ, and ψ_1 = φ/L_d where L_q = L_d.
+ *
  * Static part. A constant voltage error ε causes a constant current error e, ε = (R_v + jωL)·e. A wrong angle causes a
  * back-EMF error along d, so Re ε shows the angle. The paper trains with Im e. At low speed Im e shows the speed error,
  * and the angle only with the share ωτ, τ = L/R_v. A resistance error ΔR then turns the estimate by ΔR·i_q/(ωφ)/(ωτ). Turning
@@ -83,6 +88,7 @@ typedef struct {
     int32_t kappa_p;
     uint32_t kappa_p_shift; /* 0…30 */
     int32_t momentum_q15;   /* α */
+    int32_t frame_share_q13; /* c of the gradient, 0…8192; 0: that of the paper */
     step_t speed_limit;     /* limit of |ω̂|, 1…2^29 */
     step_t
         corner; /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: D ≤ 0.196, a larger one ends there */
@@ -93,7 +99,7 @@ typedef struct {
 typedef struct {
     int32_t alpha_q27; /* x̂ + j·ŷ in the stationary frame, −2^27…2^27 − 1 */
     int32_t beta_q27;  /* the same range */
-    /* x̂, ŷ of the last instant, Q15 of I_x, ±46341; the training uses them as x̂(k−1), ŷ(k−1) */
+    /* what b is made of besides e', Q15 of I_x, ±46341: x̂, ŷ of the last instant, or with c ≠ 0 ψ_c of the last refresh */
     dq_t state;
     /* ω̂(k+1), the integral (22): for the speed loop, limited to ±speed_limit */
     step_t speed;

@@ -424,6 +424,7 @@ void set_adaptation(nn_observer_cfg_t &c, const TuningSettings &tuning, double h
     c.kappa_p = kappa_p.value;
     c.kappa_p_shift = kappa_p.shift;
     c.momentum_q15 = static_cast<int32_t>(std::lround(tuning.observer_momentum * Q15));
+    c.frame_share_q13 = static_cast<int32_t>(std::lround(tuning.observer_frame_share * Q13));
     const double corner = error_decay(tuning, m, b) / TWO_PI;
     c.corner = static_cast<step_t>(std::lround(std::min(corner * STEPS_PER_TURN, Q27)));
     c.rho_max_q13 = static_cast<int32_t>(std::lround(tuning.observer_rho_max * Q13));

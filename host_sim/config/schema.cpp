@@ -110,6 +110,7 @@ const std::vector<Field> FIELDS = {
     {"observer", "momentum", "", 0, 0.99, NEEDED, tuning<&T::observer_momentum>, "α of paper A (19)", WITH_OBSERVER},
     {"observer", "rho_max", "", -1, 3.9, OPTIONAL, tuning<&T::observer_rho_max>, "largest ρ = R/(ωL) by which the error is rotated; 0 is the published law; -1: by rule"},
     {"observer", "feedback", "", -1, 0.3, OPTIONAL, tuning<&T::observer_feedback>, "share of the current error that the network takes over in a sample; 0 is the published law; -1: by rule", WITH_OBSERVER},
+    {"observer", "frame_share", "", 0, 1, OPTIONAL, tuning<&T::observer_frame_share>, "share of the turn of the measured current with the frame that the gradient counts; 0 is the published law", WITH_OBSERVER},
     {"observer", "acceleration_feed_forward", "", 0, 1, OPTIONAL, tuning<&T::observer_acceleration>, "share of the speed reference's acceleration that the estimate takes on; 0 is the published law", WITH_STARTUP},
     {"startup", "current_pct", "%", 0, 200, OPTIONAL, tuning<&T::startup_current_pct>, "imposed at low speed, of motor.continuous_current_a; 0: no start-up", WITH_OBSERVER},
     {"startup", "align_current_pct", "%", 0, 300, OPTIONAL, tuning<&T::align_current_pct>, "imposed in the alignment, of motor.continuous_current_a; 0: as startup.current_pct", WITH_STARTUP},

@@ -219,6 +219,60 @@ static double angle_bound_deg(double speed)
 /* A sine is within 1 LSB of 32767·sin: 2 of 2^15 of the flux, and the roundings of the products. */
 #define TURN_TOLERANCE ((2.0 * 55972264.0 / 32768.0) + 4.0)
 
+/* Two products and the flux are rounded down, the saliency's product with the share once more. */
+#define GRADIENT_STATE_TOLERANCE (4.0)
+
+/* φ/L_d + (1 − c·s)·i_d + j·(s − c)·i_q of I_x: from the start on, and not changed by a tick. */
+static void test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns(void)
+{
+    seeded_t seed = {11U};
+
+    for (uint32_t k = 0U; k < 1000U; k++) {
+        const dq_t current = {seeded_in(&seed, -16000, 16000), seeded_in(&seed, -16000, 16000)};
+        dq_t state;
+        double s;
+        double c;
+
+        cfg.saliency_q13 = seeded_in(&seed, 4096, 16384);
+        cfg.frame_share_q13 = seeded_in(&seed, 1, 8192);
+        s = cfg.saliency_q13 / 8192.0;
+        c = cfg.frame_share_q13 / 8192.0;
+        nn_observer_start(&obs, &cfg, 0, current, trig_sincos(0U));
+        state = obs.state;
+        TEST_ASSERT_DOUBLE_WITHIN(
+            GRADIENT_STATE_TOLERANCE,
+            (cfg.flux_q27 / 4096.0) + ((1.0 - (c * s)) * current.d / exp2(cfg.current_shift)),
+            state.d);
+        TEST_ASSERT_DOUBLE_WITHIN(GRADIENT_STATE_TOLERANCE,
+                                  (s - c) * current.q / exp2(cfg.current_shift), state.q);
+        nn_observer_predict(&obs, &cfg, current, (ab_t){0, 0}, trig_sincos(0U));
+        TEST_ASSERT_EQUAL_INT32(state.d, obs.state.d);
+        TEST_ASSERT_EQUAL_INT32(state.q, obs.state.q);
+    }
+}
+
+/* Without saliency and with the whole share it is the flux, and a tick's b is e'_q·φ/L_d, whatever the current. */
+static void test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current(void)
+{
+    static const int32_t currents[] = {-12000, 0, 12000};
+
+    cfg.frame_share_q13 = 8192;
+    cfg.saliency_q13 = 8192;
+    for (uint32_t k = 0U; k < 9U; k++) {
+        const dq_t current = {currents[k % 3U], currents[k / 3U]};
+
+        nn_observer_start(&obs, &cfg, 0, current, trig_sincos(0U));
+        nn_observer_refresh(&obs, &cfg, 0);
+        TEST_ASSERT_EQUAL_INT32(cfg.flux_q27 / 4096, obs.state.d);
+        TEST_ASSERT_EQUAL_INT32(0, obs.state.q);
+        nn_observer_predict(&obs, &cfg, (dq_t){current.d, current.q + 400}, (ab_t){0, 0},
+                            trig_sincos(0U));
+        TEST_ASSERT_EQUAL_INT32(
+            fx_sat16(fx_asr(obs.rotated_error.q * (cfg.flux_q27 / 4096), cfg.gradient_shift)),
+            obs.gradient);
+    }
+}
+
 static void test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current(void)
 {
     for (uint32_t k = 0U; k < 32U; k++) {
@@ -1294,6 +1348,8 @@ static void test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_abo
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns);
+    RUN_TEST(test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current);
     RUN_TEST(test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current);
     RUN_TEST(test_standstill_without_current_stays_exactly_at_rest);
     RUN_TEST(test_standstill_with_current_keeps_the_speed_within_the_ripple);
