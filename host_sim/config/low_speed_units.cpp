@@ -86,11 +86,24 @@ constexpr double SWING_HEADROOM = 1.8;
 constexpr double ALONG_SHARE = 0.85;
 constexpr double ACROSS_SHARE = 0.45;
 
+// A vector of the current φ/(L_q − L_d) has no stiffness against a rotor on it: the reluctance turns it away as strongly as the
+// magnet holds it. Half of it leaves half of the stiffness, and with L_d and L_q/L_d 20 % above the file's some.
+constexpr double SALIENT_SHARE = 0.5;
+
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &tuning)
 {
     return std::min({tuning.startup_current_pct / 100 * continuous_current(motor),
                      board.overcurrent_a / SWING_HEADROOM, motor.max_current_a});
+}
+
+// In motion: what the motor bears, within what its saliency allows; never less than at rest, or a load would be lost.
+double moving_current(const MotorSettings &motor, const BoardSettings &board,
+                      const TuningSettings &tuning)
+{
+    const double saliency = motor.inductance_q_h - motor.inductance_d_h;
+    const double most = saliency > 0 ? SALIENT_SHARE * motor.flux_linkage_wb / saliency : HUGE_VAL;
+    return std::clamp(most, hold_current(motor, board, tuning), motor.max_current_a);
 }
 
 // The rotor in the field of the current I: J/P·δ'' = −1.5·P·φ·I·sin δ.
@@ -277,7 +290,7 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     c.align = make_align(motor, board, tuning, m, b);
     store(c.current_hold, current, HOLD_MIN, Q14,
           {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
-    store(c.current_move, motor.max_current_a / b.current_a * Q15, 1, Q14,
+    store(c.current_move, moving_current(motor, board, tuning) / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     c.current_slope = c.align.slope;
     c.along_max = std::max(current_q15(ALONG_SHARE * board.overcurrent_a, b), c.current_move);

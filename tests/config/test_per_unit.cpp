@@ -494,6 +494,15 @@ void start()
     expect(224, motor_b().supervision.swing_periods); // 6/ω_n
 }
 
+// φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; of 0.375/0.1 A not.
+void a_salient_motor_is_dragged_with_less_current()
+{
+    expect(5.0 / 40 * 32768, motor_b({"motor.inductance_q_h=0.051"}).startup.current_move);
+    const startup_cfg_t c =
+        motor_b({"motor.inductance_d_h=0.05", "motor.inductance_q_h=0.15"}).startup;
+    expect(c.current_hold, c.current_move);
+}
+
 // Of twice the continuous current what the motor bears, and 1/1.8 of what the board does.
 void a_start_imposes_what_motor_and_board_bear()
 {
@@ -731,6 +740,7 @@ int main()
     RUN_TEST(the_observers_base_is_at_most_512_times_that_of_the_current);
     RUN_TEST(steps_and_rpm_are_turned_into_each_other);
     RUN_TEST(start);
+    RUN_TEST(a_salient_motor_is_dragged_with_less_current);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
     RUN_TEST(flying_start);
     RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);

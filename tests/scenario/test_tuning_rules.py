@@ -26,6 +26,11 @@ RULES = (
     ("alignment above the hold", "zoo:16@11:user", ("startup.align_current_pct=0",)),
 )
 
+# What holds these motors is no setting: each was lost, or ended in a fault, before.
+HELD = (
+    ("less current for a salient rotor", "zoo:compressor:220@21:user"),
+)
+
 
 def is_held(motor, *settings):
     """Locked, and no limit cycle."""
@@ -45,6 +50,11 @@ class Rules(unittest.TestCase):
         for (rule, *_), held in zip(RULES, self.by_rule, strict=True):
             with self.subTest(rule=rule):
                 self.assertTrue(held)
+
+    def test_a_motor_is_held_without_a_setting_for_it(self):
+        for what, motor in HELD:
+            with self.subTest(what=what):
+                self.assertTrue(is_held(motor))
 
     def test_and_is_not_without_it(self):
         for (rule, *_), held in zip(RULES, self.without, strict=True):
