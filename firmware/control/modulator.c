@@ -13,19 +13,21 @@ void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg)
     mod->inverse_bus_q12 = ONE_Q12;
 }
 
-void modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost)
+int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost)
 {
     const int32_t ratio_q15 = fx_asr(lost * mod->inverse_bus_q12, 12U);
     const int32_t change = fx_asr(3 * ratio_q15, 2U);
-    const int32_t certain = fx_asr(mod->dead_time_q15, CERTAIN_SHIFT);
+    const int32_t before = mod->dead_time_q15;
+    const int32_t certain = fx_asr(before, CERTAIN_SHIFT);
 
     if (fx_abs(change) > certain) {
         const int32_t band = cfg->dead_time_band_q15;
         const int32_t lowest = fx_max(cfg->dead_time_q15 - band, 0);
 
         mod->dead_time_q15 =
-            fx_clamp(mod->dead_time_q15 + change, lowest, cfg->dead_time_q15 + band);
+            fx_clamp(before + change, lowest, cfg->dead_time_q15 + band);
     }
+    return mod->dead_time_q15 - before;
 }
 
 void modulator_track_bus(modulator_t *mod, int32_t bus)

@@ -62,8 +62,9 @@ void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
  * leg a, so that lost = 4/3·Δt_d/T·u_bus. Both currents have to be well above ripple and knee. Device drop that the
  * configuration does not know counts as dead time. A change by up to 1/64 of the dead time in force is none: the
  * measurement repeats within that. Rounded down, limited as configured. Call once when an alignment ends.
+ * Returns the change in Q15 of the period: along such a vector the compensation adds 4/3 of it, of the bus, from now on.
  */
-void modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
+int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 
 /*
  * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal has settled to

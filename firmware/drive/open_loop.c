@@ -133,10 +133,25 @@ static bool lies_along_phase_a(const drive_t *drive)
     return (rotor_position_angle(&drive->vector.position) + NEAR_ZERO) < (2U * NEAR_ZERO);
 }
 
+/*
+ * What the integral of the imposed current held of R·i and of the dead time, the model and the compensation give from now
+ * on. The integral is slow: it would keep its part for some swings of the rotor, and the voltage would be there twice.
+ * compensated: what the compensation adds from now on, Q15 of the bus.
+ */
+static void leave_rest_to_integral(drive_t *drive, int32_t compensated)
+{
+    const int32_t resistance = drive->model.hold_loop.resistance_q13;
+    const int32_t model = fx_asr(resistance * fx_sat15(drive->vector.current_mean.d), 13U);
+    const int32_t added = fx_asr(compensated * drive->signals.bus, 15U);
+
+    pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->signals.voltage.d - model - added));
+}
+
 static drive_event_t finish_alignment(drive_t *drive)
 {
     const align_found_t *const found = &drive->align.found;
     const model_nominal_t nominal = drive_nominal(drive);
+    int32_t change = 0;
 
     if (found->inductance.ratio_q14 > 0) {
         const model_measured_t measured = {
@@ -147,8 +162,10 @@ static drive_event_t finish_alignment(drive_t *drive)
 
         model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
         if (lies_along_phase_a(drive)) {
-            modulator_correct(&drive->modulator, &drive->cfg->modulator, found->lost_voltage);
+            change =
+                modulator_correct(&drive->modulator, &drive->cfg->modulator, found->lost_voltage);
         }
+        leave_rest_to_integral(drive, (4 * change) / 3);
         estimate_start(drive, 0, drive->signals.current);
     }
     drive->identified = true; /* a measurement that fails is not repeated */

@@ -88,7 +88,7 @@ static void correct_at(int32_t bus, int32_t lost)
     for (int32_t k = 0; k < 8; k++) {
         modulator_track_bus(&mod, bus);
     }
-    modulator_correct(&mod, &cfg, lost);
+    (void)modulator_correct(&mod, &cfg, lost);
 }
 
 /* The reciprocal is within 2 LSB of 2^-12 of 1, lost and the ratio are rounded down by 1 each, ¾ of it by 1. */
@@ -114,7 +114,7 @@ static void test_a_second_measurement_corrects_what_the_first_left(void)
     cfg.dead_time_q15 = 600;
     cfg.dead_time_band_q15 = 4096;
     correct_at(32767, 200);
-    modulator_correct(&mod, &cfg, 200);
+    (void)modulator_correct(&mod, &cfg, 200);
     TEST_ASSERT_INT32_WITHIN(6, 900, mod.dead_time_q15);
 }
 
@@ -143,9 +143,9 @@ static void test_a_change_of_exactly_one_64th_is_none_and_one_more_is_taken(void
     cfg.dead_time_band_q15 = 4096;
     modulator_reset(&mod, &cfg);
     mod.inverse_bus_q12 = 4096; /* u_bus = U_b: the change is ¾ of the voltage, rounded down */
-    modulator_correct(&mod, &cfg, 14);
+    TEST_ASSERT_EQUAL_INT32(0, modulator_correct(&mod, &cfg, 14));
     TEST_ASSERT_EQUAL_INT32(640, mod.dead_time_q15);
-    modulator_correct(&mod, &cfg, 15);
+    TEST_ASSERT_EQUAL_INT32(11, modulator_correct(&mod, &cfg, 15));
     TEST_ASSERT_EQUAL_INT32(651, mod.dead_time_q15);
 }
 
