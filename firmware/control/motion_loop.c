@@ -78,14 +78,16 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     /* Q15 of 2·Ω_b */
     const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
     const int32_t fed = feed_forward - middle;
+    const pi_cfg_t *const gains =
+        (fx_abs(loop->reference) < cfg->soft_speed) ? &cfg->soft : &cfg->pi;
     int32_t beyond_middle;
 
     if (loop->halvings != 0U) {
-        const pi_cfg_t soft = lowered(&cfg->pi);
+        const pi_cfg_t half = lowered(gains);
 
-        beyond_middle = pi_step(&loop->pi, &soft, half_error_q15, fed, reach);
+        beyond_middle = pi_step(&loop->pi, &half, half_error_q15, fed, reach);
     } else {
-        beyond_middle = pi_step(&loop->pi, &cfg->pi, half_error_q15, fed, reach);
+        beyond_middle = pi_step(&loop->pi, gains, half_error_q15, fed, reach);
     }
     return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }

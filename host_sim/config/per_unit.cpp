@@ -66,6 +66,7 @@ constexpr double SPEED_ERROR_SHARE = 0.25;
 constexpr double SPEED_ERROR_TIME_S = 0.5;
 constexpr double SPEED_ERROR_TIME_SHARE = 5; // over the bandwidth in Hz
 constexpr double RUNAWAY_TIME_S = 0.01;
+constexpr double SOFT_SPEED_MOST = 0.5; // of rated speed
 constexpr double OVERSPEED_SHARE = 1.15; // the observer's own limit is at ESTIMATE_HEADROOM
 constexpr double OVERSPEED_TIME_S = 0.02;
 constexpr double STALL_SHARE = 0.5;
@@ -498,18 +499,38 @@ double ramp_steps(double acceleration_el, const TuningSettings &tuning, const Ba
 
 constexpr int LIFT_MAX = 14; // of inertia_lift
 
-speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSettings &tuning,
-                                 const Model &m, const Bases &b)
+pi_cfg_t make_speed_pi(const TuningSettings &tuning, const Model &m, const Bases &b,
+                       const char *key, double bandwidth_hz)
 {
-    const double omega = TWO_PI * tuning.speed_bandwidth_hz;
+    const double omega = TWO_PI * bandwidth_hz;
     const double slow_period = b.control_period_s * tuning.slow_ticks;
     // The error between full speed one way and the other fits 2·Ω_b.
     const double per_unit = 2 * b.speed_el_rad_s / b.current_a / m.torque_acceleration;
+    return make_pi(2 * tuning.speed_damping * omega * per_unit,
+                   omega * omega * per_unit * slow_period, 2, key, bandwidth_hz);
+}
+
+// The ripple of the estimate falls with the speed: where it allows the whole bandwidth, the loop has it.
+double soft_speed_rpm(const MotorSettings &motor, const TuningSettings &tuning)
+{
+    const double share = std::max(1.0, tuning.speed_bandwidth_hz / tuning.low_speed_bandwidth_hz);
+    return std::min(tuning.handover_speed_pct / 100 * share, SOFT_SPEED_MOST) *
+           motor.rated_speed_rpm;
+}
+
+speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSettings &tuning,
+                                 const Model &m, const Bases &b)
+{
     const double one_step_ramp = ramp_steps(1.0, tuning, b); // steps for 1 rad/s²
     speed_loop_cfg_t c{};
-    c.pi =
-        make_pi(2 * tuning.speed_damping * omega * per_unit, omega * omega * per_unit * slow_period,
-                2, "speed_loop.bandwidth_hz", tuning.speed_bandwidth_hz);
+    c.pi = make_speed_pi(tuning, m, b, "speed_loop.bandwidth_hz", tuning.speed_bandwidth_hz);
+    const double slow_hz = tuning.low_speed_bandwidth_hz;
+    const bool has_own = slow_hz > 0 && std::abs(slow_hz - tuning.speed_bandwidth_hz) > 0;
+    c.soft = c.pi;
+    if (has_own) {
+        c.soft = make_speed_pi(tuning, m, b, "speed_loop.low_speed_bandwidth_hz", slow_hz);
+        keep(c.soft_speed, b.step_from_rpm(soft_speed_rpm(motor, tuning)), 0, Q30 / 2);
+    }
     store(c.ramp, rad_s_from_rpm(tuning.speed_ramp_rpm_s) * motor.pole_pairs * one_step_ramp, 1,
           Q30 / 2, {"speed_loop.ramp_rpm_s", tuning.speed_ramp_rpm_s},
           "the firmware's steps of speed in a slow period");

@@ -114,6 +114,8 @@ constexpr Rule RULES[] = {
     {"current_loop.bandwidth_hz", &T::current_bandwidth_hz, "board.pwm_frequency_hz"},
     {"current_loop.floor_pct", &T::current_floor_pct, "board.dead_time_s", Open::below_zero},
     {"speed_loop.bandwidth_hz", &T::speed_bandwidth_hz, "motor.inertia_kg_m2"},
+    {"speed_loop.low_speed_bandwidth_hz", &T::low_speed_bandwidth_hz, "board.dead_time_s",
+     Open::below_zero},
     {"speed_loop.ramp_rpm_s", &T::speed_ramp_rpm_s, "motor.inertia_kg_m2"},
     {"position_loop.bandwidth_hz", &T::position_bandwidth_hz, "motor.inertia_kg_m2"},
     {"position_loop.speed_rpm", &T::position_speed_rpm, "motor.rated_speed_rpm"},
@@ -205,19 +207,24 @@ double believed_loss_v(const Drive &drive)
     return leg_loss_v(drive.board, drive.model.dead_time_s, drive.model.device_drop_v);
 }
 
-// The speed loop's own bandwidth in rad/s, by torque, dead time and reactance. The lag of the estimate may limit it further.
-double quiet_speed_rate(const Drive &drive, double handover_pct)
+// What dead time leaves of the speed loop's bandwidth at the hand-over, rad/s.
+double quiet_rate(const Drive &drive, double handover_pct)
 {
     const double emf_v = handover_pct / 100 * drive.rated_el * drive.motor.flux_linkage_wb;
     const double loss_v = believed_loss_v(drive);
-    const double quiet = loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
+    return loss_v > 0 ? SPEED_PER_LOSS * drive.rated_el * emf_v / loss_v : HUGE_VAL;
+}
+
+// The speed loop's own bandwidth in rad/s, by torque, dead time and reactance. The lag of the estimate may limit it further.
+double quiet_speed_rate(const Drive &drive, double handover_pct)
+{
     const double reactance =
         drive.motor.inductance_d_h * rated_current(drive.motor) / drive.motor.flux_linkage_wb;
     const double by_reactance = OBSERVER_PER_REACTANCE * drive.rated_el / (reactance * reactance) *
                                 LAG_PHASE / OBSERVER_SHAPE;
     const double rate = torque_rate(drive);
-    return std::clamp(std::min(quiet, by_reactance), SPEED_PER_TORQUE_LEAST * rate,
-                      SPEED_PER_TORQUE * rate);
+    return std::clamp(std::min(quiet_rate(drive, handover_pct), by_reactance),
+                      SPEED_PER_TORQUE_LEAST * rate, SPEED_PER_TORQUE * rate);
 }
 
 double kappa_of(double kappa_p, const Drive &drive)
@@ -284,6 +291,9 @@ void fill_motion(Filled &f, const Drive &drive)
         ramp = std::min(ramp, LAG_RAMP * drive.rated / lag);
     }
     f.fill(&T::speed_bandwidth_hz, with_filter(f.tuning, drive, bandwidth / TWO_PI));
+    f.fill(&T::low_speed_bandwidth_hz,
+           std::min(f.tuning.speed_bandwidth_hz,
+                    quiet_rate(drive, f.tuning.handover_speed_pct) / TWO_PI));
     f.fill(&T::speed_ramp_rpm_s, ramp / rad_s_from_rpm(1));
     f.fill(&T::position_bandwidth_hz, POSITION_SHARE * f.tuning.speed_bandwidth_hz);
     f.fill(&T::position_speed_rpm,

@@ -123,6 +123,7 @@ const std::vector<Field> FIELDS = {
     {"current_loop", "bandwidth_hz", "Hz", 0, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop; 0: by the PWM frequency"},
     {"current_loop", "floor_pct", "%", -1, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a; -1: by the dead time", WITH_DEAD_TIME},
     {"speed_loop", "bandwidth_hz", "Hz", 0, 1000, OPTIONAL, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop; 0: by the motor"},
+    {"speed_loop", "low_speed_bandwidth_hz", "Hz", -1, 1000, OPTIONAL, tuning<&T::low_speed_bandwidth_hz>, "likewise at low speed, where dead time makes more ripple; 0: the same; -1: by rule", WITH_STARTUP},
     {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},
     {"speed_loop", "ramp_rpm_s", "rpm/s", 0, 1e7, OPTIONAL, tuning<&T::speed_ramp_rpm_s>, "how fast the speed reference changes; 0: by the motor"},
     {"speed_loop", "inertia_feed_forward", "", 0, 1, NEEDED, tuning<&T::inertia_feed_forward>, "share of J·dω/dt fed to the torque demand"},

@@ -79,6 +79,25 @@ void dead_time_slows_the_speed_loop_and_its_observer()
            2 * nf::PI * written.speed_bandwidth_hz);
 }
 
+// As above, with a tenth of J: the torque asks for at least 205/s, which is more than dead time allows at the hand-over.
+void dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone()
+{
+    const std::vector<std::string> light = {"board.dead_time_s=3e-6", "motor.inertia_kg_m2=0.0003"};
+    const double omega = 2 * 2 * nf::PI * 30;
+    const double rate = 0.15 * omega * (0.1 * omega * 0.387) / (4.0 / 3 * 310 * 3e-6 * 1e4);
+    const nf::TuningSettings t = ruled(light);
+    TEST_ASSERT_TRUE(2 * nf::PI * t.speed_bandwidth_hz > rate);
+    expect(rate, 2 * nf::PI * t.low_speed_bandwidth_hz);
+    const nf::Config c = any(light);
+    const speed_loop_cfg_t loop = nf::build(c).speed_loop;
+    const double steps_per_rpm = 2 / 60.0 * 1e-4 * 4294967296.0;
+    const double limit_rpm = 180 * t.speed_bandwidth_hz / t.low_speed_bandwidth_hz;
+    TEST_ASSERT_DOUBLE_WITHIN(1, limit_rpm * steps_per_rpm, loop.soft_speed);
+    // Without dead time the two are one.
+    const nf::Config quiet = any({"board.dead_time_s=0"});
+    TEST_ASSERT_EQUAL_INT32(0, nf::build(quiet).speed_loop.soft_speed);
+}
+
 void a_speed_loop_that_is_written_faster_has_an_observer_as_fast()
 {
     const nf::TuningSettings t = ruled({"speed_loop.bandwidth_hz=14.5"});
@@ -277,6 +296,7 @@ int main()
     RUN_TEST(the_observer_is_not_slower_than_the_rotor_turns);
     RUN_TEST(a_light_rotor_gets_the_speed_loop_and_ramp_that_the_lag_allows);
     RUN_TEST(dead_time_slows_the_speed_loop_and_its_observer);
+    RUN_TEST(dead_time_slows_the_loop_of_a_light_rotor_at_low_speed_alone);
     RUN_TEST(a_speed_loop_that_is_written_faster_has_an_observer_as_fast);
     RUN_TEST(the_published_law_is_damped_at_the_highest_speed);
     RUN_TEST(rho_is_smaller_where_the_observer_is_slow);

@@ -80,6 +80,7 @@ static inline speed_loop_cfg_t example_speed_loop_cfg(void)
     return (speed_loop_cfg_t){
         /* K_p = 2·2π·20/s·2·Ω_b/I_b/774 = 15.9393; K_i·T = (2π·20/s)²·2·Ω_b/I_b/774·1 ms = 1.00149 */
         .pi = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
+        .soft = {.kp = 32644, .ki = 16408, .kp_shift = 11U, .ki_shift = 3U},
         .ramp = 143166,        /* 2.0944 rad/s el. a slow period */
         .speed_max = 28633115, /* 2000 rpm */
         .inertia = 32471,      /* 0.0154835 of I_b per step of speed a slow period, times 2^21 */

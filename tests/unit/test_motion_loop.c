@@ -85,6 +85,35 @@ static void test_ramp_never_goes_beyond_the_largest_speed_for_any_target(void)
     }
 }
 
+/* Half of K_p and a quarter of K_i below the limit of the reference, whatever was measured; from there on those of before. */
+static void test_below_its_limit_the_loop_has_the_soft_gains(void)
+{
+    const step_t limit = 1000000;
+
+    speed_cfg.inertia = 0;
+    speed_cfg.soft = speed_cfg.pi;
+    speed_cfg.soft.kp_shift++;
+    speed_cfg.soft.ki_shift += 2U;
+    speed_cfg.soft_speed = limit;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        for (step_t reference = limit - 1; reference <= limit; reference++) {
+            speed_loop_t expected = {.reference = sign * reference};
+            speed_loop_cfg_t one = speed_cfg;
+            const step_t measured = sign * (reference - 300000);
+
+            one.soft_speed = 0;
+            one.pi = (reference < limit) ? speed_cfg.soft : speed_cfg.pi;
+            speed_loop = expected;
+            for (int32_t k = 0; k < 5; k++) {
+                TEST_ASSERT_EQUAL_INT32(
+                    speed_loop_step(&expected, &one, sign * reference, measured, torque),
+                    speed_loop_step(&speed_loop, &speed_cfg, sign * reference, measured, torque));
+            }
+            TEST_ASSERT_EQUAL_INT32(expected.pi.integral_q26, speed_loop.pi.integral_q26);
+        }
+    }
+}
+
 static void test_acceleration_feed_forward_follows_the_change_of_the_reference(void)
 {
     /* Change 100000 · 32471 / 2^21 = 1548.3; of the error only 24 LSB at K_p·24 = 15.94·24. */
@@ -786,6 +815,7 @@ int main(void)
     RUN_TEST(test_ramp_reaches_the_target_exactly_and_in_the_fewest_periods);
     RUN_TEST(test_ramp_looks_but_does_not_move);
     RUN_TEST(test_ramp_never_goes_beyond_the_largest_speed_for_any_target);
+    RUN_TEST(test_below_its_limit_the_loop_has_the_soft_gains);
     RUN_TEST(test_acceleration_feed_forward_follows_the_change_of_the_reference);
     RUN_TEST(test_feed_forward_alone_cannot_exceed_the_current_limit);
     RUN_TEST(test_speed_reference_is_kept_within_the_largest_speed);
