@@ -20,10 +20,10 @@ RULES = (
     ("speed bandwidth by the reactance", "zoo:hub:99@7:user", ("speed_loop.bandwidth_hz=16",)),
     ("but a loop that answers to the load", "zoo:industrial:17@7", ("speed_loop.bandwidth_hz=7.9",)),
     ("observer by the speed loop", "zoo:industrial:29@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
-    ("feedback by T·R/L", "zoo:industrial:9@2:user", ("observer.feedback=0",)),
+    ("feedback by T·R/L", "zoo:industrial:47@3:user", ("observer.feedback=0",)),
     ("gradient of the angle", "zoo:outrunner:145@21:user", ("observer.frame_share=0",)),
     ("current loop by the PWM", "zoo:71@2:user", ("current_loop.bandwidth_hz=500",),
-     ("observer.feedback=0",)),  # which holds this motor too
+     ("observer.feedback=0", "observer.frame_share=0")),  # which hold this motor too
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
     ("alignment above the hold", "zoo:16@11:user", ("startup.align_current_pct=0",)),
 )
