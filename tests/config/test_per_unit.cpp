@@ -503,6 +503,12 @@ void a_salient_motor_is_dragged_with_less_current()
     expect(c.current_hold, c.current_move);
 }
 
+// The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
+void a_motor_of_much_resistance_is_dragged_with_less_current()
+{
+    expect(5.0 / 40 * 32768, motor_b({"motor.resistance_ohm=5.654867"}).startup.current_move);
+}
+
 // Of twice the continuous current what the motor bears, and 1/1.8 of what the board does.
 void a_start_imposes_what_motor_and_board_bear()
 {
@@ -741,6 +747,7 @@ int main()
     RUN_TEST(steps_and_rpm_are_turned_into_each_other);
     RUN_TEST(start);
     RUN_TEST(a_salient_motor_is_dragged_with_less_current);
+    RUN_TEST(a_motor_of_much_resistance_is_dragged_with_less_current);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
     RUN_TEST(flying_start);
     RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);

@@ -31,6 +31,7 @@ RULES = (
 # What holds these motors is no setting: each was lost, or ended in a fault, before.
 HELD = (
     ("less current for a salient rotor", "zoo:compressor:220@21:user"),
+    ("less current where R·I hides the EMF", "zoo:gimbal:114@3:user"),
     ("torque axis first while braking", "zoo:servo:105@21:user"),
     ("no voltage twice behind the alignment", "zoo:industrial:131@21:user"),
 )
