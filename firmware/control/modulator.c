@@ -24,8 +24,7 @@ int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t 
         const int32_t band = cfg->dead_time_band_q15;
         const int32_t lowest = fx_max(cfg->dead_time_q15 - band, 0);
 
-        mod->dead_time_q15 =
-            fx_clamp(before + change, lowest, cfg->dead_time_q15 + band);
+        mod->dead_time_q15 = fx_clamp(before + change, lowest, cfg->dead_time_q15 + band);
     }
     return mod->dead_time_q15 - before;
 }

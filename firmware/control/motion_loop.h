@@ -22,8 +22,8 @@ typedef struct {
     /* in place of it while |reference| is below soft_speed, where the estimate has more ripple */
     pi_cfg_t soft;
     step_t soft_speed; /* 0…2^29; 0: never */
-    step_t ramp;      /* largest change of the reference in a slow period, > 0 */
-    step_t speed_max; /* |reference| is kept within, ≤ 2^29 */
+    step_t ramp;       /* largest change of the reference in a slow period, > 0 */
+    step_t speed_max;  /* |reference| is kept within, ≤ 2^29 */
     /* i_q for a change of the reference in a slow period: change · inertia / 2^(16 + inertia_shift − inertia_lift) */
     int32_t inertia;
     uint32_t inertia_shift; /* 0…30 */

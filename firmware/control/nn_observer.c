@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "nn_observer.h"
 
-#define STATE_BITS (11U)     /* from Q26, as observer_predict_state() returns a state, to Q15 */
+#define STATE_BITS (11U) /* from Q26, as observer_predict_state() returns a state, to Q15 */
 #define ONE_Q13 (8192)
 #define SALIENCY_NONE ONE_Q13 /* L_q = L_d */
 #define STATE_MAX (46341)     /* Q15, of x̂ and ŷ */

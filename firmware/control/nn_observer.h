@@ -86,10 +86,10 @@ typedef struct {
     int32_t eta;
     uint32_t eta_shift; /* 0…30 */
     int32_t kappa_p;
-    uint32_t kappa_p_shift; /* 0…30 */
-    int32_t momentum_q15;   /* α */
+    uint32_t kappa_p_shift;  /* 0…30 */
+    int32_t momentum_q15;    /* α */
     int32_t frame_share_q13; /* c of the gradient, 0…8192; 0: that of the paper */
-    step_t speed_limit;     /* limit of |ω̂|, 1…2^29 */
+    step_t speed_limit;      /* limit of |ω̂|, 1…2^29 */
     step_t
         corner; /* D/T as a speed, for ρ = corner/ω̂, 0…2^27: D ≤ 0.196, a larger one ends there */
     int32_t rho_max_q13;  /* limit of |ρ|, 0…32767; 0: off */

@@ -108,11 +108,11 @@ double moving_current(const MotorSettings &motor, const BoardSettings &board,
 {
     const double saliency = motor.inductance_q_h - motor.inductance_d_h;
     const double most = saliency > 0 ? SALIENT_SHARE * motor.flux_linkage_wb / saliency : HUGE_VAL;
-    const double handover_rad_s = tuning.handover_speed_pct / 100 * motor.pole_pairs *
-                                  rad_s_from_rpm(motor.rated_speed_rpm);
-    const double seen =
-        HIDDEN_EMF * handover_rad_s * motor.flux_linkage_wb / motor.resistance_ohm;
-    return std::clamp(std::min(most, seen), hold_current(motor, board, tuning), motor.max_current_a);
+    const double handover_rad_s =
+        tuning.handover_speed_pct / 100 * motor.pole_pairs * rad_s_from_rpm(motor.rated_speed_rpm);
+    const double seen = HIDDEN_EMF * handover_rad_s * motor.flux_linkage_wb / motor.resistance_ohm;
+    return std::clamp(std::min(most, seen), hold_current(motor, board, tuning),
+                      motor.max_current_a);
 }
 
 // The rotor in the field of the current I: J/P·δ'' = −1.5·P·φ·I·sin δ.

@@ -96,7 +96,8 @@ struct TuningSettings {
     double observer_feedback =
         0; // share of the current error that the network takes over; 0 is the published law
     double low_speed_bandwidth_hz = 0; // of the speed loop, where that is less; 0: the same
-    double observer_frame_share = 0;  // 0…1, of the measured current's turn with the frame, in the gradient
+    double observer_frame_share =
+        0; // 0…1, of the measured current's turn with the frame, in the gradient
     double observer_acceleration = 0; // 0…1, share of the reference's acceleration that ω̂ takes on
     double startup_current_pct =
         0; // imposed below the hand-over speed, of the continuous current; 0: no

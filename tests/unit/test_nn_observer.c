@@ -239,10 +239,10 @@ static void test_with_a_frame_share_the_gradient_leaves_out_what_the_current_tur
         c = cfg.frame_share_q13 / 8192.0;
         nn_observer_start(&obs, &cfg, 0, current, trig_sincos(0U));
         state = obs.state;
-        TEST_ASSERT_DOUBLE_WITHIN(
-            GRADIENT_STATE_TOLERANCE,
-            (cfg.flux_q27 / 4096.0) + ((1.0 - (c * s)) * current.d / exp2(cfg.current_shift)),
-            state.d);
+        TEST_ASSERT_DOUBLE_WITHIN(GRADIENT_STATE_TOLERANCE,
+                                  (cfg.flux_q27 / 4096.0) +
+                                      ((1.0 - (c * s)) * current.d / exp2(cfg.current_shift)),
+                                  state.d);
         TEST_ASSERT_DOUBLE_WITHIN(GRADIENT_STATE_TOLERANCE,
                                   (s - c) * current.q / exp2(cfg.current_shift), state.q);
         nn_observer_predict(&obs, &cfg, current, (ab_t){0, 0}, trig_sincos(0U));
@@ -252,7 +252,8 @@ static void test_with_a_frame_share_the_gradient_leaves_out_what_the_current_tur
 }
 
 /* Without saliency and with the whole share it is the flux, and a tick's b is e'_q·φ/L_d, whatever the current. */
-static void test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current(void)
+static void
+test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current(void)
 {
     static const int32_t currents[] = {-12000, 0, 12000};
 
