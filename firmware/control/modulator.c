@@ -86,9 +86,10 @@ static int32_t leg_compensation(const modulator_cfg_t *cfg, int32_t loss, int32_
     const int32_t u = fx_sat16(ratio);
     const int32_t crossing = fx_usat15(span - (9 * fx_asr(u * u, 15U)));
     const int32_t ripple = fx_asr(crossing * cfg->ripple_q15, 15U);
-    const int32_t above = fx_max(current - ripple, 0) + fx_min(current + ripple, 0);
+    const int32_t z = fx_usat15((fx_abs(current) - ripple) * cfg->edge_slope);
+    const int32_t compensation = fx_asr(((2 * z) - fx_asr(z * z, 15U)) * loss, 15U);
 
-    return fx_asr(fx_sat16(above * cfg->edge_slope) * loss, 15U);
+    return (current < 0) ? -compensation : compensation;
 }
 
 static void set_compare(const modulator_cfg_t *cfg, abc_t duty, compare_t *out)

@@ -14,8 +14,14 @@
  * opposite signs. So the effects of both edges cancel while |i| is smaller than the ripple. Let s be the difference of
  * the largest and the smallest ratio, and u the ratio of the leg. The ripple at the edges is, for the leg in the middle,
  *     r = u_bus·T/(12·L)·(s − 9·u²)
- * and nearly zero for the other two legs. The compensation is zero for |i| < r, complete a few converter counts above,
- * and linear between. So a current near zero does not make the voltage chatter.
+ * and nearly zero for the other two legs. The compensation is zero for |i| < r.
+ *
+ * Above, softness decides. In the dead time the current has to charge the capacitance C of the leg. Up to the knee
+ * i_k = C·u_bus/t_d it does not get that far: the leg loses i/(2·i_k) of t_d, and beyond the knee all but i_k/(2·i). With
+ * z = (|i| − r)/i_e, at most 1, the compensation takes the share
+ *     s(z) = z·(2 − z)
+ * of the whole. For i_e = 3.5·i_k, 0.93·s is within 0.08 of that loss. i_e is a few converter counts at least, so that a
+ * current near zero does not make the voltage chatter.
  *
  * Voltages are Q15 of U_b. Ratios "of the bus" are Q15 with 1 = the bus voltage. Pure, total within the
  * ranges.
@@ -36,7 +42,7 @@ typedef struct {
     int32_t dead_time_band_q15; /* a measurement may correct t_d/T by so much, 0…4096; 0: not */
     int32_t drop_q15;           /* v_d, Q15 of U_b, 0…2048 */
     int32_t ripple_q15;         /* u_bus·T/(12·L), Q15 of I_b, 0…16384 */
-    /* the compensation rises from zero to complete over a current of 1 / edge_slope of I_b, 1…32767 */
+    /* i_e = 1 / edge_slope of I_b, over which the compensation rises from zero to complete, 1…32767 */
     int32_t edge_slope;
 } modulator_cfg_t;
 

@@ -298,6 +298,8 @@ void pass_on_dead_time(Config &config)
     take_over("plant.device_drop_v", config.plant.device_drop_v, config.board.device_drop_v);
     take_over("model.dead_time_s", config.model.dead_time_s, config.plant.dead_time_s);
     take_over("model.device_drop_v", config.model.device_drop_v, config.plant.device_drop_v);
+    take_over("model.output_capacitance_f", config.model.output_capacitance_f,
+              config.board.output_capacitance_f);
 }
 
 // Those that can hold what a scenario is made of.

@@ -658,7 +658,29 @@ voltage_drive_cfg_t make_voltage_drive(const MotorSettings &motor, const TuningS
 }
 
 // Current from which on a leg's sign is certain: so many counts of the converter.
-constexpr double EDGE_LSB = 5;
+constexpr double EDGE_LSB = 8;
+constexpr double EDGE_KNEES = 3.5; // fits the loss of a leg that commutates softly: modulator.h
+
+// What a leg holds where the board file does not say: half a metre of wire and the devices' own for each ampere, or at
+// mains voltage a motor cable and IGBTs. Real ones are within a factor of three, and half to twice of it is near enough.
+struct LegCapacitance {
+    double cable_f;
+    double device_f_per_a;
+};
+constexpr double MAINS_V = 100;
+constexpr LegCapacitance LOW_VOLTAGE_LEG = {45e-12, 45e-12};
+constexpr LegCapacitance MAINS_LEG = {320e-12, 17e-12};
+
+// The current that charges a leg's capacitance just within the dead time.
+double commutation_knee_a(const BoardSettings &board, const ModelScales &model)
+{
+    const LegCapacitance &typical = board.bus_nominal_v < MAINS_V ? LOW_VOLTAGE_LEG : MAINS_LEG;
+    const double capacitance_f =
+        model.output_capacitance_f >= 0
+            ? model.output_capacitance_f
+            : typical.cable_f + typical.device_f_per_a * board.overcurrent_a;
+    return model.dead_time_s > 0 ? capacitance_f * board.bus_nominal_v / model.dead_time_s : 0;
+}
 
 void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const TuningSettings &tuning,
                    const ModelScales &model, const Model &m, const Bases &b)
@@ -672,7 +694,9 @@ void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const TuningS
     store(c.drop_q15, model.device_drop_v / b.voltage_v * Q15, 0, Q15 / 16,
           {"model.device_drop_v", model.device_drop_v}, "a sixteenth of board.bus_full_scale_v");
     c.ripple_q15 = static_cast<int32_t>(std::lround(std::min(ripple / b.current_a * Q15, Q14)));
-    c.edge_slope = static_cast<int32_t>(std::lround(std::ldexp(1.0, board.adc_bits) / EDGE_LSB));
+    const double edge_a = std::max(EDGE_LSB * b.current_a / std::ldexp(1.0, board.adc_bits),
+                                   EDGE_KNEES * commutation_knee_a(board, model));
+    c.edge_slope = static_cast<int32_t>(std::max(1L, std::lround(b.current_a / edge_a)));
 }
 
 modulator_cfg_t make_modulator(const BoardSettings &board, const TuningSettings &tuning,

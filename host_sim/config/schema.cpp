@@ -83,6 +83,7 @@ const std::vector<Field> FIELDS = {
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
     {"board", "device_drop_v", "V", 0, 10, OPTIONAL, board<&B::device_drop_v>, "voltage across a conducting switch or diode, whatever the current"},
+    {"board", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, board<&B::output_capacitance_f>, "of a leg's output with its motor cable: small currents charge it only in part within the dead time; 0: none; -1: typical for bus and current"},
     {"board", "bootstrap_charge_s", "s", 0, 0.1, OPTIONAL, board<&B::bootstrap_charge_s>, "start-up of a standing rotor: all low sides on for so long before the first high side", WITH_STARTUP},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
     {"board", "temperature_points_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_points_c>, "temperatures of the power stage, rising, at which its sensor's reading is known; linear in between"},
@@ -157,6 +158,7 @@ const std::vector<Field> FIELDS = {
 
     {"model", "dead_time_s", "s", -1, 1e-5, OPTIONAL, model<&ModelScales::dead_time_s>, "dead time that the drive compensates; -1: plant.dead_time_s"},
     {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v"},
+    {"model", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, model<&ModelScales::output_capacitance_f>, "capacitance of a leg's output that the drive reckons with; -1: board.output_capacitance_f"},
 
     {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
     {"plant", "inductance_scale", "", 0.1, 10, OPTIONAL, plant<&P::inductance_scale>, "real motor / motor file"},

@@ -48,12 +48,13 @@ struct BoardSettings {
     double bus_regeneration_max_a = 0; // back into it, braking; 0: no limit
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
-    double offset_max_a = 0;       // largest sensor offset that calibration accepts
-    double duty_margin_pct = 0;    // share of the period kept free for sampling and dead time
-    double dead_time_s = 0;        // both switches of a leg off at each edge
-    double device_drop_v = 0;      // across a conducting switch or diode, whatever the current
-    double bootstrap_charge_s = 0; // all low sides on before the first high side of a start
-    int offset_samples_log2 = 0;   // calibration averages 2^n samples
+    double offset_max_a = 0;          // largest sensor offset that calibration accepts
+    double duty_margin_pct = 0;       // share of the period kept free for sampling and dead time
+    double dead_time_s = 0;           // both switches of a leg off at each edge
+    double device_drop_v = 0;         // across a conducting switch or diode, whatever the current
+    double output_capacitance_f = -1; // of a leg with its cable; -1: a typical one
+    double bootstrap_charge_s = 0;    // all low sides on before the first high side of a start
+    int offset_samples_log2 = 0;      // calibration averages 2^n samples
     // The power stage's sensor: temperatures that rise, and what the converter reads there, in % of its full scale, which
     // rises or falls. Linear in between.
     std::vector<double> temperature_points_c = {-50, 150};
@@ -151,7 +152,8 @@ struct ModelScales {
     double inductance = 1;
     double flux = 1;
     double inertia = 1;
-    double dead_time_s = AS_PLANT;   // compensated by the drive
+    double dead_time_s = AS_PLANT; // compensated by the drive
+    double output_capacitance_f = AS_BOARD;
     double device_drop_v = AS_PLANT; // likewise
 };
 

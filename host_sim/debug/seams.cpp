@@ -249,8 +249,9 @@ double compensation_roundings(const modulator_cfg_t &cfg, const Vector &ratio, d
 {
     const double crossing = 2 * PHASE_LSB + 9 * (2 * ratio.norm() * PHASE_LSB + 1);
     const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
-    const double share = std::min(cfg.edge_slope * (ripple + PHASE_LSB) / Q15, 2.0);
-    return share * loss * Q15 + 2 + PHASE_LSB;
+    // z·(2 − z) has the slope 2 at most; two products are rounded down.
+    const double share = std::min(2 * cfg.edge_slope * (ripple + PHASE_LSB) / Q15, 2.0);
+    return share * loss * Q15 + 3 + PHASE_LSB;
 }
 
 // Counts are rounded to nearest; `more_lsb` comes on top of the duty's own roundings.

@@ -38,7 +38,8 @@ public:
         return (share.array() - common + 0.5).cwiseMax(0.0).cwiseMin(1.0);
     }
 
-    // What each leg is compensated by, not cut: nothing below its ripple r = ripple·(s − 9·u²), all of it a little above.
+    // What each leg is compensated by, not cut: nothing below its ripple r = ripple·(s − 9·u²), the share
+    // z·(2 − z) of it above, z = 1 at the end of the edge.
     static Eigen::Vector3d compensation(const Losses &losses, const Vector &voltage_v, double bus_v,
                                         const Vector &current_a)
     {
@@ -48,7 +49,8 @@ public:
         const double loss = losses.dead_time_share + losses.drop_v / bus_v;
         const Eigen::Array3d ripple = losses.ripple_a * (span - 9.0 * u.square()).max(0.0).min(1.0);
         const Eigen::Array3d above = (i.abs() - ripple).max(0.0);
-        return loss * i.sign() * (above * losses.edge_per_amp).min(1.0);
+        const Eigen::Array3d z = (above * losses.edge_per_amp).min(1.0);
+        return loss * i.sign() * z * (2.0 - z);
     }
 
     // The longest vector that needs no cut in any direction, V.

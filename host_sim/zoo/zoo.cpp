@@ -72,8 +72,8 @@ Specimen specimen_of(const Reference &reference)
 std::string error_tables(const Errors &errors, const Specimen &specimen)
 {
     const Board &board = specimen.board;
-    return "[model]\n" + line("dead_time_s", board.dead_time_s) + "\n[plant]\n" +
-           line("resistance_scale", errors.resistance_scale) +
+    return "[model]\n" + line("output_capacitance_f", -1) + line("dead_time_s", board.dead_time_s) +
+           "\n[plant]\n" + line("resistance_scale", errors.resistance_scale) +
            line("inductance_scale", errors.inductance_scale) +
            line("saliency_scale", errors.saliency_scale) + line("flux_scale", errors.flux_scale) +
            line("inertia_scale", errors.inertia_scale) +
@@ -152,7 +152,8 @@ std::string exact_file(const Reference &reference, const Names &names)
     const Specimen specimen = draw_specimen(draw, class_of(reference));
     const Times times = times_of(specimen);
     return head(reference) + text_line("motor", names.motor) + text_line("board", names.board) +
-           text_line("tuning", "any") + "\n[scenario]\n" +
+           text_line("tuning", "any") + "\n[model]\n" + line("output_capacitance_f", 0) +
+           "\n[scenario]\n" +
            text_line("title", "start, 55 %, 100 % of rated speed, load step, stop, -10 %") +
            text_line("mode", "speed") + fmt::format("duration_s = {:.4f}\n", times.end) +
            fmt::format("evaluate_from_s = {:.4f}\n", times.started) +

@@ -337,7 +337,7 @@ void modulator()
     const modulator_cfg_t close = motor_b({"board.duty_margin_pct=1.05"}).modulator;
     TEST_ASSERT_EQUAL_INT32(18719, close.ratio_max_q15); // 18719.97
     expect(310 * 1e-4 / (6 * 0.037) / 40 * 32768, c.ripple_q15);
-    expect(4096.0 / 5, c.edge_slope);
+    expect(4096.0 / 8, c.edge_slope);
     expect(0.01 * 32768, c.dead_time_q15);
     expect(0.9 / 450 * 32768, c.drop_q15);
 }
@@ -608,6 +608,31 @@ void model()
 // of the pulse; the charge on top.
 // With 1 % of the current ω_n is a tenth.
 void the_time_of_a_start()
+// With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it at most.
+void a_large_resistance_is_relieved()
+{
+    const pi_cfg_t c = motor_b({"motor.resistance_ohm=4.05"}).hold_loop.pi_q;
+    expect_mantissa(0.4 * 4.05 / 11.25, -c.kp, c.kp_shift);
+    expect_mantissa(0.6 * 4.05 * 0.2 * SWING * 1e-4 / 11.25 * 2048, c.ki, c.ki_shift);
+}
+
+// Three and a half knees C·u/t_d of I_b = 40 A. Where the board says nothing: 320 pF and 17 pF for each of the 18 A; at 24 V
+// 45 pF and 45 pF.
+void the_edge_of_the_compensation()
+{
+    const auto edge_a = [](std::vector<std::string> settings) {
+        settings.emplace_back("board.dead_time_s=1e-6");
+        return 40.0 / motor_b(settings).modulator.edge_slope;
+    };
+    const auto near = [](double a) { return a * a / 40 / 2; }; // the slope is rounded
+    TEST_ASSERT_DOUBLE_WITHIN(near(1.085), 3.5 * 1e-9 * 310 / 1e-6,
+                              edge_a({"board.output_capacitance_f=1e-9"}));
+    TEST_ASSERT_DOUBLE_WITHIN(near(0.68), 3.5 * (320e-12 + 17e-12 * 18) * 310 / 1e-6,
+                              edge_a({"board.output_capacitance_f=-1"}));
+    TEST_ASSERT_DOUBLE_WITHIN(near(1.085), 3.5 * 1e-9 * 310 / 1e-6,
+                              edge_a({"model.output_capacitance_f=1e-9"}));
+}
+
 {
     constexpr double swing_error_s = 1e-5; // four digits of ω_n
     const nf::Config c =
@@ -764,3 +789,6 @@ int main()
     RUN_TEST(what_a_field_cannot_hold_is_refused_with_what_it_can);
     return UNITY_END();
 }
+    RUN_TEST(a_large_resistance_is_relieved);
+    RUN_TEST(the_edge_of_the_compensation);
+    RUN_TEST(how_far_the_inertia_is_corrected);

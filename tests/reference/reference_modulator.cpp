@@ -121,7 +121,7 @@ static void test_too_long_vectors_are_cut_like_the_twin()
 // Dead-time compensation beside its twin, LSB of Q15 of the duty. Phases of ratio and current are rounded down, PHASE_LSB.
 //   crossing  s twice the phase, and 9·u²: 2·u, rounded down                    2·1.6 + 9·(2·u·1.6 + 1)
 //   ripple    its own share of that, rounded down                               ripple·crossing + 1
-//   share     the edge's slope times the errors of ripple and of the current
+//   share     z·(2 − z) has twice the edge's slope at most, times the errors of ripple and of the current, rounded down
 //   loss      drop times the reciprocal of the bus, which is settled to 1.5/4096, rounded down
 //   duty      rounded down; counts rounded to nearest
 // The twin is as steep at most, so that a sign that differs near zero counts no more.
@@ -146,9 +146,9 @@ static void test_dead_time_given_back_stays_within_the_roundings_of_the_twin()
     const double loss = (twin.dead_time_share + twin.drop_v / bus_v) * Q15;
     const double crossing = 2 * PHASE_LSB + 9 * (2 * LONGEST_RATIO * PHASE_LSB + 1);
     const double ripple = crossing * cfg.ripple_q15 / Q15 + 1;
-    const double share = cfg.edge_slope * (ripple + PHASE_LSB) / Q15;
+    const double share = 2 * cfg.edge_slope * (ripple + PHASE_LSB) / Q15;
     const double of_loss = cfg.drop_q15 * 1.5 / 4096 + 1;
-    const double bound = share * loss + of_loss + 1 + PHASE_LSB + 0.5 * Q15 / cfg.timer_counts;
+    const double bound = share * loss + of_loss + 2 + PHASE_LSB + 0.5 * Q15 / cfg.timer_counts;
     Seeded seeded(3);
     modulator_t mod;
     double worst = 0;

@@ -169,7 +169,7 @@ static inline modulator_cfg_t example_modulator_cfg(void)
         .dead_time_q15 = 0,
         .drop_q15 = 0,
         .ripple_q15 = 182, /* 310 V·T/(12·L) = 0.2227 A */
-        .edge_slope = 819, /* 5 counts of the converter are 40 LSB */
+        .edge_slope = 512, /* 8 counts of the converter are 64 LSB */
     };
 }
 
