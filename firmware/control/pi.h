@@ -15,7 +15,8 @@
 
 /* Gain = mantissa / 2^shift. The configuration keeps the mantissas near full scale. */
 typedef struct {
-    int32_t kp;        /* proportional gain, 0…32767 */
+    int32_t
+        kp; /* proportional gain, −32767…32767; below 0 it takes off some of a plant's own damping */
     int32_t ki;        /* integral gain × period, 0…32767 */
     uint32_t kp_shift; /* 1…30 */
     uint32_t ki_shift; /* gain = ki / 2^(ki_shift + 11), for the 11 bits of the integral, 1…30 */
