@@ -70,16 +70,17 @@ static bool lies_in_circle(dq_t v, int32_t limit)
  * v_d is −ω·L_q·i_q: below zero while the motor drives, above while it brakes. The axis that comes second loses voltage.
  * Driving, v_q comes second: i_q falls, and v_d with it. Braking, that would let the EMF drive more of i_q, which asks for
  * more v_d, until v_d has the whole circle and nothing holds i_q. So v_d comes second there: i_d falls, and with it the
- * v_q that the EMF asks for.
+ * v_q that the EMF asks for. What the drive asks for decides, not v_d: with a broken wire that changes its sign.
  */
-static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit)
+static dq_t limit_to_circle(current_loop_t *loop, dq_t integral_q26, dq_t u, int32_t limit,
+                            bool brakes)
 {
     dq_t v = {
         .d = pi_limit(&loop->pi_d, integral_q26.d, u.d, limit),
         .q = pi_limit(&loop->pi_q, integral_q26.q, u.q, limit),
     };
 
-    if (v.d > 0) {
+    if (brakes) {
         v.d = limit_to_rest(&loop->pi_d, v.d, v.q, limit);
     } else {
         v.q = limit_to_rest(&loop->pi_q, v.q, v.d, limit);
@@ -102,7 +103,8 @@ dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
         loop->pi_d.integral_q26 = integral_q26.d;
         loop->pi_q.integral_q26 = integral_q26.q;
     } else {
-        v = limit_to_circle(loop, integral_q26, u, limit);
+        v = limit_to_circle(loop, integral_q26, u, limit,
+                            (loop->reactance_q14.q * reference.q) < 0);
     }
     return v;
 }

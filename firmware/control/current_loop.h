@@ -5,9 +5,8 @@
  *     v_d = PI_d(i_d* − i_d) + R·i_d* − ω·L_q·i_q
  *     v_q = PI_q(i_q* − i_q) + R·i_q* + ω·(L_d·i_d + φ)    motor equations (1), (2) of paper A
  *     √(v_d² + v_q²) ≤ v_limit
- * While the motor drives the d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While
- * it brakes, v_d above zero, it is the other way round: with v_q short of the EMF, the EMF would drive a current that nothing
- * holds.
+ * The d axis has priority, because it holds the flux: v_q gets what v_d leaves of the circle. While the motor brakes,
+ * ω·i_q* < 0, it is the other way round: with v_q short of the EMF, the EMF would drive a current that nothing holds.
  *
  * Speed, reference and model change once a slow period. So current_loop_plan() computes their products then, and a tick
  * multiplies them by the measured current only.

@@ -3,11 +3,18 @@
 
 #include "trig.h"
 
+#include <stdbool.h>
+
 #define Q32_TO_Q16 (65536)
 #define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
 #define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
 #define SHIFT_MAX (31) /* of fx_asr */
+#define RATIO_ONE_Q17 (131072)
+#define RATIO_SHIFT (4U) /* Q17 to Q13 */
+#define Q13_TO_Q17 (16)
+/* 1.5. The damping is that of the file's J by √(1/ratio), and by √(2/ratio) from here on: 0.82…1.15 for 0.75…3 */
+#define HEAVY_Q17 (196608)
 
 void speed_loop_lower(speed_loop_t *loop)
 {
@@ -17,6 +24,11 @@ void speed_loop_lower(speed_loop_t *loop)
 void speed_loop_restore(speed_loop_t *loop)
 {
     loop->halvings = 0U;
+}
+
+void speed_loop_init(speed_loop_t *loop)
+{
+    *loop = (speed_loop_t){.inertia_q17 = RATIO_ONE_Q17};
 }
 
 void speed_loop_reset(speed_loop_t *loop, step_t speed)
@@ -38,31 +50,63 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current)
     loop->reference = reference;
 }
 
-int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
-                              torque_range_t range)
+/* i_q for a change of the speed in a slow period. */
+static int32_t inertia_torque(const speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change)
 {
-    const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
-    const step_t change = limited - loop->reference;
     /*@ split cfg->inertia_lift; */
     /* The lifted change saturates at 2^30, far beyond the range of the torque. */
     const int32_t largest = fx_asr(CHANGE_MAX, cfg->inertia_lift);
     const uint32_t lift = (uint32_t)1U << cfg->inertia_lift;
     const int32_t lifted = fx_clamp(change, -largest, largest) * (int32_t)lift;
-    const int32_t torque = fx_asr(fx_mul_32x16(lifted, cfg->inertia), cfg->inertia_shift);
+    const int32_t nominal = fx_asr(fx_mul_32x16(lifted, cfg->inertia), cfg->inertia_shift);
+    const int32_t ratio_q13 = fx_asr(loop->inertia_q17, RATIO_SHIFT);
+
+    return fx_asr(fx_sat16(nominal) * ratio_q13, 13U);
+}
+
+int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
+                              torque_range_t range)
+{
+    const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
+    const int32_t torque = inertia_torque(loop, cfg, limited - loop->reference);
 
     loop->reference = limited;
     return fx_clamp(torque, range.lower, range.upper);
 }
 
-/* K_p/2, K_i/4. A K_i that the shift ends at is less than one LSB of the integral for the largest error. */
-static pi_cfg_t lowered(const pi_cfg_t *cfg)
+/* A K_i that the shift ends at is less than one LSB of the integral for the largest error. */
+static pi_cfg_t weakened(const pi_cfg_t *from, uint32_t kp_bits, uint32_t ki_bits)
 {
+    const uint32_t ki_shift = from->ki_shift + ki_bits;
+
     return (pi_cfg_t){
-        .kp = cfg->kp,
-        .ki = cfg->ki,
-        .kp_shift = cfg->kp_shift + 1U,
-        .ki_shift = (uint32_t)fx_min((int32_t)cfg->ki_shift + 2, SHIFT_MAX),
+        .kp = from->kp,
+        .ki = from->ki,
+        .kp_shift = from->kp_shift + kp_bits,
+        .ki_shift = (uint32_t)fx_min((int32_t)ki_shift, SHIFT_MAX),
     };
+}
+
+/*
+ * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the
+ * damping. A lowered bandwidth: K_p/2, K_i/4.
+ */
+static int32_t regulate_speed(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                              int32_t half_error_q15, int32_t fed, int32_t reach)
+{
+    const bool soft = fx_abs(loop->reference) < cfg->soft_speed;
+    const pi_cfg_t *const gains = soft ? &cfg->soft : &cfg->pi;
+    const uint32_t heavy = (loop->inertia_q17 >= HEAVY_Q17) ? 1U : 0U;
+    int32_t torque;
+
+    if ((heavy | loop->halvings) != 0U) {
+        const pi_cfg_t weak = weakened(gains, loop->halvings, heavy + (2U * loop->halvings));
+
+        torque = pi_step(&loop->pi, &weak, half_error_q15, fed, reach);
+    } else {
+        torque = pi_step(&loop->pi, gains, half_error_q15, fed, reach);
+    }
+    return torque;
 }
 
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
@@ -77,19 +121,36 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
     const int32_t reach = range.upper - middle;
     /* Q15 of 2·Ω_b */
     const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
-    const int32_t fed = feed_forward - middle;
-    const pi_cfg_t *const gains =
-        (fx_abs(loop->reference) < cfg->soft_speed) ? &cfg->soft : &cfg->pi;
-    int32_t beyond_middle;
+    const int32_t beyond_middle =
+        regulate_speed(loop, cfg, half_error_q15, feed_forward - middle, reach);
 
-    if (loop->halvings != 0U) {
-        const pi_cfg_t half = lowered(gains);
-
-        beyond_middle = pi_step(&loop->pi, &half, half_error_q15, fed, reach);
-    } else {
-        beyond_middle = pi_step(&loop->pi, gains, half_error_q15, fed, reach);
-    }
     return fx_max(fx_sat15(middle + beyond_middle), range.lower);
+}
+
+/* Moves to J what the integral has more than before, if J may go there. */
+static void move_to_inertia(speed_loop_t *loop, const speed_loop_cfg_t *cfg, bool speeds_down,
+                            int32_t before_q26)
+{
+    const int32_t added_q26 = loop->pi.integral_q26 - before_q26;
+    const int32_t size =
+        fx_asr(fx_mul_32x16(added_q26, cfg->inertia_rate), cfg->inertia_rate_shift);
+    const int32_t wanted = loop->inertia_q17 + (speeds_down ? -size : size);
+
+    if ((size != 0) && (wanted >= (cfg->inertia_least_q13 * Q13_TO_Q17)) &&
+        (wanted <= (cfg->inertia_most_q13 * Q13_TO_Q17))) {
+        loop->inertia_q17 = wanted;
+        loop->pi.integral_q26 = before_q26;
+    }
+}
+
+void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
+                      int32_t integral_before_q26)
+{
+    const bool ramps = fx_abs(change) >= fx_asr(cfg->ramp, 1U);
+
+    if ((cfg->inertia_rate != 0) && ramps) {
+        move_to_inertia(loop, cfg, change < 0, integral_before_q26);
+    }
 }
 
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed)

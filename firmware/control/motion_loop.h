@@ -3,6 +3,10 @@
  * Speed and position control, called at the slow rate (every N-th control tick).
  *
  * Speed: a ramp limits how fast the reference follows the target. A PI and an acceleration feed-forward compute i_q*.
+ *
+ * J. On a ramp the feed-forward is J·dω/dt with the J of the file. What that lacks, the integral takes over; behind the ramp
+ * it is too much, and the speed overshoots. So on a ramp what the integral would take over corrects J instead: at the
+ * acceleration of that ramp both are the same torque. A load that changes on a ramp is taken for J, until the next ramp.
  * Position: a profile with limited speed, acceleration and deceleration runs to the target. The speed
  * reference is the profile's speed plus a gain times the position lag.
  *
@@ -29,13 +33,20 @@ typedef struct {
     uint32_t inertia_shift; /* 0…30 */
     /* 0…14; above 0 where a change by one step needs more than half an LSB of current */
     uint32_t inertia_lift;
-    uint32_t error_shift; /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
+    int32_t inertia_least_q13; /* J is corrected down to this ratio, 2048…8192 (1) */
+    int32_t inertia_most_q13;  /* and up to this one, 8192…32767 */
+    /* ratio of J in Q17 that makes a torque of 1 LSB in Q26 on the ramp: inertia_rate / 2^(16 + inertia_rate_shift) */
+    int32_t inertia_rate;        /* 0: J is not corrected */
+    uint32_t inertia_rate_shift; /* 0…30 */
+    uint32_t error_shift;        /* Q15 of 2·Ω_b = step >> error_shift, 1…17 */
 } speed_loop_cfg_t;
 
 typedef struct {
     pi_t pi;
     step_t reference;  /* of the last slow period, after all limits */
     uint32_t halvings; /* of the bandwidth, 0…1 */
+    int32_t
+        inertia_q17; /* J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run */
 } speed_loop_t;
 
 typedef struct {
@@ -66,6 +77,9 @@ typedef struct {
 void speed_loop_lower(speed_loop_t *loop);
 void speed_loop_restore(speed_loop_t *loop);
 
+/* J as configured, the whole bandwidth, at rest. Once, before the first use. */
+void speed_loop_init(speed_loop_t *loop);
+
 /* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 
@@ -88,6 +102,14 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
  */
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range);
+
+/*
+ * After a step on a ramp of speed control: what the integral has taken over in this step goes to J, as far as its limits let
+ * it. change: of the reference in this step, ±2^30; below half of the ramp nothing is learned. integral_before_q26: the
+ * integral before the step. Rounded down. What rounds to nothing stays with the integral.
+ */
+void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
+                      int32_t integral_before_q26);
 
 /* Start the profile at the present position and speed, so that a rotor that turns brakes along it. */
 void position_loop_reset(position_loop_t *loop, int64_t position_q32, step_t speed);

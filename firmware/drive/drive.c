@@ -274,6 +274,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     *drive = (drive_t){.cfg = cfg};
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
+    speed_loop_init(&drive->speed_loop);
     drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);

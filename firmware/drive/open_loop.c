@@ -147,11 +147,21 @@ static void leave_rest_to_integral(drive_t *drive, int32_t compensated)
     pi_reset(&drive->current_loop.pi_d, fx_sat16(drive->signals.voltage.d - model - added));
 }
 
+/* Corrects the dead time. Returns what its compensation adds from now on along the vector, Q15 of the bus. */
+static int32_t correct_dead_time(drive_t *drive, int32_t lost_voltage)
+{
+    int32_t change = 0;
+
+    if (lies_along_phase_a(drive)) {
+        change = modulator_correct(&drive->modulator, &drive->cfg->modulator, lost_voltage);
+    }
+    return (4 * change) / 3;
+}
+
 static drive_event_t finish_alignment(drive_t *drive)
 {
     const align_found_t *const found = &drive->align.found;
     const model_nominal_t nominal = drive_nominal(drive);
-    int32_t change = 0;
 
     if (found->inductance.ratio_q14 > 0) {
         const model_measured_t measured = {
@@ -161,11 +171,7 @@ static drive_event_t finish_alignment(drive_t *drive)
         };
 
         model_set(&drive->model, &drive->cfg->model, &nominal, &measured);
-        if (lies_along_phase_a(drive)) {
-            change =
-                modulator_correct(&drive->modulator, &drive->cfg->modulator, found->lost_voltage);
-        }
-        leave_rest_to_integral(drive, (4 * change) / 3);
+        leave_rest_to_integral(drive, correct_dead_time(drive, found->lost_voltage));
         estimate_start(drive, 0, drive->signals.current);
     }
     drive->identified = true; /* a measurement that fails is not repeated */

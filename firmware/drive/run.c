@@ -9,8 +9,7 @@
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
-#define NEAR_SHARE (4)   /* within 1/4 of the hand-over speed of its reference a rotor follows it */
-#define SETTLE_SHARE (2) /* above 1/2 of hold_speed the drive does not hand back */
+#define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 void run_reset(drive_t *drive)
 {
@@ -166,13 +165,17 @@ static void lead_estimate(drive_t *drive, step_t before)
 }
 
 /*
- * i_d* has risen to the imposed current. Until half of hold_speed, its voltage and the torque have settled: the voltage
- * that made i_d rise is not the one that holds it.
+ * i_d* has risen to the imposed current, and its voltage and the torque have settled: the voltage that made i_d rise is not
+ * the one that holds it. In speed mode the reference is on the ramp of the imposed vector since hold_speed, so 3/4 of that
+ * is low enough; further down a weak EMF may lose the rotor. A position profile still brakes there.
  */
 static bool is_to_be_held(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool settled = fx_abs(drive->speed_reference) <= (cfg->hold_speed / SETTLE_SHARE);
+    const bool gentle_ramp = drive->mode == (uint8_t)DRIVE_MODE_SPEED;
+    const step_t half = cfg->hold_speed / 2;
+    const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
+    const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
 
     return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
@@ -221,6 +224,7 @@ static void filter_torque(drive_t *drive)
 static drive_event_t control_torque(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
+    const int32_t integral_before = drive->speed_loop.pi.integral_q26;
     const torque_range_t derated = drive->torque_range;
     drive_event_t event = DRIVE_EVENT_NONE;
 
@@ -229,6 +233,11 @@ static drive_event_t control_torque(drive_t *drive)
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
+    /* The reference of position control also corrects the position: its change is no ramp. */
+    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
+        speed_loop_learn(&drive->speed_loop, &drive->cfg->speed_loop,
+                         drive->speed_loop.reference - before, integral_before);
+    }
     if (torque_filter_acts(&drive->cfg->torque_filter)) {
         filter_torque(drive);
     }

@@ -23,7 +23,7 @@ static const piece_t pieces[] = {
     LONG(position),
     WORDS(state, tick),
     BYTE(voltage_drive.active),
-    WORDS(voltage_drive.calm_periods, speed_loop.halvings),
+    WORDS(voltage_drive.calm_periods, speed_loop.inertia_q17),
     WORDS(position_loop, position_loop.profile_speed),
     BYTE(mode),
     WORDS(calibration, model.flux_q30),

@@ -518,6 +518,29 @@ double soft_speed_rpm(const MotorSettings &motor, const TuningSettings &tuning)
            motor.rated_speed_rpm;
 }
 
+constexpr double RATE_MAX = 0.49; // of a ramp with less torque than 131 LSB: learned more slowly
+const char *const CORRECTION_REASON = "the firmware's correction of J";
+
+// current_per_step: i_q, Q15 of I_b, for a change of the reference by a step in a slow period.
+void set_inertia_correction(speed_loop_cfg_t &c, const TuningSettings &tuning,
+                            double current_per_step)
+{
+    constexpr double INTEGRAL_PER_LSB = 2048; // Q26 of Q15
+    constexpr double Q17 = 131072;
+    const double factor = 1 + tuning.adapt_inertia_pct / 100;
+    const double ramp_q26 = current_per_step * c.ramp * INTEGRAL_PER_LSB;
+    keep(c.inertia_least_q13, Q13 / factor, Q13 / 4, Q13);
+    keep(c.inertia_most_q13, Q13 * factor, Q13, MANTISSA_MAX);
+    if (ramp_q26 > 0 && tuning.adapt_inertia_pct > 0) {
+        const double rate = std::min(Q17 / ramp_q26, RATE_MAX);
+        const Mantissa mantissa =
+            normalise(std::ldexp(rate, 16), 0, 30,
+                      {"adaptation.inertia_pct", tuning.adapt_inertia_pct}, CORRECTION_REASON);
+        c.inertia_rate = mantissa.value;
+        c.inertia_rate_shift = mantissa.shift;
+    }
+}
+
 speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSettings &tuning,
                                  const Model &m, const Bases &b)
 {
@@ -547,6 +570,7 @@ speed_loop_cfg_t make_speed_loop(const MotorSettings &motor, const TuningSetting
     c.inertia = inertia.value;
     c.inertia_shift = static_cast<uint32_t>(std::max(shift, 0));
     c.inertia_lift = static_cast<uint32_t>(std::max(-shift, 0));
+    set_inertia_correction(c, tuning, current_per_step);
     c.error_shift = static_cast<uint32_t>(b.speed_shift) + 1U;
     return c;
 }

@@ -127,6 +127,7 @@ constexpr Row ROWS[] = {
      [](const Context &c) { return c.bases.control_period_s; }},
     {Q::ratio_q13, 13, "", "Q13", one},
     {Q::ratio_q14, 14, "", "Q14", one},
+    {Q::ratio_q17, 17, "", "Q17", one},
     {Q::ratio_q15, 15, "", "Q15", one},
     {Q::ratio_q24, 24, "", "Q24", one},
     {Q::ratio_q30, 30, "", "Q30", one},

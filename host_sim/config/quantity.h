@@ -48,6 +48,7 @@ enum class Quantity {
     period_q15,
     ratio_q13,
     ratio_q14,
+    ratio_q17,
     ratio_q15,
     ratio_q24,
     ratio_q30,

@@ -120,6 +120,7 @@ const std::vector<Field> FIELDS = {
     {"adaptation", "inductance_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_inductance_pct>, "likewise L_d", WITH_STARTUP},
     {"adaptation", "saliency_pct", "%", 0, 100, OPTIONAL, tuning<&T::adapt_saliency_pct>, "likewise L_q/L_d, by a factor of up to 1 + this, either way", WITH_STARTUP},
     {"adaptation", "flux_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_flux_pct>, "likewise φ"},
+    {"adaptation", "inertia_pct", "%", 0, 300, OPTIONAL, tuning<&T::adapt_inertia_pct>, "how far J may be corrected by what ramps of the speed need, by a factor of up to 1 + this, either way; 0: not at all"},
     {"adaptation", "dead_time_pct", "%", 0, 50, OPTIONAL, tuning<&T::adapt_dead_time_pct>, "likewise the dead time that is compensated", WITH_DEAD_TIME},
     {"current_loop", "bandwidth_hz", "Hz", 0, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop; 0: by the PWM frequency"},
     {"current_loop", "floor_pct", "%", -1, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a; -1: by the dead time", WITH_DEAD_TIME},
@@ -157,8 +158,8 @@ const std::vector<Field> FIELDS = {
     {"model", "inertia", "", 0.01, 100, OPTIONAL, model<&ModelScales::inertia>, "controller's belief / motor file"},
 
     {"model", "dead_time_s", "s", -1, 1e-5, OPTIONAL, model<&ModelScales::dead_time_s>, "dead time that the drive compensates; -1: plant.dead_time_s"},
-    {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v"},
     {"model", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, model<&ModelScales::output_capacitance_f>, "capacitance of a leg's output that the drive reckons with; -1: board.output_capacitance_f"},
+    {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v"},
 
     {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
     {"plant", "inductance_scale", "", 0.1, 10, OPTIONAL, plant<&P::inductance_scale>, "real motor / motor file"},

@@ -110,6 +110,7 @@ struct TuningSettings {
     double adapt_saliency_pct = 0;
     double adapt_flux_pct = 0;
     double adapt_dead_time_pct = 0;
+    double adapt_inertia_pct = 0;
     double current_bandwidth_hz = 0;
     double current_floor_pct =
         0; // least current in RUN, of the continuous current, where there is dead time

@@ -202,6 +202,8 @@ void compare_gradient(const nn_observer_t &before, const nn_observer_t &after,
         one);
 }
 
+constexpr double HEAVY = 1.5; // of the file's J: half of K_i, motion_loop.c
+
 twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg,
                            torque_range_t range)
 {
@@ -209,8 +211,10 @@ twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg
     twin::SpeedLoop::Params params = twin::speed_loop_params(si);
     params.current_min_a = si.current(range.lower);
     params.current_max_a = si.current(range.upper);
+    const double inertia = std::ldexp(loop.inertia_q17 >> 4, -13);
     params.pi.kp /= std::ldexp(1.0, static_cast<int>(loop.halvings));
-    params.pi.ki_t /= std::ldexp(1.0, 2 * static_cast<int>(loop.halvings));
+    params.pi.ki_t /= std::ldexp(inertia >= HEAVY ? 2.0 : 1.0, 2 * static_cast<int>(loop.halvings));
+    params.current_per_change *= inertia;
     twin::SpeedLoop twin(params);
     twin.reset(si.speed_of_step(loop.reference), loop.pi.integral_q26 / Q26 * si.bases.current_a);
     return twin;
@@ -454,8 +458,8 @@ decltype(current_loop_model) *seam_current_loop_model = [](auto loop, auto i) {
     return v;
 };
 
-// At the circle v_q = √(limit² − v_d²): an error of v_d counts |v_d/v_q| times. What the circle takes is given back to the
-// integral of q.
+// At the circle the axis that comes second is √(limit² − other²): an error of the other one counts |other/second| times. What
+// the circle takes is given back to the second one's integral.
 decltype(current_loop_step) *seam_current_loop_step = [](auto loop, auto cfg, auto reference,
                                                          auto measured, auto limit) {
     si.cfg.current_loop = *cfg;
@@ -464,15 +468,18 @@ decltype(current_loop_step) *seam_current_loop_step = [](auto loop, auto cfg, au
     const Vector exact =
         twin.step(plan_of(*loop), si.current(reference), si.current(measured), si.voltage(limit));
     const double lsb = si.voltage(1);
-    const double steepness = std::abs(exact.y()) > lsb ? std::abs(exact.x() / exact.y()) : 1.0;
+    const int second = twin.second();
+    const double other = exact(1 - second);
+    const double steepness = std::abs(exact(second)) > lsb ? std::abs(other / exact(second)) : 1.0;
     const double cut = twin.cut() ? CURRENT_LOOP_LSB * (1.0 + steepness) + ROOT_LSB : 0.0;
-    const double back = twin.cut() ? CURRENT_LOOP_LSB + cut : 0.0;
+    Vector of_voltage = Vector::Constant(CURRENT_LOOP_LSB);
+    Vector of_integral = Vector::Constant(INTEGRAL_LSB);
+    of_voltage(second) += cut;
+    of_integral(second) += twin.cut() ? CURRENT_LOOP_LSB + cut : 0.0;
     const dq_t v = CALL(current_loop_step)(loop, cfg, reference, measured, limit);
-    add({"v_d", "v_q"}, "V", si.voltage(v), exact,
-        Vector(CURRENT_LOOP_LSB, CURRENT_LOOP_LSB + cut) * lsb);
+    add({"v_d", "v_q"}, "V", si.voltage(v), exact, of_voltage * lsb);
     add({"integral d", "integral q"}, "V", integrals(*loop),
-        {twin.pi_d().integral(), twin.pi_q().integral()},
-        Vector(INTEGRAL_LSB, INTEGRAL_LSB + back) * lsb);
+        {twin.pi_d().integral(), twin.pi_q().integral()}, of_integral * lsb);
     return v;
 };
 

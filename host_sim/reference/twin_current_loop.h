@@ -62,21 +62,22 @@ public:
         const Vector known = model(plan, measured_a);
         Vector v(pi_d_.step(error.x(), known.x(), limit_v),
                  pi_q_.step(error.y(), known.y(), limit_v));
-        const double room = std::sqrt(std::max(0.0, limit_v * limit_v - v.x() * v.x()));
-
-        cut_ = std::abs(v.y()) > room;
-        if (cut_) {
-            const double allowed = std::copysign(room, v.y());
-            pi_q_.unwind(v.y() - allowed);
-            v.y() = allowed;
-        }
+        // Braking, v_d comes second, see current_loop.c.
+        second_ = plan.reactance_ohm.y() * reference_a.y() < 0.0 ? 0 : 1;
+        v(second_) = within(v(second_), v(1 - second_), limit_v, second_ == 0 ? pi_d_ : pi_q_);
         return v;
     }
 
-    // The circle has cut the q axis in the last tick.
+    // The circle has cut an axis in the last tick.
     bool cut() const
     {
         return cut_;
+    }
+
+    // The axis that came second in the last tick, 0 or 1.
+    int second() const
+    {
+        return second_;
     }
 
     const Pi &pi_d() const
@@ -90,10 +91,24 @@ public:
     }
 
 private:
+    double within(double voltage, double other, double limit_v, Pi &pi)
+    {
+        const double room = std::sqrt(std::max(0.0, limit_v * limit_v - other * other));
+
+        cut_ = std::abs(voltage) > room;
+        if (!cut_) {
+            return voltage;
+        }
+        const double allowed = std::copysign(room, voltage);
+        pi.unwind(voltage - allowed);
+        return allowed;
+    }
+
     Params p_;
     Pi pi_d_;
     Pi pi_q_;
     bool cut_ = false;
+    int second_ = 1;
 };
 
 } // namespace nf::twin

@@ -35,6 +35,8 @@ std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
                   config.plant.inductance_scale * config.plant.saliency_scale),
         parameter("flux_linkage_wb", motor.flux_linkage_wb, config.model.flux,
                   std::ldexp(drive.model.flux_q30, -30), config.plant.flux_scale),
+        parameter("inertia_kg_m2", motor.inertia_kg_m2, config.model.inertia,
+                  std::ldexp(drive.speed_loop.inertia_q17, -17), config.plant.inertia_scale),
     };
 }
 

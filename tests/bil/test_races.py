@@ -192,7 +192,7 @@ class Phases(unittest.TestCase):
         """Values far apart, none of them the other's negative."""
         made = ready()
         made.set_inputs(MIDDLE + 300, MIDDLE - 700, BUS)
-        made.tick()
+        made.tick(2)  # what is converted when the inputs change belongs to the tick before
         made.said()
         made.type("status")
         said = made.said()

@@ -327,7 +327,22 @@ void a_heavy_rotor_lifts_its_inertia()
     expect_mantissa(inertia * 65536 / 4, c.inertia, 0);
 }
 
-// 310 V·T/(6·(L_d + L_q)); 5 counts of 12 bits.
+// Three times either way. On the ramp 2^17 stand for its torque, in Q26.
+void how_far_the_inertia_is_corrected()
+{
+    const speed_loop_cfg_t c = motor_b({"adaptation.inertia_pct=200"}).speed_loop;
+    const double torque_q15 =
+        std::ldexp(static_cast<double>(c.ramp) * c.inertia,
+                   static_cast<int>(c.inertia_lift) - 16 - static_cast<int>(c.inertia_shift));
+    expect(8192.0 / 3, c.inertia_least_q13);
+    expect(8192.0 * 3, c.inertia_most_q13);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        1e-3, 1,
+        std::ldexp(c.inertia_rate, -16 - static_cast<int>(c.inertia_rate_shift)) * torque_q15 *
+            2048 / 131072);
+}
+
+// 310 V·T/(6·(L_d + L_q)); 8 counts of 12 bits.
 void modulator()
 {
     const modulator_cfg_t c =
@@ -593,21 +608,6 @@ void hold_loop()
     expect_mantissa(ohms * 0.2 * SWING * 1e-4 / 11.25 * 2048, c.ki, c.ki_shift);
 }
 
-void model()
-{
-    const model_cfg_t c = motor_b().model;
-    expect(0.9 * 16384, c.resistance_limit_q14);
-    expect(0.4 * 16384, c.inductance_limit_q14);
-    expect(1.0 * 16384, c.saliency_limit_q14);
-    expect(0.25 * 16384, c.flux_limit_q14);
-    expect(1e-3 / 0.05 * 40 / 27.7777778 * 32768, c.flux_rate);
-    expect(240 * STEPS_PER_RPM, c.flux_speed_min);
-}
-
-// Flying start 274 ticks, pull and settling 30/ω_n, twice 2^11 ticks of measuring, 16 of the voltage step and 4 times as many
-// of the pulse; the charge on top.
-// With 1 % of the current ω_n is a tenth.
-void the_time_of_a_start()
 // With ten times the resistance K_p takes off what is more than the damping asks for, but 0.4 of it at most.
 void a_large_resistance_is_relieved()
 {

@@ -54,7 +54,7 @@ static void test_current_demand_stays_within_the_roundings_of_the_twin()
         const step_t target = seeded.in(-300000, 300000);
         step_t measured = 0;
 
-        speed_loop_reset(&loop, 0);
+        speed_loop_init(&loop);
         for (int k = 0; k < STEPS; k++) {
             const step_t reference = speed_loop_ramp(&loop, &c, target);
             const double exact_reference = twin.ramp(s.speed_of_step(target));
@@ -78,7 +78,7 @@ static void test_saturated_demand_equals_the_twin()
     speed_loop_t loop{};
     nf::twin::SpeedLoop twin(nf::reference::speed_loop_params(s));
 
-    speed_loop_reset(&loop, 0);
+    speed_loop_init(&loop);
     for (int k = 0; k < 20; k++) {
         const int32_t demand = speed_loop_step(&loop, &s.cfg.speed_loop, s.cfg.speed_loop.speed_max,
                                                0, torque_range(s));

@@ -53,11 +53,11 @@ void test_each_injected_fault_is_found_in_its_time()
         {"what = 'bus_voltage', value = 190", {FAULT_UNDERVOLTAGE}, 0},
         {"what = 'bus_voltage', value = 405", {FAULT_OVERVOLTAGE}, 0},
         {"what = 'break_input'", {FAULT_BREAK}, 0},
-        {"what = 'adc_a_stuck'", {FAULT_BREAK}, 3 * TURN_TICKS},
+        {"what = 'adc_a_stuck'", {FAULT_BREAK, FAULT_OVERCURRENT}, 3 * TURN_TICKS},
         {"what = 'adc_b_stuck', value = 3", {FAULT_BREAK}, 3 * TURN_TICKS},
-        {"what = 'phase_a_open'", {FAULT_LOST_PHASE}, 12 * TURN_TICKS},
-        {"what = 'phase_b_open'", {FAULT_LOST_PHASE}, 12 * TURN_TICKS},
-        {"what = 'phase_c_open'", {FAULT_LOST_PHASE}, 12 * TURN_TICKS},
+        {"what = 'phase_a_open'", {FAULT_LOST_PHASE, FAULT_OVERCURRENT}, 12 * TURN_TICKS},
+        {"what = 'phase_b_open'", {FAULT_LOST_PHASE, FAULT_OVERCURRENT}, 12 * TURN_TICKS},
+        {"what = 'phase_c_open'", {FAULT_LOST_PHASE, FAULT_OVERCURRENT}, 12 * TURN_TICKS},
         {"what = 'temperature', value = 105", {FAULT_OVERTEMPERATURE}, 1100}, // 0.1 s
         {"what = 'rotor_blocked'", {FAULT_STALL}, 12000}, // 1 s, and it has to stop
         {"what = 'late_isr', until_s = 0.61", {FAULT_LATE}, 11},

@@ -89,7 +89,7 @@ double named_hz(const Words &set)
 // not; nor with the resonance a tenth lower or higher than that of the day when the notch was set.
 void test_a_notch_at_the_frequency_that_the_fault_names_ends_the_swing()
 {
-    for (const Shaft &shaft : {Shaft{140, 2, 1}, Shaft{200, 1, 2}, Shaft{250, 1, 2}}) {
+    for (const Shaft &shaft : {Shaft{200, 1, 1}, Shaft{200, 1, 2}, Shaft{250, 1, 2}}) {
         const double hz = named_hz(RIGID + words_of(shaft));
         const double rigid_dip_rpm = dip_rpm(run(RIGID + notch_at(hz)));
         TEST_ASSERT_DOUBLE_WITHIN(0.1 * shaft.resonance_hz, shaft.resonance_hz, hz);

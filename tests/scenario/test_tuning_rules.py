@@ -15,13 +15,12 @@ JOBS = 2
 RULES = (
     ("speed bandwidth by the lag", "zoo:servo:33@11", ("speed_loop.bandwidth_hz=202",)),
     ("speed bandwidth by the dead time", "zoo:servo:3@2:user", ("speed_loop.bandwidth_hz=29",)),
-    ("speed bandwidth by the dead time at low speed", "zoo:industrial:203@21:user",
+    ("speed bandwidth by the dead time at low speed", "zoo:hub:2@31:user",
      ("speed_loop.low_speed_bandwidth_hz=0",)),
     ("speed bandwidth by the reactance", "zoo:hub:99@7:user", ("speed_loop.bandwidth_hz=16",)),
     ("but a loop that answers to the load", "zoo:industrial:17@7", ("speed_loop.bandwidth_hz=7.9",)),
     ("observer by the speed loop", "zoo:industrial:29@11", ("observer.kappa=0.025", "observer.kappa_p=0.45")),
-    ("feedback by T·R/L", "zoo:industrial:47@3:user", ("observer.feedback=0",)),
-    ("gradient of the angle", "zoo:outrunner:145@21:user", ("observer.frame_share=0",)),
+    ("gradient of the angle", "zoo:servo:105@21:user", ("observer.frame_share=0",)),
     ("current loop by the PWM", "zoo:71@2:user", ("current_loop.bandwidth_hz=500",),
      ("observer.feedback=0", "observer.frame_share=0")),  # which hold this motor too
     ("legs that commutate softly", "zoo:servo:243@21:user", ("model.output_capacitance_f=0",)),

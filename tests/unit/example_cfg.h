@@ -86,6 +86,10 @@ static inline speed_loop_cfg_t example_speed_loop_cfg(void)
         .inertia = 32471,      /* 0.0154835 of I_b per step of speed a slow period, times 2^21 */
         .inertia_shift = 5U,
         .inertia_lift = 0U,
+        .inertia_least_q13 = 8192, /* J is not corrected */
+        .inertia_most_q13 = 8192,
+        .inertia_rate = 0,
+        .inertia_rate_shift = 0U,
         .error_shift = 12U, /* Q15 of 2·Ω_b */
     };
 }

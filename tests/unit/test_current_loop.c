@@ -263,35 +263,54 @@ static void test_extreme_gains_and_inputs_stay_in_the_circle(void)
     }
 }
 
-static void test_driving_d_takes_the_whole_circle_first_braking_q_does(void)
+static void test_d_axis_takes_the_whole_circle_first(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v;
 
         current_loop_reset(&loop);
-        v = planned_step((dq_t){-16384, sign * 16384}, (dq_t){0, 0}, 0, 10000);
-        TEST_ASSERT_EQUAL_INT32(-10000, v.d);
+        v = planned_step((dq_t){sign * 16384, 16384}, (dq_t){0, 0}, 0, 10000);
+        TEST_ASSERT_EQUAL_INT32(sign * 10000, v.d);
         TEST_ASSERT_EQUAL_INT32(0, v.q);
-        current_loop_reset(&loop);
-        v = planned_step((dq_t){16384, sign * 16384}, (dq_t){0, 0}, 0, 10000);
-        TEST_ASSERT_EQUAL_INT32(0, v.d);
-        TEST_ASSERT_EQUAL_INT32(sign * 10000, v.q);
     }
 }
 
-static void test_braking_d_is_cut_to_what_the_circle_leaves_beside_q(void)
+/* A torque against the speed: v_q has the whole circle first. ω·φ and ω·L·i are nothing at a speed of 1 LSB. */
+static void test_braking_q_axis_takes_the_whole_circle_first(void)
 {
-    /* v_q = 6000 of 10000 leaves 8000, exactly; what is cut goes back to the integral. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v;
 
+        cfg.reactance_q_q13 = 32767;
         current_loop_reset(&loop);
-        pi_reset(&loop.pi_d, 9000);
-        pi_reset(&loop.pi_q, sign * 6000);
-        v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
-        TEST_ASSERT_EQUAL_INT32(8000, v.d);
-        TEST_ASSERT_EQUAL_INT32(sign * 6000, v.q);
-        TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_d.integral_q26);
+        v = planned_step((dq_t){sign * 16384, -16384}, (dq_t){0, 0}, 1, 10000);
+        TEST_ASSERT_EQUAL_INT32(0, v.d);
+        TEST_ASSERT_EQUAL_INT32(-10000, v.q);
+        current_loop_reset(&loop);
+        v = planned_step((dq_t){sign * 16384, 16384}, (dq_t){0, 0}, 1, 10000);
+        TEST_ASSERT_EQUAL_INT32(sign * 10000, v.d);
+        TEST_ASSERT_EQUAL_INT32(0, v.q);
+    }
+}
+
+static void test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q(void)
+{
+    /* v_q = −6000 of 10000 leaves 8000, exactly; what is cut goes back to the integral. */
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        dq_t v;
+
+        cfg.reactance_q_q13 = 32767;
+        cfg.resistance_q13 = 0;
+        cfg.emf_q13 = 0;
+        cfg.pi_q.kp = 0;
+        cfg.pi_q.ki = 0;
+        current_loop_reset(&loop);
+        pi_reset(&loop.pi_d, sign * 9000);
+        pi_reset(&loop.pi_q, -6000);
+        v = planned_step((dq_t){0, -4000}, (dq_t){0, 0}, 1, 10000);
+        TEST_ASSERT_EQUAL_INT32(sign * 8000, v.d);
+        TEST_ASSERT_EQUAL_INT32(-6000, v.q);
+        TEST_ASSERT_EQUAL_INT32(sign * 8000 * 2048, loop.pi_d.integral_q26);
     }
 }
 
@@ -336,14 +355,14 @@ static void test_braking_at_the_limit_holds_the_torque_current(void)
 
 static void test_q_axis_is_cut_to_what_the_circle_leaves_beside_d(void)
 {
-    /* v_d = −6000 of 10000 leaves 8000, exactly. */
+    /* v_d = 6000 of 10000 leaves 8000, exactly. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         dq_t v;
 
         current_loop_reset(&loop);
-        pi_reset(&loop.pi_d, -6000);
+        pi_reset(&loop.pi_d, 6000);
         v = planned_step((dq_t){0, sign * 16384}, (dq_t){0, 0}, 0, 10000);
-        TEST_ASSERT_EQUAL_INT32(-6000, v.d);
+        TEST_ASSERT_EQUAL_INT32(6000, v.d);
         TEST_ASSERT_EQUAL_INT32(sign * 8000, v.q);
     }
 }
@@ -362,7 +381,7 @@ static void test_demand_exactly_on_the_circle_is_not_cut(void)
 
 static void test_cut_of_the_circle_goes_back_to_the_q_integral(void)
 {
-    pi_reset(&loop.pi_d, -6000);
+    pi_reset(&loop.pi_d, 6000);
     pi_reset(&loop.pi_q, 9000);
     (void)planned_step((dq_t){0, 0}, (dq_t){0, 0}, 0, 10000);
     TEST_ASSERT_EQUAL_INT32(8000 * 2048, loop.pi_q.integral_q26);
@@ -374,7 +393,7 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
         dq_t v = {0, 0};
 
         current_loop_reset(&loop);
-        pi_reset(&loop.pi_d, -6000);
+        pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 10000; k++) {
             v = planned_step((dq_t){0, sign * 4000}, (dq_t){0, 0}, 0, 10000);
         }
@@ -386,12 +405,12 @@ static void test_voltage_leaves_the_circle_as_soon_as_the_error_turns(void)
 
 static void test_q_integral_takes_over_what_an_emf_exceeds_the_circle_by(void)
 {
-    /* d holds −6000 of 10000; the EMF alone asks for about 27000 of the 8000 left. */
+    /* d holds 6000 of 10000; the EMF alone asks for about 27000 of the 8000 left. */
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const int32_t emf = (int32_t)floor(sign * 32000.0 * cfg.emf_q13 / 8192.0);
 
         current_loop_reset(&loop);
-        pi_reset(&loop.pi_d, -6000);
+        pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 2000; k++) {
             const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, sign * 32000, 10000);
 
@@ -407,7 +426,7 @@ static void test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circl
     cfg.emf_q13 = 30000;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         current_loop_reset(&loop);
-        pi_reset(&loop.pi_d, -6000);
+        pi_reset(&loop.pi_d, 6000);
         for (int32_t k = 0; k < 2000; k++) {
             const dq_t v = planned_step((dq_t){0, 0}, (dq_t){0, 0}, sign * 16384, 10000);
 
@@ -473,8 +492,9 @@ int main(void)
     RUN_TEST(test_model_keeps_speed_and_reference_of_the_last_plan);
     RUN_TEST(test_voltage_never_leaves_the_circle);
     RUN_TEST(test_extreme_gains_and_inputs_stay_in_the_circle);
-    RUN_TEST(test_driving_d_takes_the_whole_circle_first_braking_q_does);
-    RUN_TEST(test_braking_d_is_cut_to_what_the_circle_leaves_beside_q);
+    RUN_TEST(test_d_axis_takes_the_whole_circle_first);
+    RUN_TEST(test_braking_q_axis_takes_the_whole_circle_first);
+    RUN_TEST(test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q);
     RUN_TEST(test_braking_at_the_limit_holds_the_torque_current);
     RUN_TEST(test_q_axis_is_cut_to_what_the_circle_leaves_beside_d);
     RUN_TEST(test_demand_exactly_on_the_circle_is_not_cut);

@@ -866,14 +866,26 @@ static drive_state_t after_a_period_at(step_t reference)
     return drive.state;
 }
 
-static void test_the_hand_back_waits_for_half_of_the_hold_speed(void)
+/* Half of it, and half of that: rounded down, as hold_speed is no multiple of four. */
+static void test_the_hand_back_waits_for_three_quarters_of_the_hold_speed(void)
+{
+    const step_t settled = (cfg.startup.hold_speed / 2) + (cfg.startup.hold_speed / 4);
+
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(settled + 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(-settled - 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(settled));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(-settled));
+}
+
+/* The profile still brakes there. */
+static void test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed(void)
 {
     const step_t half = cfg.startup.hold_speed / 2;
 
+    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(half + 1));
-    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(-half - 1));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(half));
-    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(-half));
+    drive.mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
 /* ---- the voltage drive's periods ---- */
@@ -1371,7 +1383,8 @@ int main(void)
     RUN_TEST(test_each_further_attempt_sweeps_the_other_way);
     RUN_TEST(test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing);
     RUN_TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector);
-    RUN_TEST(test_the_hand_back_waits_for_half_of_the_hold_speed);
+    RUN_TEST(test_the_hand_back_waits_for_three_quarters_of_the_hold_speed);
+    RUN_TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
     RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);

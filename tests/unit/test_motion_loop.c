@@ -5,6 +5,7 @@
 #include "seeded.h"
 #include "unity.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
@@ -23,8 +24,7 @@ void setUp(void)
     speed_cfg = example_speed_loop_cfg();
     torque = (torque_range_t){-8192, 8192};
     cfg = example_position_loop_cfg();
-    speed_loop_restore(&speed_loop);
-    speed_loop_reset(&speed_loop, 0);
+    speed_loop_init(&speed_loop);
     position_loop_reset(&loop, 0, 0);
     ticks = 10U;
 }
@@ -808,6 +808,167 @@ static void test_half_the_bandwidth_holds_for_the_finest_gains(void)
     }
 }
 
+/* ---- J ---- */
+
+#define RATIO_ONE_Q17 (131072)
+
+/* The ramp's torque is 0.0154835·143166 = 2216.7 LSB: 2^17/(2216.7·2^11) = 0.0288719, times 2^20. */
+static void allow_learning(void)
+{
+    speed_cfg.inertia_rate = 30274;
+    speed_cfg.inertia_rate_shift = 4U;
+    speed_cfg.inertia_least_q13 = 4096;
+    speed_cfg.inertia_most_q13 = 24576;
+}
+
+/* What the integral has taken over: as if a step had added it. */
+static void learn(step_t change, int32_t added_lsb)
+{
+    const int32_t before_q26 = 100 * 2048;
+
+    speed_loop.pi.integral_q26 = before_q26 + (added_lsb * 2048);
+    speed_loop_learn(&speed_loop, &speed_cfg, change, before_q26);
+}
+
+/* The ramp's torque is 2216.7 LSB: a tenth of it is a tenth of J. Mantissa of 15 bits, one rounding down. */
+#define LEARNED_Q17 (2)
+
+static void test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia(void)
+{
+    allow_learning();
+    learn(speed_cfg.ramp, 222);
+    TEST_ASSERT_INT32_WITHIN(LEARNED_Q17, RATIO_ONE_Q17 + (int32_t)(RATIO_ONE_Q17 * 222.0 / 2216.7),
+                             speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(100 * 2048, speed_loop.pi.integral_q26);
+    learn(-speed_cfg.ramp, 222); /* less braking: lighter */
+    TEST_ASSERT_INT32_WITHIN(2 * LEARNED_Q17, RATIO_ONE_Q17, speed_loop.inertia_q17);
+}
+
+static void test_below_half_of_the_ramp_the_integral_keeps_it(void)
+{
+    allow_learning();
+    learn((speed_cfg.ramp / 2) - 1, 222);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(322 * 2048, speed_loop.pi.integral_q26);
+    learn(speed_cfg.ramp / 2, 222);
+    TEST_ASSERT_TRUE(speed_loop.inertia_q17 > RATIO_ONE_Q17);
+}
+
+static void test_beyond_the_limits_of_the_inertia_the_integral_keeps_it(void)
+{
+    allow_learning();
+    speed_loop.inertia_q17 = 3 * RATIO_ONE_Q17;
+    learn(speed_cfg.ramp, 222);
+    TEST_ASSERT_EQUAL_INT32(3 * RATIO_ONE_Q17, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(322 * 2048, speed_loop.pi.integral_q26);
+    speed_loop.inertia_q17 = RATIO_ONE_Q17 / 2;
+    learn(speed_cfg.ramp, -222);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17 / 2, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(-122 * 2048, speed_loop.pi.integral_q26);
+}
+
+static void test_without_limits_to_move_in_nothing_is_learned(void)
+{
+    allow_learning();
+    speed_cfg.inertia_least_q13 = 8192;
+    speed_cfg.inertia_most_q13 = 8192;
+    learn(speed_cfg.ramp, 222);
+    learn(speed_cfg.ramp, -222);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(-122 * 2048, speed_loop.pi.integral_q26);
+}
+
+static void test_without_a_rate_nothing_is_learned(void)
+{
+    allow_learning();
+    speed_cfg.inertia_rate = 0;
+    learn(speed_cfg.ramp, 222);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(322 * 2048, speed_loop.pi.integral_q26);
+}
+
+static void test_a_start_keeps_what_was_learned(void)
+{
+    speed_loop.inertia_q17 = 200000;
+    speed_loop_reset(&speed_loop, 1000);
+    speed_loop_start(&speed_loop, 1000, 100);
+    speed_loop_lower(&speed_loop);
+    speed_loop_restore(&speed_loop);
+    TEST_ASSERT_EQUAL_INT32(200000, speed_loop.inertia_q17);
+}
+
+/* 1548 LSB for the file's J, test_acceleration_feed_forward_follows_the_change_of_the_reference(). */
+static void test_the_feed_forward_is_that_of_the_inertia_in_force(void)
+{
+    speed_cfg.pi.kp = 0;
+    speed_cfg.pi.ki = 0;
+    speed_loop.inertia_q17 = RATIO_ONE_Q17 / 4 * 7;
+    TEST_ASSERT_EQUAL_INT32(1548 * 7 / 4,
+                            speed_loop_step(&speed_loop, &speed_cfg, 100000, 0, torque));
+}
+
+static void test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts(void)
+{
+    const int32_t heavy = RATIO_ONE_Q17 / 2 * 3;
+    int32_t integral[2];
+
+    for (int32_t k = 0; k < 2; k++) {
+        speed_loop_reset(&speed_loop, 0);
+        speed_loop.inertia_q17 = heavy - 1 + k;
+        (void)speed_loop_step(&speed_loop, &speed_cfg, 0, -400000, torque);
+        integral[k] = speed_loop.pi.integral_q26;
+    }
+    TEST_ASSERT_TRUE(integral[0] > 2048);
+    TEST_ASSERT_INT32_WITHIN(1, integral[0] / 2, integral[1]);
+}
+
+/* A rotor of `ratio` times the file's J on a ramp and behind it. Returns how far it overshoots, steps. */
+static step_t overshoot_behind_a_ramp(double ratio)
+{
+    const step_t target = 100 * speed_cfg.ramp;
+    const double steps_per_lsb = speed_cfg.ramp / 2216.7 / ratio;
+    double speed = 0.0;
+    double highest = 0.0;
+
+    speed_loop_reset(&speed_loop, 0);
+    for (int32_t k = 0; k < 300; k++) {
+        const step_t before = speed_loop.reference;
+        const int32_t integral = speed_loop.pi.integral_q26;
+        const step_t next = speed_loop_ramp(&speed_loop, &speed_cfg, target);
+        const int32_t demand =
+            speed_loop_step(&speed_loop, &speed_cfg, next, (step_t)lround(speed), torque);
+
+        speed_loop_learn(&speed_loop, &speed_cfg, speed_loop.reference - before, integral);
+        speed += demand * steps_per_lsb;
+        highest = fmax(highest, speed);
+    }
+    return (step_t)lround(highest) - target;
+}
+
+/*
+ * The speed of a period is measured before its torque acts. So without an error the rotor is a period ahead on a ramp: one
+ * change of 100. More than 3 without a J that is learned.
+ */
+static void test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned(void)
+{
+    static const double ratios[] = {0.6, 2.5};
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        speed_loop_init(&speed_loop);
+        allow_learning();
+        (void)overshoot_behind_a_ramp(ratios[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * ratios[k], ratios[k],
+                                  speed_loop.inertia_q17 / (double)RATIO_ONE_Q17);
+        TEST_ASSERT_INT32_WITHIN(speed_cfg.ramp / 10, speed_cfg.ramp,
+                                 overshoot_behind_a_ramp(ratios[k]));
+    }
+    speed_loop_init(&speed_loop);
+    speed_cfg.inertia_least_q13 = 8192;
+    speed_cfg.inertia_most_q13 = 8192;
+    (void)overshoot_behind_a_ramp(2.5);
+    TEST_ASSERT_TRUE(overshoot_behind_a_ramp(2.5) > (3 * speed_cfg.ramp));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -860,5 +1021,14 @@ int main(void)
     RUN_TEST(test_half_the_bandwidth_has_half_of_kp_and_a_quarter_of_ki);
     RUN_TEST(test_the_bandwidth_is_halved_once_and_given_back_whole);
     RUN_TEST(test_half_the_bandwidth_holds_for_the_finest_gains);
+    RUN_TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia);
+    RUN_TEST(test_below_half_of_the_ramp_the_integral_keeps_it);
+    RUN_TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it);
+    RUN_TEST(test_without_limits_to_move_in_nothing_is_learned);
+    RUN_TEST(test_without_a_rate_nothing_is_learned);
+    RUN_TEST(test_a_start_keeps_what_was_learned);
+    RUN_TEST(test_the_feed_forward_is_that_of_the_inertia_in_force);
+    RUN_TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts);
+    RUN_TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned);
     return UNITY_END();
 }
