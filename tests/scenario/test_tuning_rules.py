@@ -23,8 +23,8 @@ RULES = (
     ("gradient of the angle", "zoo:servo:105@21:user", ("observer.frame_share=0",)),
     ("current loop by the PWM", "zoo:71@2:user", ("current_loop.bandwidth_hz=500",),
      ("observer.feedback=0", "observer.frame_share=0")),  # which hold this motor too
-    ("legs that commutate softly", "zoo:servo:243@21:user", ("model.output_capacitance_f=0",)),
     ("least current by the dead time", "zoo:outrunner:97@11", ("current_loop.floor_pct=18",)),
+    ("legs that commutate softly", "zoo:servo:243@21:user", ("model.output_capacitance_f=0",)),
     ("alignment above the hold", "zoo:16@11:user", ("startup.align_current_pct=0",)),
 )
 
