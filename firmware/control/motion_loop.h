@@ -104,9 +104,9 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                         step_t measured, torque_range_t range);
 
 /*
- * After a step on a ramp of speed control: what the integral has taken over in this step goes to J, as far as its limits let
- * it. change: of the reference in this step, ±2^30; below half of the ramp nothing is learned. integral_before_q26: the
- * integral before the step. Rounded down. What rounds to nothing stays with the integral.
+ * After a step on a ramp of speed control: what the integral has taken over in this step goes to J, or nothing where J would
+ * leave its limits. change: of the reference in this step, ±2^30; below half of the ramp nothing is learned.
+ * integral_before_q26: the integral before the step. Rounded down. What rounds to nothing stays with the integral.
  */
 void speed_loop_learn(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t change,
                       int32_t integral_before_q26);

@@ -89,7 +89,7 @@ constexpr double ALONG_SHARE = 0.85;
 constexpr double ACROSS_SHARE = 0.45;
 
 // A vector of the current φ/(L_q − L_d) has no stiffness against a rotor on it: the reluctance turns it away as strongly as the
-// magnet holds it. Half of it leaves half of the stiffness, and with L_d and L_q/L_d 20 % above the file's some.
+// magnet holds it. Half of it leaves half of the stiffness, if the file's L_d and L_q are right.
 constexpr double SALIENT_SHARE = 0.5;
 
 double hold_current(const MotorSettings &motor, const BoardSettings &board,
