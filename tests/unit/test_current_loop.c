@@ -307,7 +307,7 @@ static void test_braking_d_axis_is_cut_to_what_the_circle_leaves_beside_q(void)
         current_loop_reset(&loop);
         pi_reset(&loop.pi_d, sign * 9000);
         pi_reset(&loop.pi_q, -6000);
-        v = planned_step((dq_t){0, -4000}, (dq_t){0, 0}, 1, 10000);
+        v = planned_step((dq_t){0, -1}, (dq_t){0, 0}, 1, 10000);
         TEST_ASSERT_EQUAL_INT32(sign * 8000, v.d);
         TEST_ASSERT_EQUAL_INT32(-6000, v.q);
         TEST_ASSERT_EQUAL_INT32(sign * 8000 * 2048, loop.pi_d.integral_q26);

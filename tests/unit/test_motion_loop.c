@@ -867,6 +867,53 @@ static void test_beyond_the_limits_of_the_inertia_the_integral_keeps_it(void)
     TEST_ASSERT_EQUAL_INT32(-122 * 2048, speed_loop.pi.integral_q26);
 }
 
+/* Each limit belongs to the range, and the next LSB does not. */
+static void test_the_inertia_goes_to_its_limits_and_not_beyond(void)
+{
+    const int32_t limits[] = {RATIO_ONE_Q17 / 2, 3 * RATIO_ONE_Q17};
+    const int32_t added[] = {-222, 222};
+
+    for (uint32_t k = 0U; k < 2U; k++) {
+        int32_t moved;
+
+        allow_learning();
+        speed_loop.inertia_q17 = RATIO_ONE_Q17;
+        learn(speed_cfg.ramp, added[k]);
+        moved = speed_loop.inertia_q17 - RATIO_ONE_Q17;
+        speed_loop.inertia_q17 = limits[k] - moved;
+        learn(speed_cfg.ramp, added[k]);
+        TEST_ASSERT_EQUAL_INT32(limits[k], speed_loop.inertia_q17);
+        speed_loop.inertia_q17 = limits[k] - moved + ((k == 0U) ? -1 : 1);
+        learn(speed_cfg.ramp, added[k]);
+        TEST_ASSERT_EQUAL_INT32(limits[k] - moved + ((k == 0U) ? -1 : 1), speed_loop.inertia_q17);
+    }
+}
+
+/* 10 of Q26 are 10·30274/2^20 = 0.3 of J's LSB. */
+static void test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral(void)
+{
+    allow_learning();
+    speed_loop.pi.integral_q26 = 10;
+    speed_loop_learn(&speed_loop, &speed_cfg, speed_cfg.ramp, 0);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
+    TEST_ASSERT_EQUAL_INT32(10, speed_loop.pi.integral_q26);
+}
+
+/* The smallest rate: 2^16 of Q26 are one of J's LSB. The smallest ramp: a change of one step is all of it. */
+static void test_the_smallest_rate_and_the_smallest_ramp_learn_too(void)
+{
+    allow_learning();
+    speed_cfg.inertia_rate = 1;
+    speed_cfg.inertia_rate_shift = 0U;
+    speed_cfg.ramp = 1;
+    speed_loop.pi.integral_q26 = 5 * 65536;
+    speed_loop_learn(&speed_loop, &speed_cfg, -1, 0);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17 - 5, speed_loop.inertia_q17);
+    speed_loop.pi.integral_q26 = 5 * 65536;
+    speed_loop_learn(&speed_loop, &speed_cfg, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(RATIO_ONE_Q17, speed_loop.inertia_q17);
+}
+
 static void test_without_limits_to_move_in_nothing_is_learned(void)
 {
     allow_learning();
@@ -1024,6 +1071,9 @@ int main(void)
     RUN_TEST(test_what_the_integral_takes_over_on_a_ramp_goes_to_the_inertia);
     RUN_TEST(test_below_half_of_the_ramp_the_integral_keeps_it);
     RUN_TEST(test_beyond_the_limits_of_the_inertia_the_integral_keeps_it);
+    RUN_TEST(test_the_inertia_goes_to_its_limits_and_not_beyond);
+    RUN_TEST(test_what_is_less_than_an_lsb_of_the_inertia_stays_with_the_integral);
+    RUN_TEST(test_the_smallest_rate_and_the_smallest_ramp_learn_too);
     RUN_TEST(test_without_limits_to_move_in_nothing_is_learned);
     RUN_TEST(test_without_a_rate_nothing_is_learned);
     RUN_TEST(test_a_start_keeps_what_was_learned);

@@ -274,6 +274,44 @@ test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_curr
     }
 }
 
+static void test_the_gradient_state_follows_the_current_of_the_last_refresh(void)
+{
+    static const int32_t shares[] = {1, 8192};
+
+    cfg.saliency_q13 = 16384;
+    for (uint32_t k = 0U; k < 2U; k++) {
+        dq_t after_start;
+
+        cfg.frame_share_q13 = shares[k];
+        nn_observer_start(&obs, &cfg, 0, (dq_t){3000, -5000}, trig_sincos(0U));
+        after_start = obs.state;
+        nn_observer_start(&obs, &cfg, 0, (dq_t){0, 0}, trig_sincos(0U));
+        obs.current = (dq_t){3000, -5000};
+        nn_observer_refresh(&obs, &cfg, 0);
+        TEST_ASSERT_EQUAL_INT32(after_start.d, obs.state.d);
+        TEST_ASSERT_EQUAL_INT32(after_start.q, obs.state.q);
+    }
+    cfg.frame_share_q13 = 0;
+    obs.state = (dq_t){1, 2};
+    nn_observer_refresh(&obs, &cfg, 0);
+    TEST_ASSERT_EQUAL_INT32(1, obs.state.d);
+    TEST_ASSERT_EQUAL_INT32(2, obs.state.q);
+}
+
+/* L_q/L_d = 4 and currents at full scale: 3·16384 and more. */
+static void test_the_gradient_state_stays_within_its_format(void)
+{
+    cfg.frame_share_q13 = 8192;
+    cfg.saliency_q13 = 32767;
+    cfg.current_shift = 0U;
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        cfg.flux_q27 = (sign > 0) ? 0x7FFFFFF : 1;
+        nn_observer_start(&obs, &cfg, 0, (dq_t){-sign * 16383, sign * 16383}, trig_sincos(0U));
+        TEST_ASSERT_EQUAL_INT32(sign * 46341, obs.state.d);
+        TEST_ASSERT_EQUAL_INT32(sign * 46341, obs.state.q);
+    }
+}
+
 static void test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current(void)
 {
     for (uint32_t k = 0U; k < 32U; k++) {
@@ -1350,6 +1388,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_with_a_frame_share_the_gradient_leaves_out_what_the_current_turns);
+    RUN_TEST(test_the_gradient_state_follows_the_current_of_the_last_refresh);
+    RUN_TEST(test_the_gradient_state_stays_within_its_format);
     RUN_TEST(test_with_the_whole_share_the_gradient_of_a_round_motor_does_not_follow_the_current);
     RUN_TEST(test_start_at_rest_has_the_flux_along_the_d_axis_and_no_current);
     RUN_TEST(test_standstill_without_current_stays_exactly_at_rest);
