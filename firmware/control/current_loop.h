@@ -65,8 +65,8 @@ dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 /*
  * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364. limit 0…32766: a demand
  * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals move freely. Outside, each
- * axis is limited first, as by pi_limit(). Then a square root cuts the second axis to the circle, and its integral loses what was cut
- * off.
+ * axis is limited first, as by pi_limit(). Then a square root cuts the second axis to the circle, and its integral loses
+ * what was cut off.
  */
 dq_t current_loop_step(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t reference,
                        dq_t measured, int32_t limit);
