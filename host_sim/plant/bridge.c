@@ -68,7 +68,7 @@ static plant_vector_t voltage_without(const state_t *state, int leg)
     if (leg >= 0) {
         v[leg] = 0.0;
     }
-    return plant_bridge_clarke(v[0], v[1], v[2]);
+    return plant_clarke(v[0], v[1], v[2]);
 }
 
 /* The other two legs conduct: does this one float or begin to conduct? */
@@ -96,7 +96,7 @@ static double star_point_play(const plant_motor_t *motor, const limits_t *limits
                               int *sink)
 {
     double emf[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_emf(motor), emf);
+    plant_phases(plant_motor_emf(motor), emf);
     *source = 0;
     *sink = 0;
     for (int leg = 1; leg < PLANT_LEGS; leg++) {
@@ -127,7 +127,7 @@ static void resolve_none(const plant_motor_t *motor, const limits_t *limits, sta
 static void resolve(const plant_motor_t *motor, const limits_t *limits, state_t *state)
 {
     double current[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_current(motor), current);
+    plant_phases(plant_motor_current(motor), current);
     int idle = 0;
     int last_idle = 0;
     for (int leg = 0; leg < PLANT_LEGS; leg++) {
@@ -179,7 +179,7 @@ static double margin(const plant_motor_t *motor, const limits_t *limits, const s
         least = fmin(potential - limits->lower[floating], limits->upper[floating] - potential);
     }
     double current[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_current(motor), current);
+    plant_phases(plant_motor_current(motor), current);
     for (int k = 0; k < PLANT_LEGS; k++) {
         if (state->direction[k] != 0 && (double)state->direction[k] * current[k] < least) {
             least = (double)state->direction[k] * current[k];
@@ -257,7 +257,7 @@ static double rail_current(const plant_motor_t *motor, const plant_segment_t *se
                            const state_t *state)
 {
     double current[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_current(motor), current);
+    plant_phases(plant_motor_current(motor), current);
     double sum = 0.0;
     for (unsigned leg = 0; leg < PLANT_LEGS; leg++) {
         const bool diode = !is_in(segment->low, leg) && state->direction[leg] < 0;
@@ -274,8 +274,8 @@ void plant_bridge_run(plant_motor_t *motor, const plant_segment_t *segment,
     const limits_t limits = leg_limits(segment, rails);
     double left_s = segment->duration_s;
     for (int event = 0; left_s > 0.0; event++) {
-        const double effort = left_s * plant_motor_rate(motor);
-        const double steps = (effort > motor->step_bound) ? ceil(effort / motor->step_bound) : 1.0;
+        const double steps =
+            plant_motor_steps(left_s * plant_motor_rate(motor) / motor->step_bound);
         double step_s = (steps > 1.0) ? left_s / steps : left_s;
         state_t state = {0};
         resolve(motor, &limits, &state);

@@ -33,21 +33,6 @@ extern "C" {
 /* A, and V for potentials. */
 #define PLANT_BRIDGE_TOLERANCE 1.0e-6
 
-/* Leg potentials to a stationary vector (amplitude-invariant Clarke), V. */
-static inline plant_vector_t plant_bridge_clarke(double a, double b, double c)
-{
-    const plant_vector_t v = {(2.0 * a - b - c) * (1.0 / 3.0), (b - c) * (1.0 / PLANT_SQRT3)};
-    return v;
-}
-
-/* A stationary vector to three phases. */
-static inline void plant_bridge_phases(plant_vector_t v, double phase[PLANT_LEGS])
-{
-    phase[0] = v.alpha;
-    phase[1] = 0.5 * (PLANT_SQRT3 * v.beta - v.alpha);
-    phase[2] = -0.5 * (PLANT_SQRT3 * v.beta + v.alpha);
-}
-
 /* What the legs connect to, constant over a segment. */
 typedef struct {
     double bus_v;  /* V, > 0 */

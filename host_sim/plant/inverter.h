@@ -17,6 +17,8 @@
 #ifndef PLANT_INVERTER_H
 #define PLANT_INVERTER_H
 
+#include "legs.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -24,7 +26,6 @@
 extern "C" {
 #endif
 
-#define PLANT_LEGS 3
 #define PLANT_ALL_LEGS 7U
 
 /* A leg changes at most six times in a period: an inherited dead time ends; edge at the start and

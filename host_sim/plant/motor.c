@@ -281,8 +281,7 @@ static void real_run_driven(plant_motor_t *motor, unsigned count, const plant_in
 {
     for (unsigned k = 0; k < count; k++) {
         const plant_source_t source = {.constant = interval[k].v, .rate = rate};
-        const double effort = interval[k].duration_s * rate / motor->step_bound;
-        const double steps = (effort > 1.0) ? ceil(effort) : 1.0;
+        const double steps = plant_motor_steps(interval[k].duration_s * rate / motor->step_bound);
         for (int64_t left = (int64_t)steps; left > 0; left--) {
             plant_real_step_fed(motor, interval[k].duration_s / steps, &source, NULL);
         }

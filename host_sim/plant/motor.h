@@ -46,6 +46,7 @@
 #define PLANT_MOTOR_H
 
 #include "iron.h"
+#include "legs.h"
 #include "rotation.h"
 
 #include <stdbool.h>
@@ -141,26 +142,19 @@ typedef struct {
     double load_torque_nm;
 } plant_motor_t;
 
-/* A vector in the stationary frame. */
-typedef struct {
-    double alpha;
-    double beta;
-} plant_vector_t;
-
 /* A voltage for a time. */
 typedef struct {
     double duration_s;
     plant_vector_t v;
 } plant_interval_t;
 
-/* A terminal voltage of which a part follows the phase currents: constant + follow(what, current). */
+/* A terminal voltage of which a part may follow the phase currents. */
 typedef struct {
     plant_vector_t constant;
     /* 1/s, of motor and source: plant_motor_rate, or |dv/di| of what follows over the smallest inductance if that is
      * larger. */
     double rate;
-    plant_vector_t (*follow)(const void *what, plant_vector_t current); /* NULL: no such part */
-    const void *what;
+    const plant_soft_legs_t *legs; /* add to the constant; NULL: nothing follows */
 } plant_source_t;
 
 /* Largest saturation_shared of a motor whose other fields are in range, 1 at most. */
@@ -185,6 +179,12 @@ static inline double plant_motor_rate(const plant_motor_t *motor)
 {
     const double rate = motor->rate_constant + motor->rate_speed * fabs(motor->now.omega_el_rad_s);
     return motor->iron.saturates ? rate * plant_motor_growth(motor) : rate;
+}
+
+/* Into how many equal steps a time goes: its rate * time over their bound, rounded up. */
+static inline double plant_motor_steps(double effort)
+{
+    return (effort > 1.0) ? ceil(effort) : 1.0;
 }
 
 /* Phase currents as a stationary vector, A. */

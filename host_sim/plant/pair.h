@@ -18,17 +18,21 @@ static inline double difference(pair_t a)
     return a[1] - a[0];
 }
 
+/* The vector a right angle further on. A product, because gcc builds {-a[1], a[0]} component by component. */
+static inline pair_t ahead_of(pair_t a)
+{
+    return (pair_t){-1.0, 1.0} * swapped(a);
+}
+
 /* The vector after a turn forwards by r (cosine, sine), and seen from a frame turned by r. */
 static inline pair_t turned(pair_t r, pair_t a)
 {
-    const pair_t sine = {-r[1], r[1]};
-    return r[0] * a + sine * swapped(a);
+    return r[0] * a + r[1] * ahead_of(a);
 }
 
 static inline pair_t turned_back(pair_t r, pair_t a)
 {
-    const pair_t sine = {r[1], -r[1]};
-    return r[0] * a + sine * swapped(a);
+    return r[0] * a - r[1] * ahead_of(a);
 }
 
 /* Cosine and sine of a small angle, |turn| <= about 0.2, by power series up to 3e-14 (turn^10 / 10!). */
@@ -49,8 +53,7 @@ static inline pair_t small_turn(double turn, double second, double third)
 {
     const pair_t late = {1.0 - 0.5 * second * second, second};
     const pair_t by = turned(late, turn_of(turn));
-    const pair_t across = {-by[1], by[0]};
-    return by + third * across;
+    return by + third * ahead_of(by);
 }
 
 /* Voltage along a phase axis for a potential of its terminal: Clarke's factor. */

@@ -183,7 +183,7 @@ void plant_set_temperature(plant_t *plant, double temperature_c)
 void plant_sample(plant_t *plant, plant_adc_t *adc)
 {
     double current[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_current(&plant->motor), current);
+    plant_phases(plant_motor_current(&plant->motor), current);
     plant_sensors_convert(&plant->sensors, current[0], current[1], plant->bus_v, adc);
     adc->angle = plant_sensors_angle(&plant->sensors, plant_motor_angle_mech(&plant->motor));
 }
@@ -270,17 +270,17 @@ static void run_unseen(plant_t *plant, const plant_rails_t *rails, unsigned coun
 static void run_followed(plant_t *plant, const plant_rails_t *rails, const plant_segment_t *segment,
                          double *charge_c)
 {
-    const double effort = segment->duration_s * plant_motor_rate(&plant->motor) / FOLLOWED_STEP;
-    const unsigned parts = (unsigned)fmax(ceil(effort), 1.0);
+    const double parts =
+        plant_motor_steps(segment->duration_s * plant_motor_rate(&plant->motor) / FOLLOWED_STEP);
     plant_segment_t part = *segment;
     double from[PLANT_LEGS];
     double to[PLANT_LEGS];
-    part.duration_s = segment->duration_s / (double)parts;
-    plant_bridge_phases(plant_motor_current(&plant->motor), to);
-    for (unsigned k = 0; k < parts; k++) {
+    part.duration_s = segment->duration_s / parts;
+    plant_phases(plant_motor_current(&plant->motor), to);
+    for (int64_t left = (int64_t)parts; left > 0; left--) {
         memcpy(from, to, sizeof from);
         run_unseen(plant, rails, 1, &part, charge_c);
-        plant_bridge_phases(plant_motor_current(&plant->motor), to);
+        plant_phases(plant_motor_current(&plant->motor), to);
         plant_sensors_follow(&plant->sensors, part.duration_s, from, to);
     }
 }
@@ -318,8 +318,9 @@ static void go_back(plant_t *plant, const instant_t *to)
 static bool is_beyond_trip(const plant_t *plant)
 {
     double current[PLANT_LEGS];
-    plant_bridge_phases(plant_motor_current(&plant->motor), current);
-    return fmax(fabs(current[0]), fmax(fabs(current[1]), fabs(current[2]))) > plant->trip_a;
+    plant_phases(plant_motor_current(&plant->motor), current);
+    return fabs(current[0]) > plant->trip_a || fabs(current[1]) > plant->trip_a ||
+           fabs(current[2]) > plant->trip_a;
 }
 
 /* The comparators trip within a segment that begins like this: the plant goes to the instant at which they
@@ -426,7 +427,7 @@ void plant_view(const plant_t *plant, plant_view_t *view)
     view->omega_mech_rad_s = plant->motor.now.omega_el_rad_s / plant->motor.pole_pairs;
     view->i_d_a = plant_motor_i_d(&plant->motor);
     view->i_q_a = plant_motor_i_q(&plant->motor);
-    plant_bridge_phases(plant_motor_current(&plant->motor), view->i_abc_a);
+    plant_phases(plant_motor_current(&plant->motor), view->i_abc_a);
     view->torque_nm = plant_motor_torque(&plant->motor);
     view->bus_v = plant->bus_v;
 }

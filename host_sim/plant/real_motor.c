@@ -42,6 +42,7 @@ typedef struct {
     pair_t held;    /* cosine and sine of the held frame */
     pair_t voltage; /* the source's constant, held frame */
     waves_t waves;  /* at the beginning */
+    rotor_t rotor;  /* likewise */
     shaft_t shaft;
 } context_t;
 
@@ -60,16 +61,22 @@ static inline waves_t waves_now(const plant_motor_t *m)
                      {now->cogging_cosine, now->cogging_sine}};
 }
 
-/* The waves after a turn of the rotor, small, and its cosine and sine. */
+/* The waves after a turn of the rotor, small; `by` is its cosine and sine. */
+static inline pair_t sixth_after(const waves_t *from, pair_t by)
+{
+    return turned(sixth_power(by), from->sixth);
+}
+
+static inline pair_t cogging_after(const plant_motor_t *m, const waves_t *from, double turn)
+{
+    return (m->cogging_nm > 0.0) ? turned(turn_of(m->cogging_ratio * turn), from->cogging)
+                                 : from->cogging;
+}
+
 static inline waves_t waves_after(const plant_motor_t *m, const waves_t *from, double turn,
                                   pair_t by)
 {
-    waves_t waves = *from;
-    waves.sixth = turned(sixth_power(by), from->sixth);
-    if (m->cogging_nm > 0.0) {
-        waves.cogging = turned(turn_of(m->cogging_ratio * turn), from->cogging);
-    }
-    return waves;
+    return (waves_t){sixth_after(from, by), cogging_after(m, from, turn)};
 }
 
 /* Flux linkage of the magnet alone. */
@@ -155,8 +162,7 @@ plant_vector_t plant_real_emf(const plant_motor_t *motor)
     const waves_t waves = waves_now(motor);
     const pair_t flux = magnet_of(motor, &waves);
     const rotor_t rotor = rotor_of(motor, &waves, flux);
-    const pair_t ahead = {-flux[1], flux[0]};
-    const pair_t emf = core.omega * turned(core.axis, rotor.by_angle + ahead);
+    const pair_t emf = core.omega * turned(core.axis, rotor.by_angle + ahead_of(flux));
     return (plant_vector_t){emf[0], emf[1]};
 }
 
@@ -226,11 +232,11 @@ double plant_real_growth(const plant_motor_t *motor)
 /* The part of the voltage that follows the current, held frame. */
 static inline pair_t following(const context_t *c, pair_t current)
 {
-    if (c->source->follow == NULL) {
+    if (c->source->legs == NULL) {
         return (pair_t){0.0, 0.0};
     }
     const pair_t i = turned(c->held, current);
-    const plant_vector_t v = c->source->follow(c->source->what, (plant_vector_t){i[0], i[1]});
+    const plant_vector_t v = plant_soft_legs_v(c->source->legs, (plant_vector_t){i[0], i[1]});
     return turned_back(c->held, (pair_t){v.alpha, v.beta});
 }
 
@@ -247,9 +253,10 @@ static inline double potential_at(const plant_motor_t *m, const rotor_t *rotor, 
     return -along / (PLANT_CLARKE * dot(n, yielding(&s, n)));
 }
 
-static pair_t flux_slope(const context_t *c, const rotor_t *rotor, double omega, pair_t by)
+/* With the rotor turned by `by` since the beginning; current: its current, held frame. */
+static inline pair_t flux_slope(const context_t *c, const rotor_t *rotor, double omega, pair_t by,
+                                pair_t current)
 {
-    const pair_t current = turned(by, rotor->current);
     pair_t voltage = c->voltage + following(c, current);
     if (c->is_tied) {
         const pair_t v = turned_back(by, voltage);
@@ -259,28 +266,48 @@ static pair_t flux_slope(const context_t *c, const rotor_t *rotor, double omega,
     return voltage - c->m->resistance_ohm * current;
 }
 
-static void slope_at(const context_t *c, const point_t *at, point_t *slope)
+/* All but that of the flux. */
+static inline point_t motion_slope(const context_t *c, const rotor_t *rotor, const point_t *at)
+{
+    const plant_motor_t *m = c->m;
+    point_t slope = {.turn = at->omega};
+    double drag_nm = c->shaft.drag_nm;
+    if (is_elastic(m)) {
+        const double twisting_nm = twisting_torque(m, at->omega, at->load);
+        drag_nm += twisting_nm;
+        slope.load = (pair_t){at->omega / m->pole_pairs - at->load[1],
+                              m->load_gain * (twisting_nm - m->load_torque_nm)};
+    }
+    slope.omega = c->shaft.gain * (torque_at(m, rotor) - drag_nm) - m->decay_shaft * at->omega;
+    return slope;
+}
+
+/* slope_at where the rotor has not turned yet, every second slope of the midpoint method: nothing has to be turned. */
+static inline point_t first_slope(const context_t *c, const point_t *at)
+{
+    const pair_t by = {1.0, 0.0};
+    point_t slope = motion_slope(c, &c->rotor, at);
+    if (c->source != NULL) {
+        slope.flux = flux_slope(c, &c->rotor, at->omega, by, c->rotor.current);
+    }
+    return slope;
+}
+
+/* In line, because a call costs a sixth of a run: its points would go through memory, written number by number and read
+ * pair by pair, which the processor has to wait for. */
+__attribute__((always_inline)) static inline point_t slope_at(const context_t *c, const point_t *at)
 {
     const plant_motor_t *m = c->m;
     const pair_t by = turn_of(at->turn);
     const waves_t waves = waves_after(m, &c->waves, at->turn, by);
     rotor_t rotor = rotor_of(m, &waves, turned_back(by, at->flux));
-    if (c->source != NULL) {
-        slope->flux = flux_slope(c, &rotor, at->omega, by);
-    } else {
+    if (c->source == NULL) {
         rotor.current = (pair_t){0.0, 0.0};
-        slope->flux = (pair_t){0.0, 0.0};
+        return motion_slope(c, &rotor, at);
     }
-    double drag_nm = c->shaft.drag_nm;
-    slope->load = (pair_t){0.0, 0.0};
-    if (is_elastic(m)) {
-        const double twisting_nm = twisting_torque(m, at->omega, at->load);
-        drag_nm += twisting_nm;
-        slope->load = (pair_t){at->omega / m->pole_pairs - at->load[1],
-                               m->load_gain * (twisting_nm - m->load_torque_nm)};
-    }
-    slope->omega = c->shaft.gain * (torque_at(m, &rotor) - drag_nm) - m->decay_shaft * at->omega;
-    slope->turn = at->omega;
+    point_t slope = motion_slope(c, &rotor, at);
+    slope.flux = flux_slope(c, &rotor, at->omega, by, turned(by, rotor.current));
+    return slope;
 }
 
 static inline point_t moved(const point_t *from, const point_t *slope, double step)
@@ -290,22 +317,18 @@ static inline point_t moved(const point_t *from, const point_t *slope, double st
 }
 
 /* Classical Runge-Kutta, or the midpoint method for a rate * step of effort. */
-static point_t integrated(const context_t *c, const point_t *start, double h, double effort)
+static inline point_t integrated(const context_t *c, const point_t *start, double h, double effort)
 {
-    point_t k1;
-    point_t k2;
-    point_t k3;
-    point_t k4;
-    slope_at(c, start, &k1);
+    const point_t k1 = first_slope(c, start);
     const point_t p2 = moved(start, &k1, 0.5 * h);
-    slope_at(c, &p2, &k2);
+    const point_t k2 = slope_at(c, &p2);
     if (effort <= MIDPOINT_STEP) {
         return moved(start, &k2, h);
     }
     const point_t p3 = moved(start, &k2, 0.5 * h);
-    slope_at(c, &p3, &k3);
+    const point_t k3 = slope_at(c, &p3);
     const point_t p4 = moved(start, &k3, h);
-    slope_at(c, &p4, &k4);
+    const point_t k4 = slope_at(c, &p4);
     point_t end = moved(start, &k1, h * (1.0 / 6.0));
     end = moved(&end, &k2, h * (1.0 / 3.0));
     end = moved(&end, &k3, h * (1.0 / 3.0));
@@ -315,30 +338,45 @@ static point_t integrated(const context_t *c, const point_t *start, double h, do
 /* ---- steps ---------------------------------------------------------------------------------- */
 
 /* Torque on the rotor as the motor stands, without friction. */
-static double net_now(const plant_motor_t *m)
+static inline double net_now(const plant_motor_t *m, const rotor_t *rotor)
 {
-    return plant_real_torque(m) - load_torque(m);
+    return torque_at(m, rotor) - load_torque(m);
 }
 
-/* The torque of an elastic shaft changes within a step, so slope_at adds it. */
-static shaft_t shaft_now(const plant_motor_t *m)
+/* The torque of an elastic shaft changes within a step, so motion_slope adds it. */
+static inline shaft_t shaft_now(const plant_motor_t *m, const rotor_t *rotor)
 {
     shaft_t shaft = {m->acceleration, is_elastic(m) ? 0.0 : m->load_torque_nm};
     if (m->coulomb_nm > 0.0) {
-        add_friction(m, net_now(m), m->now.omega_el_rad_s, &shaft);
+        add_friction(m, net_now(m, rotor), m->now.omega_el_rad_s, &shaft);
     }
     return shaft;
 }
 
-static context_t context_of(const plant_motor_t *m, const core_t *core,
-                            const plant_source_t *source)
+/* A vector of the stationary frame in the held one. */
+static inline pair_t held_from(const core_t *core, plant_vector_t v)
 {
+    return turned_back(core->axis, (pair_t){v.alpha, v.beta});
+}
+
+/* Without a voltage yet. Each member is given a value, else the compiler clears all of them first. */
+static inline context_t context_of(const plant_motor_t *m, const core_t *core,
+                                   const plant_source_t *source)
+{
+    const pair_t none = {0.0, 0.0};
+    const waves_t waves = waves_now(m);
+    const rotor_t rotor = rotor_of(m, &waves, core->flux);
+    const shaft_t shaft = shaft_now(m, &rotor);
     return (context_t){
         .m = m,
         .source = source,
+        .is_tied = false,
+        .tied = none,
         .held = core->axis,
-        .waves = waves_now(m),
-        .shaft = shaft_now(m),
+        .voltage = none,
+        .waves = waves,
+        .rotor = rotor,
+        .shaft = shaft,
     };
 }
 
@@ -365,27 +403,38 @@ static pair_t flux_without(const plant_motor_t *m, const waves_t *waves, pair_t 
     return cleared;
 }
 
+/* Flux linkage at the end of a step, in the frame of the rotor, which has turned by `by`. */
+static inline pair_t flux_at(const context_t *c, const point_t *end, pair_t by)
+{
+    const pair_t flux = turned_back(by, end->flux);
+    if (c->source != NULL && !c->is_tied) {
+        return flux;
+    }
+    const waves_t waves = {sixth_after(&c->waves, by), c->waves.cogging};
+    return c->is_tied ? flux_without(c->m, &waves, flux, turned_back(by, c->tied))
+                      : magnet_of(c->m, &waves);
+}
+
 /* Takes over the end of a step of h. */
 static void finish(plant_motor_t *motor, core_t *core, const context_t *c, const point_t *end,
                    double h)
 {
     const double before = core->omega;
     const pair_t by = turn_of(end->turn);
-    const waves_t waves = waves_after(motor, &c->waves, end->turn, by);
-    core->flux = (c->source != NULL) ? turned_back(by, end->flux) : magnet_of(motor, &waves);
-    if (c->is_tied) {
-        core->flux = flux_without(motor, &waves, core->flux, turned_back(by, c->tied));
-    }
+    const pair_t cogging = cogging_after(motor, &c->waves, end->turn);
+    core->flux = flux_at(c, end, by);
     core->axis = turned(by, core->axis);
     core->theta += end->turn;
     core->omega = end->omega;
     store(motor, core);
-    motor->now.cogging_cosine = waves.cogging[0];
-    motor->now.cogging_sine = waves.cogging[1];
+    motor->now.cogging_cosine = cogging[0];
+    motor->now.cogging_sine = cogging[1];
     motor->now.twist_rad = end->load[0];
     motor->now.load_speed_rad_s = end->load[1];
     if (motor->coulomb_nm > 0.0 && before * end->omega < 0.0) {
-        motor->now.omega_el_rad_s = speed_past_zero(motor, net_now(motor), before, end->omega, h);
+        const rotor_t rotor = rotor_now(motor);
+        motor->now.omega_el_rad_s =
+            speed_past_zero(motor, net_now(motor, &rotor), before, end->omega, h);
     }
 }
 
@@ -394,10 +443,10 @@ void plant_real_step_fed(plant_motor_t *motor, double step_s, const plant_source
 {
     core_t core = load(motor);
     context_t c = context_of(motor, &core, source);
-    c.voltage = turned_back(core.axis, (pair_t){source->constant.alpha, source->constant.beta});
+    c.voltage = held_from(&core, source->constant);
     if (tied != NULL) {
         c.is_tied = true;
-        c.tied = turned_back(core.axis, (pair_t){tied->alpha, tied->beta});
+        c.tied = held_from(&core, *tied);
     }
     const point_t start = start_of(motor, &core);
     const point_t end = integrated(&c, &start, step_s, source->rate * step_s);
@@ -421,16 +470,14 @@ double plant_real_floating_potential(const plant_motor_t *motor, plant_vector_t 
 {
     const core_t core = load(motor);
     const rotor_t rotor = rotor_now(motor);
-    return potential_at(motor, &rotor, core.omega,
-                        turned_back(core.axis, (pair_t){v.alpha, v.beta}),
-                        turned_back(core.axis, (pair_t){axis.alpha, axis.beta}));
+    return potential_at(motor, &rotor, core.omega, held_from(&core, v), held_from(&core, axis));
 }
 
 void plant_real_clear_phase(plant_motor_t *motor, plant_vector_t axis)
 {
     core_t core = load(motor);
     const waves_t waves = waves_now(motor);
-    const pair_t n = turned_back(core.axis, (pair_t){axis.alpha, axis.beta});
+    const pair_t n = held_from(&core, axis);
     core.flux = flux_without(motor, &waves, core.flux, n);
     store(motor, &core);
 }

@@ -80,7 +80,7 @@ static void run_with(double duration_s, unsigned high, unsigned low, double drop
 
     plant_bridge_run(&motor, &segment, &rails, NULL);
     plant_motor_wrap(&motor);
-    plant_bridge_phases(plant_motor_current(&motor), current);
+    plant_phases(plant_motor_current(&motor), current);
 }
 
 static double largest_current(void)
@@ -101,7 +101,7 @@ static void test_clarke_and_phases_are_inverse_without_zero_sequence(void)
 {
     double phase[PLANT_LEGS];
 
-    plant_bridge_phases(plant_bridge_clarke(10.0, -4.0, -6.0), phase);
+    plant_phases(plant_clarke(10.0, -4.0, -6.0), phase);
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-14, 10.0, phase[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-14, -4.0, phase[1]);
     TEST_ASSERT_DOUBLE_WITHIN(1.0e-14, -6.0, phase[2]);

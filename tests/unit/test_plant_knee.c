@@ -162,7 +162,7 @@ static void test_energy_from_the_bus_is_conserved(void)
         for (int p = 0; p < parts; p++) {
             plant_knee_run(&motor, &part, &rails, &charge_c);
             double i[PLANT_LEGS];
-            plant_bridge_phases(plant_motor_current(&motor), i);
+            plant_phases(plant_motor_current(&motor), i);
             double w = plant_motor_torque(&motor) * motor.now.omega_el_rad_s / MOTOR.pole_pairs;
             for (int leg = 0; leg < PLANT_LEGS; leg++) {
                 const double z = fabs(i[leg]) / KNEE_A;
@@ -270,7 +270,7 @@ static void test_a_broken_phase_floats_beside_soft_legs(void)
 
     for (int k = 0; k < 100; k++) {
         plant_knee_run(&motor, &segment, &rails, NULL);
-        plant_bridge_phases(plant_motor_current(&motor), i);
+        plant_phases(plant_motor_current(&motor), i);
         TEST_ASSERT_TRUE(fabs(i[0]) <= PLANT_BRIDGE_TOLERANCE);
     }
     /* Beyond the knee the potential of b is bus knee / (4 i): all of it is at 2 R. */
