@@ -92,6 +92,9 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
     bad = in_order(bad, "startup.current_move", cfg->current_hold, cfg->current_move);
     bad = in_order(bad, "startup.track_speed", cfg->track_speed, cfg->handover_speed);
     bad = in_order(bad, "startup.hold_speed", cfg->hold_speed, (int64_t)cfg->handover_speed - 1);
+    bad = in_order(bad, "startup.loaded_speed", cfg->loaded_speed, cfg->hold_speed);
+    bad = in_order(bad, "startup.settle_periods", cfg->settle_periods,
+                   (int64_t)cfg->handover_periods - 1);
     return in_order(bad, "startup.residual_lost", cfg->residual_max, cfg->residual_lost);
 }
 

@@ -35,7 +35,9 @@ typedef struct {
 
 /* i_d* in RUN, with or without a start-up. */
 typedef struct {
-    int32_t current_floor; /* |i_d*| + |i_q*| is at least this, Q15 of I_b, 0…16384 */
+    /* |i_d*| + |i_q*| / 2^floor_shift is at least this where the voltage allows it, Q15 of I_b, 0…16384 */
+    int32_t current_floor;
+    uint32_t floor_shift;  /* 0…1 */
     int32_t current_slope; /* change of i_d* in a tick, Q15 of I_b, 1…16384 */
     int32_t current_fall;  /* where it falls below current_floor, 1…16384 */
     /* share of a change of the speed reference that ω̂ takes on at once, 0…16384; 0: the published law */

@@ -26,12 +26,16 @@ typedef struct {
     step_t handover_speed;
     /* below this one RUN fades the imposed current in, and hands back at half of it, 1…handover_speed − 1 */
     step_t hold_speed;
+    /* in place of it in speed mode, while a load against the motion takes load_current or more of i_q, 1…hold_speed */
+    step_t loaded_speed;
+    int32_t load_current; /* Q15 of I_b, 1…16384 */
     /* the observer takes over only with a residual (filtered |e'_q|) below this, Q15 of I_b, 1…16384 */
     int32_t residual_max;
     /* a residual above this means that the rotor does not follow the vector, residual_max…16384 … */
     int32_t residual_lost;
     /* … in so many slow periods more than without: the start is repeated, 1…60000 */
     uint32_t lost_periods;
+    uint32_t settle_periods; /* slow periods that HANDOVER takes at least, 0…handover_periods − 1 */
     uint32_t
         handover_periods; /* slow periods that HANDOVER may take, else the start is repeated, 1…60000 */
     uint32_t attempts; /* failed starts until FAULT_STARTUP, 1…100 */

@@ -7,6 +7,8 @@
 #define QUARTER_TURN_BACK (0xC0000000U)
 #define PULSE_CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
 #define ONE_Q14 (16384)
+#define TELLING_TURN \
+    (0x15555555U) /* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
 
 /* During a long pulse the rotor turns far enough to measure the angle. The pause must not be longer than needed. */
 static uint32_t pause_ticks(const flying_start_t *start, const flying_start_cfg_t *cfg)
@@ -58,6 +60,18 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
     return current;
 }
 
+/* L_q / nominal. The error of the speed is as large in it, so a short way between the pulses tells less than a file. */
+static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
+{
+    const bool short_way = (way + TELLING_TURN) < (2U * TELLING_TURN);
+    int32_t ratio_q14 = 0;
+
+    if (!short_way) {
+        ratio_q14 = fx_clamp((expected * ONE_Q14) / fx_max(current, 1), 1, FX_Q15_MAX);
+    }
+    return ratio_q14;
+}
+
 /* The speed must explain the current within a factor of two. Wrong L and φ are within that factor, noise is not. */
 static bool plausible(int32_t expected, int32_t current)
 {
@@ -85,8 +99,7 @@ static flying_start_result_t judge(flying_start_t *start, const flying_start_cfg
         const int32_t since_middle = fx_asr(start->speed * (int32_t)length, 1U);
 
         start->angle = direction(second) + quarter + fx_unsigned(since_middle);
-        start->inductance_q14 =
-            fx_clamp((expected * ONE_Q14) / fx_max(fx_asr(one + other, 1U), 1), 1, FX_Q15_MAX);
+        start->inductance_q14 = inductance_told(turned, expected, fx_asr(one + other, 1U));
         result = FLYING_START_TURNING;
     }
     return result;

@@ -10,7 +10,8 @@
  * is slow enough to be pulled in.
  *
  * Speed and current together give φ/L: the current of a pulse is φ/L_q times the angle by which the rotor turns in it, less
- * what R takes. φ of a file is better known than L, so what does not fit is taken for an error of L.
+ * what R takes. φ of a file is better known than L, so what does not fit is taken for an error of L. A rotor that turns by
+ * less than 30° from pulse to pulse does not tell: noise in both directions is as much as L may be off.
  *
  * Before the first pulse, current that still flows has to decay through the diodes of the open bridge.
  *
@@ -71,7 +72,7 @@ typedef struct {
     /* Valid with TURNING: */
     step_t speed;           /* measured */
     angle_t angle;          /* of the rotor at the end of the second pulse */
-    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767 */
+    int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767; 0: not told */
 } flying_start_t;
 
 /* Begin. */

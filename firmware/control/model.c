@@ -74,42 +74,63 @@ static void apply_decay(model_t *model, const nn_observer_cfg_t *from)
 }
 
 /*
- * W1, W3 and η of paper A for the corrected R and L: T·R/L, T/L, and η such that κ = η·(φ/L)² stays. The ratios are applied
- * one after the other, because their product may be above 2.
+ * W1 and W3 of paper A for the corrected R and L: T·R/L, T/L. The ratios are applied one after the other, because their
+ * product may be above 2.
  */
 static void apply_weights(model_t *model, const model_nominal_t *nominal)
 {
     const nn_observer_cfg_t *const from = nominal->observer;
     nn_observer_cfg_t *const to = &model->observer;
-    const int32_t r = model->resistance_q14;
-    const int32_t l = model->inductance_q14;
 
     apply_decay(model, from);
     to->volt_gain = times(from->volt_gain, model->inductance_inverse_q14);
-    to->eta = times(times(from->eta, l), l);
-    to->kappa_p = times(times(from->kappa_p, l), l);
     to->saliency_q13 = fx_max(times(from->saliency_q13, model->saliency_q14), 1);
     to->iq_gain_q14 = fx_max(times(from->iq_gain_q14, inverse_q14(model->saliency_q14)), 1);
-    model->run_loop.resistance_q13 = times(nominal->run_loop->resistance_q13, r);
+    model->run_loop.resistance_q13 =
+        times(nominal->run_loop->resistance_q13, model->resistance_q14);
     model->hold_loop.resistance_q13 = model->run_loop.resistance_q13;
 }
 
-static void scale_gains(pi_cfg_t *to, const pi_cfg_t *from, int32_t ratio_q14)
+static void scale_gains(pi_cfg_t *to, const pi_cfg_t *from, int32_t ratio_q14, int32_t pace_q14)
 {
-    to->kp = times(from->kp, ratio_q14);
-    to->ki = times(from->ki, ratio_q14);
+    to->kp = times(times(from->kp, ratio_q14), pace_q14);
+    to->ki = times(times(from->ki, ratio_q14), pace_q14);
 }
 
-/* ω·L of both loops, and K_p = ω_c·L with the integral's corner where it is. */
+/* For the corrected L, so that κ = η·(φ/L)² stays. κ is the square of a rate, so it goes with the square of the pace. */
+static void apply_eta(model_t *model, const nn_observer_cfg_t *from)
+{
+    const int32_t l = model->inductance_q14;
+    const int32_t pace = model->pace_q14;
+    const int32_t eta = times(times(from->eta, l), l);
+
+    model->observer.eta = times(times(times(eta, pace), pace), model->kappa_q14);
+}
+
+/* Likewise κ_p, and K_p = ω_c·L with the integral's corner where it is: rates, in proportion to the pace. */
+static void apply_gains(model_t *model, const model_nominal_t *nominal)
+{
+    const nn_observer_cfg_t *const from = nominal->observer;
+    nn_observer_cfg_t *const to = &model->observer;
+    const int32_t pace = model->pace_q14;
+    const int32_t d = model->inductance_q14;
+    const int32_t q = model_ratio_q_q14(model);
+
+    apply_eta(model, from);
+    to->kappa_p = times(times(times(from->kappa_p, d), d), pace);
+    to->rho_max_q13 = times(from->rho_max_q13, pace);
+    scale_gains(&model->run_loop.pi_d, &nominal->run_loop->pi_d, d, pace);
+    scale_gains(&model->run_loop.pi_q, &nominal->run_loop->pi_q, q, pace);
+}
+
+/* ω·L of both loops. */
 static void apply_inductances(model_t *model, const model_nominal_t *nominal)
 {
     const int32_t d = model->inductance_q14;
-    const int32_t q = fx_asr(d * model->saliency_q14, 14U);
+    const int32_t q = model_ratio_q_q14(model);
     current_loop_cfg_t *const run = &model->run_loop;
     current_loop_cfg_t *const hold = &model->hold_loop;
 
-    scale_gains(&run->pi_d, &nominal->run_loop->pi_d, d);
-    scale_gains(&run->pi_q, &nominal->run_loop->pi_q, q);
     run->reactance_d_q13 = times(nominal->run_loop->reactance_d_q13, d);
     run->reactance_q_q13 = times(nominal->run_loop->reactance_q_q13, q);
     hold->reactance_d_q13 = run->reactance_d_q13;
@@ -141,6 +162,8 @@ void model_reset(model_t *model, const model_nominal_t *nominal)
         .inductance_q14 = MODEL_RATIO_ONE,
         .inductance_inverse_q14 = MODEL_RATIO_ONE,
         .saliency_q14 = MODEL_RATIO_ONE,
+        .pace_q14 = MODEL_RATIO_ONE,
+        .kappa_q14 = MODEL_RATIO_ONE,
         .flux_q30 = ONE_Q30,
     };
 }
@@ -160,6 +183,7 @@ NEVER_INLINED void model_set(model_t *model, const model_cfg_t *cfg, const model
     model->saliency_q14 =
         saliency_ratio(cfg, nominal->observer->saliency_q13, measured->saliency_q13);
     apply_weights(model, nominal);
+    apply_gains(model, nominal);
     apply_inductances(model, nominal);
     apply_flux(model, nominal);
 }
@@ -175,5 +199,37 @@ void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nomina
 
         model->flux_q30 = fx_clamp(flux_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
         apply_flux(model, nominal);
+    }
+}
+
+/* The speed as a share of full_speed, not below the least. */
+static int32_t share_at(const gain_share_cfg_t *cfg, step_t speed)
+{
+    int32_t share_q14 = MODEL_RATIO_ONE;
+
+    if (speed < cfg->full_speed) {
+        const int32_t mantissa = fx_min(fx_asr(speed, cfg->shift), MODEL_RATIO_ONE);
+
+        share_q14 = fx_clamp(fx_asr(mantissa * cfg->gain, 14U), cfg->least_q14, MODEL_RATIO_ONE);
+    }
+    return share_q14;
+}
+
+void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+                step_t speed)
+{
+    const step_t magnitude = fx_abs(speed);
+    const int32_t pace_q14 = share_at(&cfg->pace, magnitude);
+    const int32_t kappa_q14 = share_at(&cfg->kappa, magnitude);
+
+    if (pace_q14 != model->pace_q14) {
+        model->pace_q14 = pace_q14;
+        model->kappa_q14 = kappa_q14;
+        apply_gains(model, nominal);
+    } else if (kappa_q14 != model->kappa_q14) {
+        model->kappa_q14 = kappa_q14;
+        apply_eta(model, nominal->observer);
+    } else {
+        /* as before */
     }
 }

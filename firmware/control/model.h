@@ -11,6 +11,11 @@
  * A saliency within 1/32 of the configured one counts as that: the gains of two current sensors differ by up to 2 %, and
  * the rest is the measurement's noise. So a motor without saliency stays one, and the observer needs no product for it.
  *
+ * Pace: at low speed the gains in force are a share of the configured ones, as the speed is of pace.full_speed. What is
+ * not known of the voltage is more against the EMF there, and its ripple has a lower frequency: both in proportion to the
+ * speed. κ has a share of its own up to kappa.full_speed: the lag of the estimate falls with the speed, as the frequency of the
+ * ripple rises.
+ *
  * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An integrator removes it.
  */
 #ifndef MODEL_H
@@ -19,9 +24,18 @@
 #include "current_loop.h"
 #include "nn_observer.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define MODEL_RATIO_ONE (16384) /* Q14 */
+
+/* A gain that is a share of the configured one, as the speed is of full_speed. */
+typedef struct {
+    step_t full_speed; /* whole from this speed on, 0…2^28; 0: always */
+    uint32_t shift;    /* full_speed >> shift is below 2^14, 0…15 */
+    int32_t gain;      /* 2^28 / (full_speed >> shift), 0…32767 */
+    int32_t least_q14; /* the share that is left below, 0…16384 */
+} gain_share_cfg_t;
 
 typedef struct {
     int32_t resistance_limit_q14; /* limit of |ratio − 1|, 0…15000; 0: off */
@@ -30,6 +44,8 @@ typedef struct {
     int32_t flux_limit_q14;       /* 0…8192 */
     int32_t flux_rate; /* change of the Q30 ratio per slow period = −e'_d · flux_rate, 0…32767 */
     step_t flux_speed_min; /* the flux is corrected from this speed on, 0…2^29 */
+    gain_share_cfg_t pace;
+    gain_share_cfg_t kappa; /* of κ alone, on top of the pace */
 } model_cfg_t;
 
 typedef struct {
@@ -41,6 +57,8 @@ typedef struct {
     int32_t inductance_inverse_q14;
     int32_t saliency_q14;
     int32_t flux_q30;
+    int32_t pace_q14;  /* the shares of the gains that are in force */
+    int32_t kappa_q14; /* of κ, on top of the pace */
 } model_t;
 
 /* The configured values: parts of drive_cfg_t. */
@@ -69,5 +87,25 @@ void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *no
 /* Correct the flux. Once per slow period. error_d: e'_d of the observer, Q15 of I_b, ±8192. */
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed);
+
+/* L_q in force over that of the file, Q14, 4096…49151: for L_d within ½…1.5 and the saliency within ½…2 of it. */
+static inline int32_t model_ratio_q_q14(const model_t *model)
+{
+    return fx_asr(model->inductance_q14 * model->saliency_q14, 14U);
+}
+
+/* All gains are whole, and are so at this speed. magnitude: of the speed, 0…2^30. */
+static inline bool model_is_whole(const model_t *model, const model_cfg_t *cfg, step_t magnitude)
+{
+    return (magnitude >= cfg->pace.full_speed) && (magnitude >= cfg->kappa.full_speed) &&
+           ((model->pace_q14 + model->kappa_q14) == (2 * MODEL_RATIO_ONE));
+}
+
+/*
+ * The shares of this speed: of η, κ_p, the limit of ρ and the gains of the current loop in RUN. Once per slow period; where
+ * no share has changed it writes nothing. speed: ±2^30.
+ */
+void model_pace(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
+                step_t speed);
 
 #endif

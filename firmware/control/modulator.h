@@ -73,9 +73,21 @@ void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
 int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost);
 
 /*
+ * The bus voltage in the middle of the period in which a demand of now will act, 1.5 periods ahead, from its last change.
+ * Bus voltages: Q15 of U_b, 0…32767; so is the result, rounded down and saturated.
+ */
+static inline int32_t modulator_bus_ahead(int32_t before, int32_t now)
+{
+    const int32_t change = now - before;
+
+    return fx_usat15(now + change + fx_asr(change, 1U));
+}
+
+/*
  * One Newton step r ← r·(2 − r·bus). bus: Q15 of U_b, 0…32767. For any bus above 1/8 the reciprocal has settled to
- * within 2 LSB (2^-11) 8 ticks after the reset. When the bus changes by a share x in one tick, the reciprocal has an
- * error of a share x² in that tick.
+ * within 2 LSB (2^-11) 8 ticks after the reset. When this bus changes by a share x in one tick, the reciprocal has an
+ * error of a share x² in that tick. The circle is that of the present bus: on a falling one a demand at its edge exceeds
+ * ratio_max by the share that the bus falls until then.
  */
 void modulator_track_bus(modulator_t *mod, int32_t bus);
 

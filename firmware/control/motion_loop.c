@@ -13,8 +13,6 @@
 #define RATIO_ONE_Q17 (131072)
 #define RATIO_SHIFT (4U) /* Q17 to Q13 */
 #define Q13_TO_Q17 (16)
-/* 1.5. The damping is that of the file's J by √(1/ratio), and by √(2/ratio) from here on: 0.82…1.15 for 0.75…3 */
-#define HEAVY_Q17 (196608)
 
 void speed_loop_lower(speed_loop_t *loop)
 {
@@ -89,14 +87,15 @@ static pi_cfg_t weakened(const pi_cfg_t *from, uint32_t kp_bits, uint32_t ki_bit
 
 /*
  * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the
- * damping. A lowered bandwidth: K_p/2, K_i/4.
+ * damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered
+ * bandwidth: K_p/2, K_i/4.
  */
 static int32_t regulate_speed(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                               int32_t half_error_q15, int32_t fed, int32_t reach)
 {
     const bool soft = fx_abs(loop->reference) < cfg->soft_speed;
     const pi_cfg_t *const gains = soft ? &cfg->soft : &cfg->pi;
-    const uint32_t heavy = (loop->inertia_q17 >= HEAVY_Q17) ? 1U : 0U;
+    const uint32_t heavy = (loop->inertia_q17 >= SPEED_LOOP_HEAVY_Q17) ? 1U : 0U;
     int32_t torque;
 
     if ((heavy | loop->halvings) != 0U) {

@@ -21,6 +21,9 @@
 
 #include <stdint.h>
 
+/* 1.5. From this J on, a rotor is heavy: its loop has half of K_i. Q17 */
+#define SPEED_LOOP_HEAVY_Q17 (196608)
+
 typedef struct {
     pi_cfg_t pi; /* speed error Q15 of 2·Ω_b in, i_q* out; paper B (28)–(30) */
     /* in place of it while |reference| is below soft_speed, where the estimate has more ripple */
@@ -46,7 +49,7 @@ typedef struct {
     step_t reference;  /* of the last slow period, after all limits */
     uint32_t halvings; /* of the bandwidth, 0…1 */
     int32_t
-        inertia_q17; /* J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run */
+        inertia_q17; /* J as a ratio to the configured one, 32768…524288 (¼…4); stays from run to run without a fault */
 } speed_loop_t;
 
 typedef struct {
@@ -77,7 +80,7 @@ typedef struct {
 void speed_loop_lower(speed_loop_t *loop);
 void speed_loop_restore(speed_loop_t *loop);
 
-/* J as configured, the whole bandwidth, at rest. Once, before the first use. */
+/* J as configured, the whole bandwidth, at rest. Before the first use, and after a fault. */
 void speed_loop_init(speed_loop_t *loop);
 
 /* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */

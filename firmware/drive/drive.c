@@ -160,9 +160,11 @@ static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_
     return event;
 }
 
+/* J was learned from the speed that the observer saw before the fault; R, L and φ were measured, or are bound to their files. */
 static drive_event_t begin_calibration(drive_t *drive)
 {
     drive->calibration = (calibration_t){.sum_a = 0};
+    speed_loop_init(&drive->speed_loop);
     return DRIVE_EVENT_CALIBRATE;
 }
 
@@ -382,7 +384,8 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
 static void begin_tick(drive_t *drive, const drive_in_t *in)
 {
     convert_samples(drive, in);
-    modulator_track_bus(&drive->modulator, drive->signals.bus);
+    modulator_track_bus(&drive->modulator,
+                        modulator_bus_ahead(drive->bus_before, drive->signals.bus));
 }
 
 static void end_tick(drive_t *drive)

@@ -9,6 +9,9 @@
 
 void estimate_start(drive_t *drive, step_t speed, dq_t current)
 {
+    const model_nominal_t nominal = drive_nominal(drive);
+
+    model_pace(&drive->model, &drive->cfg->model, &nominal, speed);
     nn_observer_start(&drive->observer, &drive->model.observer, speed, current,
                       trig_sincos(rotor_position_angle(&drive->position)));
 }
@@ -103,10 +106,14 @@ void estimate_refine(drive_t *drive)
 {
     const nn_observer_t *const observer = &drive->observer;
     const model_nominal_t nominal = drive_nominal(drive);
+    const step_t calm = calm_speed(drive);
 
     drive->residual =
         fx_approach(drive->residual, fx_abs(observer->rotated_error.q), RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->rotated_error.d,
                      observer->speed);
-    nn_observer_refresh(&drive->observer, &drive->model.observer, calm_speed(drive));
+    if (!model_is_whole(&drive->model, &drive->cfg->model, fx_abs(calm))) {
+        model_pace(&drive->model, &drive->cfg->model, &nominal, calm);
+    }
+    nn_observer_refresh(&drive->observer, &drive->model.observer, calm);
 }

@@ -34,26 +34,29 @@ void frame_plan_rotor(drive_t *drive)
     plan_current(drive, &drive->model.run_loop, drive->observer.speed);
 }
 
-/* The voltage with which RUN would answer a current beyond ±limit. */
-static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit)
+/* The voltage with which RUN would answer a current beyond ±limit at full speed. ratio_q14: L in force over that of the file. */
+static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, int32_t ratio_q14)
 {
     const int32_t beyond = current - fx_clamp(current, -limit, limit);
+    const int32_t nominal = fx_sat16(fx_asr(beyond * cfg->kp, cfg->kp_shift));
 
-    return fx_sat16(fx_asr(beyond * cfg->kp, cfg->kp_shift));
+    return fx_sat16(fx_asr(nominal * ratio_q14, 14U));
 }
 
 /*
  * An imposed current is controlled softly: what the EMF of a swinging rotor drives damps the swing. Beyond these limits it
- * is controlled firmly, or a rotor that turns while it is pulled in trips at over-current.
+ * is controlled firmly, or a rotor that turns while it is pulled in trips at over-current: with the whole gain for the
+ * measured L, whatever the pace.
  */
 static void limit_imposed_current(drive_t *drive, dq_t current)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const current_loop_cfg_t *const firm = &drive->model.run_loop;
+    const current_loop_cfg_t *const firm = &drive->cfg->current_loop;
     dq_t *const voltage = &drive->current_loop.constant;
 
-    voltage->d -= held_back(&firm->pi_d, current.d, cfg->along_max);
-    voltage->q -= held_back(&firm->pi_q, current.q, cfg->across_max);
+    voltage->d -= held_back(&firm->pi_d, current.d, cfg->along_max, drive->model.inductance_q14);
+    voltage->q -=
+        held_back(&firm->pi_q, current.q, cfg->across_max, model_ratio_q_q14(&drive->model));
 }
 
 void frame_control_current(drive_t *drive, const frame_t *frame)

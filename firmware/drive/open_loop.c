@@ -8,6 +8,7 @@
 #include "trig.h"
 
 #define SIXTH_TURN (0x2AAAAAAAU)
+#define SLIP_SHARE (2)          /* 1/2 of the hand-over speed between rotor and vector */
 #define NEAR_ZERO (0x02000000U) /* 1/128 of a turn */
 
 drive_event_t open_loop_start(drive_t *drive)
@@ -52,9 +53,9 @@ static bool has_to_stand(const drive_t *drive)
 
 /*
  * R and L are measured at standstill. Until then L is what the pulses say: with a wrong one the estimate swings. They give
- * φ/L_q, of which φ and L_q/L_d of the file are believed.
+ * φ/L_q, of which φ and L_q/L_d of the file are believed. Where they do not tell, a softer speed loop bears a wrong L.
  */
-static void take_inductance_of_pulses(drive_t *drive)
+static void use_pulses(drive_t *drive)
 {
     const model_nominal_t nominal = drive_nominal(drive);
     const model_measured_t found = {
@@ -63,7 +64,12 @@ static void take_inductance_of_pulses(drive_t *drive)
         .saliency_q13 = MODEL_UNKNOWN,
     };
 
-    model_set(&drive->model, &drive->cfg->model, &nominal, &found);
+    if (found.inductance_q14 > 0) {
+        model_set(&drive->model, &drive->cfg->model, &nominal, &found);
+        speed_loop_restore(&drive->speed_loop);
+    } else {
+        speed_loop_lower(&drive->speed_loop);
+    }
 }
 
 /* The windings stay shorted, so the applied voltage is zero, until the first demand acts. */
@@ -73,7 +79,7 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
     const bool fast = fx_abs(found->speed) >= drive->cfg->startup.handover_speed;
 
     if (!drive->identified) {
-        take_inductance_of_pulses(drive);
+        use_pulses(drive);
     }
     rotor_position_reset(&drive->position, found->angle);
     estimate_start(drive, found->speed, transforms_park(current_ab, trig_sincos(found->angle)));
@@ -174,6 +180,7 @@ static drive_event_t finish_alignment(drive_t *drive)
         leave_rest_to_integral(drive, correct_dead_time(drive, found->lost_voltage));
         estimate_start(drive, 0, drive->signals.current);
     }
+    speed_loop_restore(&drive->speed_loop);
     drive->identified = true; /* a measurement that fails is not repeated */
     drive->vector.step = 0;
     speed_loop_reset(&drive->speed_loop, 0);
@@ -230,29 +237,40 @@ static angle_t load_angle(const drive_t *drive)
     return rotor_position_angle(&drive->vector.position) - rotor_position_angle(&drive->position);
 }
 
-/* The angle of the observer is near that of the vector, and its model explains the current. */
+/* The observer turns with the vector and is near it, and its model explains the current. */
 static bool has_found_rotor(const drive_t *drive)
 {
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+    const step_t slip = fx_abs(drive->vector.step - drive->observer.speed);
     const bool near = (load_angle(drive) + SIXTH_TURN) < (2U * SIXTH_TURN);
 
-    return near && (drive->residual < drive->cfg->startup.residual_max);
+    return near && (slip < (cfg->handover_speed / SLIP_SHARE)) &&
+           (drive->residual < cfg->residual_max);
 }
 
-/* From the frame of the vector to that of the rotor. */
+/*
+ * From the frame of the vector to that of the rotor. The q current of the vector's frame is the torque of the ramp: the speed
+ * loop feeds that forward itself, so its integral begins with the rest, the load.
+ */
 static drive_event_t hand_over(drive_t *drive)
 {
+    const int32_t of_ramp = drive->signals.current_ref.q;
+
     frame_turn(drive, 0U - load_angle(drive));
-    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, drive->signals.current_ref.q);
+    speed_loop_start(&drive->speed_loop, drive->speed_loop.reference,
+                     drive->signals.current_ref.q - of_ramp);
     drive->attempts = 0U;
     return DRIVE_EVENT_TRACKED;
 }
 
+/* While it was dragged slowly, the observer may have learned a load angle: it gets time to leave it. */
 static drive_event_t judge_handover(drive_t *drive, fault_t *fault)
 {
+    const bool settled = drive->handover_periods >= drive->cfg->startup.settle_periods;
     drive_event_t event = DRIVE_EVENT_NONE;
 
     drive->handover_periods++;
-    if (has_found_rotor(drive)) {
+    if (settled && has_found_rotor(drive)) {
         event = hand_over(drive);
     } else if (drive->handover_periods >= drive->cfg->startup.handover_periods) {
         event = repeat_start(drive, drive->residual, drive->cfg->startup.residual_max, fault);

@@ -9,6 +9,7 @@
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
+#define SPARED (15)    /* sixteenths of the voltage; the rest is for the torque */
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 void run_reset(drive_t *drive)
@@ -48,8 +49,29 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }
 
+/* A torque in the direction of the speed lasts: J may be off its file, and braking an unloaded rotor would be taken for a load. */
+static bool is_loaded(const drive_t *drive)
+{
+    const int32_t load = pi_output(&drive->speed_loop.pi);
+    const int32_t onwards = (drive->speed_loop.reference < 0) ? -load : load;
+
+    return (drive->mode == (uint8_t)DRIVE_MODE_SPEED) &&
+           (onwards >= drive->cfg->startup.load_current);
+}
+
 /*
- * Speed mode: below hold_speed, RUN follows the ramp of an imposed vector, either way. The torque that acts at the
+ * The lowest speed of RUN. At low speed the dead time of a leg at its zero crossing is more than the EMF. A torque current
+ * has it across the EMF, where it turns the angle by some degrees; i_d* alone has it along the EMF, where it is a speed.
+ */
+static step_t lowest_speed(const drive_t *drive)
+{
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
+
+    return is_loaded(drive) ? cfg->loaded_speed : cfg->hold_speed;
+}
+
+/*
+ * Speed mode: below its lowest speed, RUN follows the ramp of an imposed vector, either way. The torque that acts at the
  * hand-back stays as the load angle of the vector: that of a steeper ramp would throw the rotor out of its field. A position
  * profile is soft there by itself.
  */
@@ -59,7 +81,7 @@ static step_t gentle(const drive_t *drive, step_t wanted)
     const step_t present = drive->speed_loop.reference;
     step_t next = wanted;
 
-    if ((cfg->current_hold != 0) && (fx_abs(present) < cfg->hold_speed)) {
+    if ((cfg->current_hold != 0) && (fx_abs(present) < lowest_speed(drive))) {
         next = fx_towards(present, wanted, cfg->ramp);
     }
     return next;
@@ -86,15 +108,39 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
 static bool is_slow(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool asked = fx_abs(drive->speed_reference) < cfg->hold_speed;
+    const bool asked = fx_abs(drive->speed_reference) < lowest_speed(drive);
 
     return asked && (fx_abs(drive->observer.speed) < cfg->handover_speed);
 }
 
+/* The demand is within 1/16 of the largest voltage of this bus: i_d* takes ω·L_d·i_d of it, which the torque needs. */
+static bool lacks_voltage(const drive_t *drive)
+{
+    const int32_t limit = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    const int32_t near = fx_asr(limit * SPARED, 4U);
+    const int32_t square = near * near;
+
+    return transforms_square(drive->derating.voltage) > (uint32_t)square;
+}
+
 /*
- * i_d* in RUN. At low speed it rises to the current that will be imposed. Above, it keeps the current vector large enough
- * that not all legs switch near their zero crossing. For that it falls slowly: the torque current of an acceleration is
- * gone sooner than i_d* could rise again.
+ * i_d* that keeps the current vector large enough that not all legs switch near their zero crossing. It comes before the torque
+ * current is gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less
+ * all of it 0.71. A load below hold_speed is alone there: lowest_speed() says why.
+ */
+static int32_t least_current_d(const drive_t *drive)
+{
+    const run_cfg_t *const cfg = &drive->cfg->run;
+    const int32_t torque = fx_abs(drive->signals.current_ref.q);
+    const int32_t lacking = cfg->current_floor - fx_asr(torque, cfg->floor_shift);
+    const bool fast = fx_abs(drive->speed_reference) >= drive->cfg->startup.hold_speed;
+
+    return ((lacking > 0) && fast && !lacks_voltage(drive)) ? lacking : 0;
+}
+
+/*
+ * i_d* in RUN. At low speed it rises to the current that will be imposed. Above that it is the least current, which falls
+ * slowly: the next torque current may be gone as soon as the last.
  */
 static int32_t next_current_d(const drive_t *drive)
 {
@@ -102,8 +148,7 @@ static int32_t next_current_d(const drive_t *drive)
     const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
     const dq_t present = drive->signals.current_ref;
     const bool slow = is_slow(drive);
-    const int32_t lacking = fx_max(cfg->current_floor - fx_abs(present.q), 0);
-    const int32_t wanted = slow ? drive->cfg->startup.current_hold : lacking;
+    const int32_t wanted = slow ? drive->cfg->startup.current_hold : least_current_d(drive);
     const int32_t slower = cfg->current_fall * (int32_t)drive->cfg->slow_ticks;
 
     return fx_max(fx_towards(present.d, wanted, slope),
@@ -166,14 +211,14 @@ static void lead_estimate(drive_t *drive, step_t before)
 
 /*
  * i_d* has risen to the imposed current, and its voltage and the torque have settled: the voltage that made i_d rise is not
- * the one that holds it. In speed mode the reference is on the ramp of the imposed vector since hold_speed, so 3/4 of that
+ * the one that holds it. In speed mode the reference is on the ramp of the imposed vector since the lowest speed, so 3/4 of that
  * is low enough; further down a weak EMF may lose the rotor. A position profile still brakes there.
  */
 static bool is_to_be_held(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
     const bool gentle_ramp = drive->mode == (uint8_t)DRIVE_MODE_SPEED;
-    const step_t half = cfg->hold_speed / 2;
+    const step_t half = lowest_speed(drive) / 2;
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
     const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
 
@@ -220,6 +265,22 @@ static void filter_torque(drive_t *drive)
     drive->signals.current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
+/*
+ * The reference of position control also corrects the position: its change is no ramp. At its limit the torque is not what
+ * the ramp asks for.
+ */
+static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before)
+{
+    const torque_range_t range = drive->torque_range;
+    const int32_t torque = drive->signals.current_ref.q;
+    const bool within = (torque > range.lower) && (torque < range.upper);
+
+    if (within && (drive->mode == (uint8_t)DRIVE_MODE_SPEED)) {
+        speed_loop_learn(&drive->speed_loop, &drive->cfg->speed_loop,
+                         drive->speed_loop.reference - before, integral_before);
+    }
+}
+
 /* The torque current, and i_d*. HELD when the current is to be imposed. */
 static drive_event_t control_torque(drive_t *drive)
 {
@@ -233,15 +294,11 @@ static drive_event_t control_torque(drive_t *drive)
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
                         drive->observer.speed, drive->torque_range);
-    /* The reference of position control also corrects the position: its change is no ramp. */
-    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
-        speed_loop_learn(&drive->speed_loop, &drive->cfg->speed_loop,
-                         drive->speed_loop.reference - before, integral_before);
-    }
     if (torque_filter_acts(&drive->cfg->torque_filter)) {
         filter_torque(drive);
     }
     wait_at_limit(drive, before, derated);
+    learn_inertia(drive, before, integral_before);
     lead_estimate(drive, before);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);

@@ -26,7 +26,7 @@ static const piece_t pieces[] = {
     WORDS(voltage_drive.calm_periods, speed_loop.inertia_q17),
     WORDS(position_loop, position_loop.profile_speed),
     BYTE(mode),
-    WORDS(calibration, model.flux_q30),
+    WORDS(calibration, model.kappa_q14),
     BYTE(identified),
     WORDS(vector, vector.current_mean.q),
     WORDS(angle_sensor, angle_sensor.speed),

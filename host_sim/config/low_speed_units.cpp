@@ -62,6 +62,11 @@ constexpr int32_t CURRENT_FALL = 32;
 // inertia still follow.
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
+// While the observer settles the vector becomes faster by this share of the hand-over speed: the EMF of more would be too much for
+// a soft control of the current.
+constexpr double SETTLE_RISE = 0.15;
+// Below this torque current, as a share of the continuous one, a drive at such a speed has no load.
+constexpr double LOAD_SHARE = 0.15;
 constexpr uint32_t ATTEMPTS = 5;
 
 // What supervision allows an imposed current, in units of 1/ω_n of its swing: the turning point can hold a phase at zero
@@ -274,6 +279,35 @@ flying_start_cfg_t make_flying_start(const MotorSettings &motor, const BoardSett
     return c;
 }
 
+// RUN under a load, below hold_speed.
+void set_loaded_run(startup_cfg_t &c, const MotorSettings &motor, const TuningSettings &tuning,
+                    const Bases &b)
+{
+    const bool loaded = tuning.loaded_speed_pct > 0;
+    require({"startup.loaded_speed_pct", tuning.loaded_speed_pct}, 0,
+            HOLD_SHARE * tuning.handover_speed_pct,
+            "0.7 of startup.handover_speed_pct, where RUN without a load ends");
+    const double speed = b.step_from_rpm(motor.rated_speed_rpm * tuning.loaded_speed_pct / 100);
+    keep(c.loaded_speed, loaded ? speed : c.hold_speed, 1, c.hold_speed);
+    keep(c.load_current, LOAD_SHARE * continuous_current(motor) / b.current_a * Q15, 1, Q14);
+}
+
+gain_share_cfg_t make_gain_share(double full_speed, double least)
+{
+    gain_share_cfg_t c{};
+    c.least_q14 = static_cast<int32_t>(std::lround(least * Q14));
+    keep(c.full_speed, full_speed, 0, Q30 / 4);
+    int32_t mantissa = c.full_speed;
+    while (mantissa >= Q14) {
+        mantissa >>= 1;
+        c.shift++;
+    }
+    if (mantissa > 0) {
+        keep(c.gain, Q14 * Q14 / mantissa, 0, MANTISSA_MAX);
+    }
+    return c;
+}
+
 } // namespace
 
 ModelHeadroom model_headroom(const TuningSettings &tuning)
@@ -319,6 +353,9 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     keep(c.residual_lost, LOST_SHARE * continuous, c.residual_max, Q14);
     c.lost_periods = slow_periods(LOST_TIME_S, tuning, b);
     c.handover_periods = slow_periods(HANDOVER_TIME_S, tuning, b);
+    const auto settle = static_cast<uint32_t>(SETTLE_RISE * c.handover_speed / c.ramp);
+    c.settle_periods = std::min(settle, c.handover_periods / 2);
+    set_loaded_run(c, motor, tuning, b);
     c.attempts = ATTEMPTS;
     return c;
 }
@@ -335,10 +372,10 @@ run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
     }
     run_cfg_t c{};
     keep(c.current_floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
+    const bool gives_over = tuning.method == ControlMethod::voltage_phase;
+    c.floor_shift = gives_over ? 0 : 1;
     c.current_slope = hold_slope(motor, board, own, m, b);
-    c.current_fall = tuning.method == ControlMethod::voltage_phase
-                         ? c.current_slope
-                         : std::max(c.current_slope / CURRENT_FALL, 1);
+    c.current_fall = gives_over ? c.current_slope : std::max(c.current_slope / CURRENT_FALL, 1);
     c.acceleration_q14 = static_cast<int32_t>(std::lround(tuning.observer_acceleration * Q14));
     return c;
 }
@@ -391,6 +428,9 @@ model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tun
     keep(c.flux_rate, slow_period / FLUX_TIME_S * b.current_a / m.flux_current * Q15, 0,
          MANTISSA_MAX);
     keep(c.flux_speed_min, b.step_from_rpm(motor.rated_speed_rpm * FLUX_SPEED_SHARE), 0, Q30 / 2);
+    const double rated = b.step_from_rpm(motor.rated_speed_rpm);
+    c.pace = make_gain_share(tuning.pace_speed_pct / 100 * rated, tuning.pace_least);
+    c.kappa = make_gain_share(tuning.kappa_speed_pct / 100 * rated, tuning.kappa_least);
     return c;
 }
 

@@ -77,6 +77,8 @@ TuningSettings for_sensor(const TuningSettings &tuning)
         t.observer_kappa_p = 0;
         t.observer_momentum = 0;
         t.observer_acceleration = 0;
+        t.pace_speed_pct = 0;
+        t.kappa_speed_pct = 0;
     }
     return t;
 }

@@ -440,8 +440,9 @@ nn_observer_cfg_t make_observer(const MotorSettings &motor, const BoardSettings 
     set_network(c, motor, board, tuning, headroom, m, b);
     set_adaptation(c, tuning, headroom.rate, m, b);
     c.speed_limit = b.speed_limit;
-    keep(c.rho_speed_min, b.step_from_rpm(motor.rated_speed_rpm) * tuning.handover_speed_pct / 200,
-         1, Q30 / 2);
+    const double slowest_pct =
+        tuning.loaded_speed_pct > 0 ? tuning.loaded_speed_pct : tuning.handover_speed_pct;
+    keep(c.rho_speed_min, b.step_from_rpm(motor.rated_speed_rpm) * slowest_pct / 200, 1, Q30 / 2);
     return c;
 }
 
@@ -531,7 +532,10 @@ void set_inertia_correction(speed_loop_cfg_t &c, const TuningSettings &tuning,
     const double ramp_q26 = current_per_step * c.ramp * INTEGRAL_PER_LSB;
     keep(c.inertia_least_q13, Q13 / factor, Q13 / 4, Q13);
     keep(c.inertia_most_q13, Q13 * factor, Q13, MANTISSA_MAX);
-    if (ramp_q26 > 0 && tuning.adapt_inertia_pct > 0) {
+    if (tuning.adapt_inertia_pct > 0) {
+        require(tuning.inertia_feed_forward, 1, 1,
+                {"speed_loop.inertia_feed_forward", tuning.inertia_feed_forward},
+                "adaptation.inertia_pct takes J from what the whole of it leaves to the integral");
         const double rate = std::min(Q17 / ramp_q26, RATE_MAX);
         const Mantissa mantissa =
             normalise(std::ldexp(rate, 16), 0, 30,

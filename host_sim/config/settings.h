@@ -100,11 +100,16 @@ struct TuningSettings {
     double observer_frame_share =
         0; // 0…1, of the measured current's turn with the frame, in the gradient
     double observer_acceleration = 0; // 0…1, share of the reference's acceleration that ω̂ takes on
+    double pace_speed_pct = 0;        // of rated speed: the gains are whole from it on; 0: always
+    double pace_least = 0.25;         // share of them that is left below
+    double kappa_speed_pct = 0;       // likewise κ alone
+    double kappa_least = 0.5;
     double startup_current_pct =
         0; // imposed below the hand-over speed, of the continuous current; 0: no
            // start-up, RUN begins with the rotor taken to be at angle 0
     double align_current_pct = 0;    // likewise in the alignment; 0: as startup_current_pct
     double handover_speed_pct = 10;  // of rated speed
+    double loaded_speed_pct = 0;     // likewise, on the way down; 0: 0.7 of handover_speed_pct
     double adapt_resistance_pct = 0; // how far the model may be corrected; 0: not at all
     double adapt_inductance_pct = 0;
     double adapt_saliency_pct = 0;

@@ -91,8 +91,8 @@ void compare_decay(const Word &word, const nn_observer_cfg_t &own, const nn_obse
          is_fed ? 0.5 + 0.5 * from.decay / std::max(own.decay, 1) : 0);
 }
 
-// Configured values times what the drive has found out of R, L and φ; each ratio that is applied rounds down, and the
-// ratio after it, below 2, doubles that: 1 for one, 3 for two.
+// Configured values times what the drive has found out of R, L and φ, and times the shares of the speed; each ratio that is
+// applied rounds down, and the ratio after it, below 2, doubles that: 1 for one, 3 for two. A share is at most 1: 1 more.
 void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
 {
     const nn_observer_cfg_t &from = built.observer;
@@ -112,8 +112,11 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
     word("observer.volt_gain", m.observer.volt_gain, from.volt_gain * inverse, 1);
     word("observer.flux_q27", m.observer.flux_q27, from.flux_q27 * flux * inverse, 3,
          LARGEST_WORD - 1);
-    word("observer.eta", m.observer.eta, from.eta * l * l, 3);
-    word("observer.kappa_p", m.observer.kappa_p, from.kappa_p * l * l, 3);
+    const double pace = m.pace_q14 / Q14;
+    const double kappa = m.kappa_q14 / Q14;
+    word("observer.eta", m.observer.eta, from.eta * l * l * pace * pace * kappa, 3 + 3);
+    word("observer.kappa_p", m.observer.kappa_p, from.kappa_p * l * l * pace, 3 + 1);
+    word("observer.rho_max_q13", m.observer.rho_max_q13, from.rho_max_q13 * pace, 1);
     word("observer.saliency_q13", m.observer.saliency_q13, from.saliency_q13 * saliency, 1);
     // 1/saliency is rounded down to 2^-14 first.
     word("observer.iq_gain_q14", m.observer.iq_gain_q14, from.iq_gain_q14 / saliency,
@@ -124,12 +127,12 @@ void compare_model(Rows &rows, const model_t &m, const drive_cfg_t &built)
         word(name + ".emf_q13", own.emf_q13, nominal.emf_q13 * flux, 1);
         word(name + ".reactance_d_q13", own.reactance_d_q13, nominal.reactance_d_q13 * l, 1);
         word(name + ".reactance_q_q13", own.reactance_q_q13, nominal.reactance_q_q13 * l_q, of_q);
-        word(name + ".pi_d.kp", own.pi_d.kp, nominal.pi_d.kp * gain_d, 1);
-        word(name + ".pi_d.ki", own.pi_d.ki, nominal.pi_d.ki * gain_d, 1);
-        word(name + ".pi_q.kp", own.pi_q.kp, nominal.pi_q.kp * gain_q, of_q);
-        word(name + ".pi_q.ki", own.pi_q.ki, nominal.pi_q.ki * gain_q, of_q);
+        word(name + ".pi_d.kp", own.pi_d.kp, nominal.pi_d.kp * gain_d, 1 + 1);
+        word(name + ".pi_d.ki", own.pi_d.ki, nominal.pi_d.ki * gain_d, 1 + 1);
+        word(name + ".pi_q.kp", own.pi_q.kp, nominal.pi_q.kp * gain_q, of_q + 1);
+        word(name + ".pi_q.ki", own.pi_q.ki, nominal.pi_q.ki * gain_q, of_q + 1);
     };
-    loop("run_loop", m.run_loop, built.current_loop, l, l_q);
+    loop("run_loop", m.run_loop, built.current_loop, l * pace, l_q * pace);
     loop("hold_loop", m.hold_loop, built.hold_loop, 1, 1);
 }
 

@@ -202,18 +202,20 @@ void compare_gradient(const nn_observer_t &before, const nn_observer_t &after,
         one);
 }
 
-constexpr double HEAVY = 1.5; // of the file's J: half of K_i, motion_loop.c
-
-twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg,
+// The gains are those at the reference that is asked for.
+twin::SpeedLoop speed_twin(const speed_loop_t &loop, const speed_loop_cfg_t &cfg, step_t reference,
                            torque_range_t range)
 {
+    const bool soft = std::abs(reference) < cfg.soft_speed;
+    const bool heavy = loop.inertia_q17 >= SPEED_LOOP_HEAVY_Q17;
     si.cfg.speed_loop = cfg;
+    si.cfg.speed_loop.pi = soft ? cfg.soft : cfg.pi;
     twin::SpeedLoop::Params params = twin::speed_loop_params(si);
     params.current_min_a = si.current(range.lower);
     params.current_max_a = si.current(range.upper);
     const double inertia = std::ldexp(loop.inertia_q17 >> 4, -13);
     params.pi.kp /= std::ldexp(1.0, static_cast<int>(loop.halvings));
-    params.pi.ki_t /= std::ldexp(inertia >= HEAVY ? 2.0 : 1.0, 2 * static_cast<int>(loop.halvings));
+    params.pi.ki_t /= std::ldexp(heavy ? 2.0 : 1.0, 2 * static_cast<int>(loop.halvings));
     params.current_per_change *= inertia;
     twin::SpeedLoop twin(params);
     twin.reset(si.speed_of_step(loop.reference), loop.pi.integral_q26 / Q26 * si.bases.current_a);
@@ -352,7 +354,7 @@ decltype(position_loop_step) *seam_position_loop_step = [](auto loop, auto cfg, 
 };
 
 decltype(speed_loop_ramp) *seam_speed_loop_ramp = [](auto loop, auto cfg, auto target) {
-    const double exact = speed_twin(*loop, *cfg, {0, 0}).ramp(si.speed_of_step(target));
+    const double exact = speed_twin(*loop, *cfg, target, {0, 0}).ramp(si.speed_of_step(target));
     const step_t reference = CALL(speed_loop_ramp)(loop, cfg, target);
     add_speed("reference", reference, exact, 0.5);
     return reference;
@@ -360,7 +362,7 @@ decltype(speed_loop_ramp) *seam_speed_loop_ramp = [](auto loop, auto cfg, auto t
 
 decltype(speed_loop_accelerate) *seam_speed_loop_accelerate = [](auto loop, auto cfg,
                                                                  auto reference, auto range) {
-    twin::SpeedLoop twin = speed_twin(*loop, *cfg, range);
+    twin::SpeedLoop twin = speed_twin(*loop, *cfg, reference, range);
     const double exact = twin.accelerate(si.speed_of_step(reference));
     const int32_t torque = CALL(speed_loop_accelerate)(loop, cfg, reference, range);
     add_speed("reference", loop->reference, twin.reference(), 0.5);
@@ -370,15 +372,19 @@ decltype(speed_loop_accelerate) *seam_speed_loop_accelerate = [](auto loop, auto
 
 decltype(speed_loop_step) *seam_speed_loop_step = [](auto loop, auto cfg, auto reference,
                                                      auto measured, auto range) {
-    twin::SpeedLoop twin = speed_twin(*loop, *cfg, range);
+    twin::SpeedLoop twin = speed_twin(*loop, *cfg, reference, range);
     const double exact = twin.step(si.speed_of_step(reference), si.speed_of_step(measured));
     const double integral = integral_roundings(cfg->pi);
     const double middle = range.lower == -range.upper ? 0 : MIDDLE_LSB;
+    const double before = loop->pi.integral_q26 / Q26 * si.bases.current_a;
     const int32_t torque = CALL(speed_loop_step)(loop, cfg, reference, measured, range);
-    add("i_q", "A", si.current(torque), exact,
-        (SPEED_LOOP_LSB + middle + gain(cfg->pi.kp, cfg->pi.kp_shift) + integral) * si.current(1));
-    add("integral", "A", loop->pi.integral_q26 / Q26 * si.bases.current_a, twin.pi().integral(),
-        integral * si.current(1));
+    const double after = loop->pi.integral_q26 / Q26 * si.bases.current_a;
+    const double current = SPEED_LOOP_LSB + middle + gain(cfg->pi.kp, cfg->pi.kp_shift) + integral;
+    // At a limit the integral waits: of both, one may be there and not the other.
+    const bool near = torque + current >= range.upper || torque - current <= range.lower;
+    const double step = std::max(std::abs(after - before), std::abs(twin.pi().integral() - before));
+    add("i_q", "A", si.current(torque), exact, current * si.current(1));
+    add("integral", "A", after, twin.pi().integral(), integral * si.current(1) + (near ? step : 0));
     return torque;
 };
 

@@ -185,7 +185,7 @@ double bandwidth_hz(const nf::Config &config)
         .speed_bandwidth_hz;
 }
 
-// The drive's own observer in double precision, in its own place: the place is fair. The speed loop reads the speed a tick later
+// The drive's own observer in double precision with the same gains at every speed, in its own place: the place is fair. The speed loop reads the speed a tick later
 // there, which is 2πf·T of a figure in a transient. Else what differs is the roundings of both runs: as noise, and as an offset. The
 // drive rounds the current error down, by up to a step of its signals in each axis, which turns the angle by (1 + ρ)·L/φ times the step.
 void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
@@ -194,10 +194,11 @@ void test_the_drives_own_law_in_that_place_gives_the_drives_own_figures()
     const std::pair<const char *, const char *> runs[] = {
         {"s1_robust", "0"}, {"s2_robust", "0"}, {"s2_robust", "0.08"}};
     for (const auto &[name, feedback] : runs) {
-        const nf::Config config = nf::load_scenario(name, {},
-                                                    {"board.adc_bits=" + std::to_string(BITS),
-                                                     "observer.acceleration_feed_forward=0",
-                                                     std::string("observer.feedback=") + feedback});
+        const nf::Config config = nf::load_scenario(
+            name, {},
+            {"board.adc_bits=" + std::to_string(BITS), "observer.acceleration_feed_forward=0",
+             "observer.pace_speed_pct=0", "observer.kappa_speed_pct=0",
+             std::string("observer.feedback=") + feedback});
         const nf::reference::MeasuringSteps steps(config.board.current_full_scale_a, BITS);
         const Errors noise =
             largest_errors(*as_the_drive(config), MOTOR_A,

@@ -265,14 +265,6 @@ Found inject(const Fault &fault, PlaceId place)
     return found;
 }
 
-// From READY to RUN, with the healthy drive's wait for its command.
-int64_t start_ticks()
-{
-    static const Rows moving = run(config_of(settings(RUNNING, 1)));
-    return static_cast<int64_t>(first_with(moving, DRIVE_STATE_RUN) -
-                                first_with(moving, DRIVE_STATE_READY));
-}
-
 // What the imposed current takes to the speed of the hand-over; a drive with a sensor has no such start.
 int64_t ramp_ticks(const drive_cfg_t &cfg)
 {
@@ -291,6 +283,7 @@ int64_t bound_of(Kind kind, PlaceId place, const drive_cfg_t &cfg)
     const int64_t lost = start.lost_periods * slow;
     const int64_t aligned = start.align.pull_ticks + start.align.settle_ticks +
                             (int64_t{2} << start.align.measure_log2);
+    const int64_t given_up = start.attempts * (aligned + ramp_ticks(cfg) + judged + lost);
     switch (kind) {
     case Kind::electrical:
         return 0;
@@ -298,13 +291,13 @@ int64_t bound_of(Kind kind, PlaceId place, const drive_cfg_t &cfg)
         return (cfg.derating.temperature_periods + 2) * round;
     case Kind::late:
         return cfg.supervision.late_max + 1;
-    case Kind::blocked: // the start-up may hand over first
-        return cfg.supervision.stall_periods * round + judged +
-               (place == START ? start_ticks() : 0);
+    case Kind::blocked: // a rotor that does not turn is not handed over
+        return std::max(place == RUNNING ? 0 : given_up,
+                        cfg.supervision.stall_periods * round + judged);
     case Kind::memory:
         return static_cast<int64_t>(2 * CONFIG_GUARD_STEPS) * round;
     default: // at worst the start-up gives up
-        return start.attempts * (aligned + ramp_ticks(cfg) + judged + lost);
+        return given_up;
     }
 }
 

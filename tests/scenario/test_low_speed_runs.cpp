@@ -24,11 +24,12 @@ constexpr double DEG_PER_RAD = 180 / PI;
 constexpr double RPM_PER_RAD_S = 30 / PI;
 constexpr double PERIOD_S = 1e-4;
 
-nf::Config load(const std::string &imperfection, double angle_deg, double speed_rpm)
+nf::Config load(const std::string &imperfection, double angle_deg, double speed_rpm,
+                const std::string &setting = "scenario.seed=1")
 {
     return nf::load_scenario("s1_robust", {imperfection},
                              {fmt::format("scenario.initial_angle_el_deg={}", angle_deg),
-                              fmt::format("scenario.initial_speed_rpm={}", speed_rpm)});
+                              fmt::format("scenario.initial_speed_rpm={}", speed_rpm), setting});
 }
 
 // A drive that has calibrated, and what is true about its motor.
@@ -67,6 +68,12 @@ public:
     double speed_rpm() const
     {
         return truth.omega_mech_rad_s * RPM_PER_RAD_S;
+    }
+
+    double estimated_rpm() const
+    {
+        const double turns_s = sim.drive().observer.speed / 4294967296.0 / PERIOD_S;
+        return turns_s * 60 / pole_pairs_;
     }
 
     double angle_mech_deg() const
@@ -285,6 +292,102 @@ void test_rated_torque_is_carried_at_60_rpm_either_way()
     }
 }
 
+// RUN, not an imposed current, down from a speed where φ was corrected, and for two minutes.
+void check_slow_run(double speed_rpm)
+{
+    constexpr double ERROR_MAX_RPM = 0.005 * 1800;
+    constexpr double ANGLE_MAX_DEG = 6;
+    constexpr double MINUTES_S = 120;
+    Bench bench(load("all", 30, 0));
+    const double fast_rpm = std::copysign(600.0, speed_rpm);
+    bench.sim.command_speed_rpm(fast_rpm);
+    bench.sim.set_load_nm(speed_rpm > 0 ? 3 : -3);
+    bench.sim.request(DRIVE_REQUEST_RUN);
+    bench.run_until(DRIVE_STATE_RUN, 3);
+    bench.run(1);
+    bench.sim.command_speed_rpm(speed_rpm);
+    bench.run(2);
+    double error_rpm = 0;
+    double angle_deg = 0;
+    for (long k = std::lround(MINUTES_S / PERIOD_S); k > 0; k--) {
+        bench.tick();
+        TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.sim.drive().state);
+        error_rpm = std::max({error_rpm, std::abs(bench.speed_rpm() - bench.estimated_rpm()),
+                              std::abs(bench.speed_rpm() - speed_rpm)});
+        angle_deg = std::max(angle_deg, std::abs(bench.angle_error_deg()));
+    }
+    const std::string found = fmt::format("{} rpm: speed error {:.2f} rpm, angle {:.2f}°",
+                                          speed_rpm, error_rpm, angle_deg);
+    TEST_MESSAGE(found.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(error_rpm <= ERROR_MAX_RPM, found.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(angle_deg <= ANGLE_MAX_DEG, found.c_str());
+}
+
+void test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes()
+{
+    for (const double speed_rpm : {36.0, -36.0, 54.0, 90.0}) {
+        check_slow_run(speed_rpm);
+    }
+}
+
+// Where the load ends, or turns round, an imposed current takes over and holds the rotor.
+void test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current()
+{
+    for (const double then_nm : {0.0, -3.0}) {
+        Bench bench(load("all", 30, 0));
+        bench.sim.command_speed_rpm(600);
+        bench.sim.set_load_nm(3);
+        bench.sim.request(DRIVE_REQUEST_RUN);
+        bench.run_until(DRIVE_STATE_RUN, 3);
+        bench.run(1);
+        bench.sim.command_speed_rpm(36);
+        bench.run(2);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.sim.drive().state);
+        bench.sim.set_load_nm(then_nm);
+        bench.run(2);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_IF_RAMP, bench.sim.drive().state);
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * 1800, 36, bench.speed_rpm());
+        TEST_ASSERT_TRUE(std::abs(bench.angle_error_deg()) < 30);
+    }
+}
+
+// Without a load, whatever J is: to rest and back, the rotor is not lost.
+void test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round()
+{
+    for (const char *scale : {"plant.inertia_scale=0.4", "plant.inertia_scale=4"}) {
+        Bench bench(load("all", 30, 0, scale));
+        bench.sim.request(DRIVE_REQUEST_RUN);
+        for (const double speed_rpm : {900.0, 0.0, -900.0, 36.0}) {
+            bench.sim.command_speed_rpm(speed_rpm);
+            bench.run(3);
+            TEST_ASSERT_EQUAL(FAULT_NONE, bench.sim.drive().fault.id);
+            TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1800, speed_rpm, bench.speed_rpm());
+            TEST_ASSERT_TRUE(std::abs(bench.angle_error_deg()) < 30);
+        }
+    }
+}
+
+// Down from speed: RUN is not left on the way, and comes back up.
+void test_run_follows_down_to_2_percent_and_up_again()
+{
+    Bench bench(load("all", 30, 0));
+    bench.sim.command_speed_rpm(600);
+    bench.sim.request(DRIVE_REQUEST_RUN);
+    bench.run_until(DRIVE_STATE_RUN, 3);
+    bench.sim.set_load_nm(3);
+    bench.run(1);
+    for (const double speed_rpm : {36.0, 600.0}) {
+        bench.sim.command_speed_rpm(speed_rpm);
+        for (long k = std::lround(2 / PERIOD_S); k > 0; k--) {
+            bench.tick();
+            TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.sim.drive().state);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * 1800, speed_rpm, bench.speed_rpm());
+    }
+    bench.sim.command_speed_rpm(0);
+    bench.run_until(DRIVE_STATE_HOLD, 2);
+}
+
 } // namespace
 
 void setUp(void)
@@ -306,6 +409,10 @@ int main()
         test_starts_from_64_angles_within_a_second_and_half_a_turn_and_the_load_angle_back_all);
     RUN_TEST(test_a_rotor_that_turns_is_caught_at_13_speeds);
     RUN_TEST(test_standstill_for_a_minute_stays_within_2_degrees_and_12_under_3_nm);
+    RUN_TEST(test_run_holds_2_percent_of_rated_speed_under_3_nm_for_two_minutes);
+    RUN_TEST(test_a_load_that_ends_at_2_percent_leaves_the_rotor_to_the_imposed_current);
+    RUN_TEST(test_an_unloaded_rotor_of_another_inertia_stops_and_turns_round);
+    RUN_TEST(test_run_follows_down_to_2_percent_and_up_again);
     RUN_TEST(test_rated_torque_is_carried_at_60_rpm_either_way);
     return UNITY_END();
 }

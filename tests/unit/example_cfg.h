@@ -241,6 +241,8 @@ static inline startup_cfg_t example_startup_cfg(void)
         .track_speed = 1288490,    /* 90 rpm */
         .handover_speed = 2576980, /* 180 rpm */
         .hold_speed = 1803886,     /* 126 rpm */
+        .loaded_speed = 1803886,   /* a load changes nothing */
+        .load_current = 826,       /* 15 % of 6.72 A */
         .residual_max = 1638,      /* 2 A */
         .residual_lost = 4915,     /* 6 A */
         .lost_periods = 100U,
@@ -318,7 +320,7 @@ static inline drive_cfg_t example_drive_cfg(void)
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
         .hold_loop = example_current_loop_cfg(),
-        .run = {.current_floor = 0, .current_slope = 65, .current_fall = 2},
+        .run = {.current_floor = 0, .floor_shift = 1U, .current_slope = 65, .current_fall = 2},
         .model = example_model_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,

@@ -79,7 +79,10 @@ static const field_t RULES[] = {
     UP_TO(startup.track_speed, 1, 2576980),   /* handover_speed */
     RULE(startup.handover_speed, "startup.hold_speed", 1803887, 0x20000000,
          "startup.handover_speed"),
-    UP_TO(startup.hold_speed, 1, 2576979), /* below handover_speed */
+    RULE(startup.hold_speed, "startup.loaded_speed", 1803886, 2576979, /* below handover_speed */
+         "startup.hold_speed"),
+    UP_TO(startup.loaded_speed, 1, 1803886), /* hold_speed */
+    UP_TO(startup.settle_periods, 0, 99),    /* below handover_periods */
     RULE(startup.residual_max, "startup.residual_max", 1, 4915, "startup.residual_lost"),
     UP_TO(startup.residual_lost, 1638, 16384), /* from residual_max on */
 };
@@ -307,6 +310,9 @@ static void test_thresholds_of_the_startup_out_of_order_are_named(void)
     cfg.startup.hold_speed = cfg.startup.handover_speed;
     TEST_ASSERT_EQUAL_STRING("startup.hold_speed", config_check(&cfg));
     cfg.startup.hold_speed = cfg.startup.handover_speed - 1;
+    cfg.startup.loaded_speed = cfg.startup.handover_speed;
+    TEST_ASSERT_EQUAL_STRING("startup.loaded_speed", config_check(&cfg));
+    cfg.startup.loaded_speed--;
     cfg.startup.track_speed = cfg.startup.handover_speed;
     TEST_ASSERT_NULL(config_check(&cfg));
     cfg.startup.track_speed++;

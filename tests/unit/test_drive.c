@@ -1077,7 +1077,7 @@ static void check_bus(void)
     modulator_t modulator = was.modulator;
     ab_t ratio;
 
-    modulator_track_bus(&modulator, bus);
+    modulator_track_bus(&modulator, modulator_bus_ahead(was.bus_before, bus));
     ratio = transforms_park_inverse(ratio_of(&modulator),
                                     trig_sincos(sampled + (angle_t)step + (angle_t)(step >> 1)));
     TEST_ASSERT_EQUAL_INT32(bus, drive.signals.bus);
@@ -1098,7 +1098,8 @@ static void test_reciprocal_follows_the_bus_of_the_same_tick_with_open_gates(voi
     for (uint32_t k = 0U; k < 600U; k++) {
         in.adc_bus = (uint16_t)seeded_in(&seed, 1000, 3600);
         tick();
-        modulator_track_bus(&was.modulator, (int32_t)in.adc_bus * 8);
+        modulator_track_bus(&was.modulator,
+                            modulator_bus_ahead(was.bus_before, (int32_t)in.adc_bus * 8));
         TEST_ASSERT_EQUAL_INT32(was.modulator.inverse_bus_q12, drive.modulator.inverse_bus_q12);
         TEST_ASSERT_FALSE(out.gate_enable);
     }

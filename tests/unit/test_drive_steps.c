@@ -232,6 +232,46 @@ static void drag(step_t speed)
     slot(SLOT_SPEED);
 }
 
+/* An observer that has found the rotor turns with the vector. */
+static void drag_with(step_t speed)
+{
+    drive.observer.speed = speed;
+    drag(speed);
+}
+
+static void test_a_hand_over_takes_its_time_to_settle(void)
+{
+    cfg.startup.settle_periods = 3U;
+    enter(DRIVE_STATE_IF_RAMP);
+    drive.identified = true;
+    drag(cfg.startup.handover_speed);
+    for (uint32_t k = 0U; k < 3U; k++) {
+        drag_with(cfg.startup.handover_speed);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, drive.state);
+    }
+    drag_with(cfg.startup.handover_speed);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+}
+
+static drive_state_t handed_over_with_slip(step_t slip)
+{
+    setUp();
+    enter(DRIVE_STATE_HANDOVER);
+    drive.observer.speed = cfg.startup.handover_speed - slip;
+    drag(cfg.startup.handover_speed);
+    return drive.state;
+}
+
+static void test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_the_rotor(void)
+{
+    const step_t half = cfg.startup.handover_speed / 2;
+
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, handed_over_with_slip(half - 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, handed_over_with_slip(half));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, handed_over_with_slip(1 - half));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HANDOVER, handed_over_with_slip(-half));
+}
+
 static void test_a_hand_over_begins_to_count_and_counts_each_period(void)
 {
     enter(DRIVE_STATE_IF_RAMP);
@@ -256,9 +296,43 @@ static void test_a_hand_over_that_succeeds_forgets_the_attempts(void)
     drive.identified = true;
     drive.attempts = cfg.startup.attempts - 1U;
     drive.residual = cfg.startup.residual_max - 1;
-    drag(cfg.startup.handover_speed);
+    drag_with(cfg.startup.handover_speed);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+}
+
+/* One period in HANDOVER, whose vector of 3000 lies 30° ahead of the rotor. Returns what the vector's ramp feeds forward. */
+static int32_t hand_over_with(step_t change)
+{
+    const step_t reference = cfg.startup.handover_speed + change;
+    speed_loop_t before;
+
+    enter(DRIVE_STATE_HANDOVER);
+    drive.identified = true;
+    drive.residual = 0;
+    drive.vector.position.turns_q32 = 357913941; /* 2^32/12 */
+    drive.position.turns_q32 = 0;
+    drive.signals.current_ref.d = 3000;
+    speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
+    drive.speed_reference = reference;
+    drive.observer.speed = reference;
+    before = drive.speed_loop;
+    slot(SLOT_SPEED);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    return speed_loop_accelerate(&before, &cfg.speed_loop, reference, drive.torque_range);
+}
+
+static void test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp(void)
+{
+    const double cos_30 = 0.8660254037844387;
+    int32_t of_ramp = hand_over_with(0);
+
+    TEST_ASSERT_EQUAL_INT32(0, of_ramp);
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, 1500, pi_output(&drive.speed_loop.pi));
+    of_ramp = hand_over_with(cfg.speed_loop.ramp);
+    TEST_ASSERT_TRUE(of_ramp > 500);
+    TEST_ASSERT_INT32_WITHIN(TURN_LSB, lround(1500.0 - (of_ramp * (1.0 - cos_30))),
+                             pi_output(&drive.speed_loop.pi));
 }
 
 /* A sixth of a turn is 2^32/6 = 715827882.7 steps. */
@@ -277,7 +351,7 @@ static void test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vect
         enter(DRIVE_STATE_HANDOVER);
         drive.position.turns_q32 = QUARTER;
         drive.vector.position.turns_q32 = QUARTER + cases[k].load_angle;
-        drag(cfg.startup.handover_speed);
+        drag_with(cfg.startup.handover_speed);
         TEST_ASSERT_EQUAL(cases[k].then, drive.state);
     }
 }
@@ -447,6 +521,43 @@ static void test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_
     TEST_ASSERT_EQUAL_INT32(-full, drive.signals.current_ref.q);
 }
 
+/* ---- J ---- */
+
+/* The estimate lags the reference of a ramp. Returns the change of J. */
+static int32_t learned_under(torque_range_t range, step_t change)
+{
+    cfg.startup.current_hold = 0;
+    cfg.speed_loop.inertia_rate = 30274;
+    cfg.speed_loop.inertia_rate_shift = 4U;
+    cfg.speed_loop.inertia_most_q13 = 32767;
+    drive.observer.speed = -cfg.startup.handover_speed / 16;
+    ramp_under(range, change);
+    return drive.speed_loop.inertia_q17 - 131072;
+}
+
+static void test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque(void)
+{
+    const int32_t full = cfg.derating.current_max;
+    const step_t ramp = cfg.speed_loop.ramp;
+    const torque_range_t whole = {-full, full};
+    const torque_range_t no_motoring = {-full, 0};
+    const torque_range_t narrow = {-full, 100};
+
+    TEST_ASSERT_EQUAL_INT32(0, learned_under(no_motoring, ramp));
+    TEST_ASSERT_EQUAL_INT32(0, learned_under(narrow, ramp));
+    TEST_ASSERT_TRUE(learned_under(whole, ramp) > 0);
+}
+
+static void test_what_was_learned_of_j_is_forgotten_with_a_fault(void)
+{
+    drive.speed_loop.inertia_q17 = 200000;
+    enter(DRIVE_STATE_FAULT);
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    drive_step(&drive, &in, &out);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_OFFSET_CAL, drive.state);
+    TEST_ASSERT_EQUAL_INT32(131072, drive.speed_loop.inertia_q17);
+}
+
 /* ---- the estimate on a ramp ---- */
 
 static step_t estimate_after(step_t change, int32_t share_q14)
@@ -527,7 +638,23 @@ static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own(vo
     TEST_ASSERT_EQUAL_INT32(4000 - fall, current_d_after(4000, 8000));
     TEST_ASSERT_EQUAL_INT32(2000 - fall, current_d_after(2000, -8000));
     TEST_ASSERT_EQUAL_INT32(0, current_d_after(fall - 1, 8000));
+    TEST_ASSERT_EQUAL_INT32(3000, current_d_after(3000, 2000));
+    cfg.run.floor_shift = 0U;
     TEST_ASSERT_EQUAL_INT32(2000, current_d_after(2000, 2000));
+}
+
+/* The bus is that of setUp(). */
+static void test_the_least_current_yields_where_the_voltage_ends(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus);
+    const int32_t near = (15 * limit) / 16;
+
+    drive.derating.voltage = (dq_t){0, near};
+    TEST_ASSERT_TRUE(current_d_after(0, 0) > 0);
+    drive.derating.voltage = (dq_t){0, near + 2};
+    TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
+    drive.derating.voltage = (dq_t){-near - 2, 0};
+    TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
 }
 
 /* What was imposed is above the least current, and of no use: it goes as it came. */
@@ -590,9 +717,11 @@ static void test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_
 {
     const int32_t resistance = drive.model.resistance_q14;
 
+    speed_loop_lower(&drive.speed_loop); /* a rotor was caught */
     end_alignment_with(0, 0);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
     TEST_ASSERT_EQUAL_INT32(resistance, drive.model.resistance_q14);
 }
 
@@ -694,11 +823,14 @@ static dq_t voltage_of_imposed(dq_t current)
 /* What K_p of RUN makes of 500 beyond each limit, on top of the soft control; roundings of both. */
 static void test_an_imposed_current_is_controlled_firmly_beyond_its_limits_alone(void)
 {
-    const current_loop_cfg_t *const firm = &drive.model.run_loop;
-    const int32_t d = (500 * firm->pi_d.kp) >> firm->pi_d.kp_shift;
-    const int32_t q = (500 * firm->pi_q.kp) >> firm->pi_q.kp_shift;
+    const current_loop_cfg_t *const firm = &cfg.current_loop;
+    const int32_t d =
+        ((500 * firm->pi_d.kp) >> firm->pi_d.kp_shift) / 2; /* half of L_d, 3/4 of L_q */
+    const int32_t q = ((500 * firm->pi_q.kp) >> firm->pi_q.kp_shift) * 3 / 4;
     const dq_t limit = {cfg.startup.along_max, cfg.startup.across_max};
 
+    drive.model.inductance_q14 = 8192;
+    drive.model.saliency_q14 = 24576;
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         const dq_t beyond = {sign * (limit.d + 500), sign * (limit.q + 500)};
         dq_t held;
@@ -875,6 +1007,49 @@ static void test_the_hand_back_waits_for_three_quarters_of_the_hold_speed(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_period_at(-settled - 1));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(settled));
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_period_at(-settled));
+}
+
+/* As after_a_period_at(), with a load. */
+static drive_state_t after_a_loaded_period_at(step_t reference, int32_t load)
+{
+    enter(DRIVE_STATE_RUN);
+    drive.signals.current_ref = (dq_t){cfg.startup.current_hold, 0};
+    drive.torque_range = (torque_range_t){-8192, 8192};
+    drive.observer.speed = reference;
+    drive.speed_reference = reference;
+    speed_loop_start(&drive.speed_loop, reference, load);
+    slot(SLOT_SPEED);
+    return drive.state;
+}
+
+/* The period's own change of the integral is below one LSB. */
+static void test_with_a_load_run_goes_down_to_the_loaded_speed(void)
+{
+    const step_t loaded = cfg.startup.hold_speed / 4;
+    const step_t settled = (loaded / 2) + (loaded / 4); /* loaded_speed is odd: rounded down */
+    const int32_t load = cfg.startup.load_current;
+
+    cfg.startup.loaded_speed = loaded;
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_loaded_period_at(loaded, load));
+    TEST_ASSERT_TRUE(drive.signals.current_ref.d < cfg.startup.current_hold);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_loaded_period_at(-loaded, -load));
+    TEST_ASSERT_TRUE(drive.signals.current_ref.d < cfg.startup.current_hold);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_loaded_period_at(loaded, load - 1));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD,
+                      after_a_loaded_period_at(loaded, -2 * load)); /* it drives */
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_loaded_period_at(-loaded, 2 * load));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, after_a_loaded_period_at(settled + 1, load));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_loaded_period_at(settled, load));
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_loaded_period_at(-settled, -load));
+}
+
+/* A load angle holds the position there too. */
+static void test_a_position_profile_is_held_by_an_imposed_current_whatever_its_load(void)
+{
+    cfg.startup.loaded_speed = cfg.startup.hold_speed / 4;
+    drive.mode = (uint8_t)DRIVE_MODE_POSITION;
+    TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, after_a_loaded_period_at(cfg.startup.hold_speed / 2, 2000));
+    drive.mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
 /* The profile still brakes there. */
@@ -1090,6 +1265,7 @@ static void test_run_begins_with_the_torque_filter_at_the_torque_that_acts(void)
     drive.signals.current_ref = (dq_t){4000, 0};
     drive.position.turns_q32 = -(QUARTER / 3);
     drive.residual = 0;
+    drive.observer.speed = cfg.startup.handover_speed;
     drive.vector.step = cfg.startup.handover_speed;
     drive.speed_reference = cfg.startup.handover_speed;
     speed_loop_reset(&drive.speed_loop, cfg.startup.handover_speed);
@@ -1364,8 +1540,11 @@ int main(void)
     RUN_TEST(test_a_start_moves_nothing_in_its_own_tick);
     RUN_TEST(test_no_slot_moves_a_drive_without_a_motion_loop);
     RUN_TEST(test_derating_holds_for_an_imposed_current_too);
+    RUN_TEST(test_a_hand_over_takes_its_time_to_settle);
+    RUN_TEST(test_an_observer_that_turns_otherwise_than_the_vector_has_not_found_the_rotor);
     RUN_TEST(test_a_hand_over_begins_to_count_and_counts_each_period);
     RUN_TEST(test_a_hand_over_that_succeeds_forgets_the_attempts);
+    RUN_TEST(test_a_hand_over_gives_the_load_to_the_integral_and_not_the_torque_of_the_ramp);
     RUN_TEST(test_the_observer_proves_itself_within_a_sixth_of_a_turn_of_the_vector);
     RUN_TEST(test_the_last_attempt_that_fails_is_a_fault);
     RUN_TEST(test_a_rotor_is_lost_when_periods_above_the_limit_outweigh_those_below);
@@ -1384,6 +1563,8 @@ int main(void)
     RUN_TEST(test_an_imposed_current_is_compensated_before_it_flows_and_follows_a_swing);
     RUN_TEST(test_below_the_hold_speed_run_follows_the_ramp_of_an_imposed_vector);
     RUN_TEST(test_the_hand_back_waits_for_three_quarters_of_the_hold_speed);
+    RUN_TEST(test_with_a_load_run_goes_down_to_the_loaded_speed);
+    RUN_TEST(test_a_position_profile_is_held_by_an_imposed_current_whatever_its_load);
     RUN_TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
@@ -1391,8 +1572,11 @@ int main(void)
     RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
     RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
     RUN_TEST(test_the_estimate_waits_with_a_ramp_that_waits);
+    RUN_TEST(test_j_is_learned_on_a_ramp_and_not_at_the_end_of_the_torque);
+    RUN_TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault);
     RUN_TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone);
     RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own);
+    RUN_TEST(test_the_least_current_yields_where_the_voltage_ends);
     RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);

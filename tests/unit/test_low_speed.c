@@ -311,9 +311,10 @@ static void catch_it(void)
 
 /*
  * The converter's half a count is 4 LSB in both axes, 5.7 of the 670 LSB in which a pulse of two ticks ends: each direction is off by
- * 0.0085 rad at most, and each magnitude by as large a share. The rotor turns by 0.226 rad from one to the other: 8.4 % together.
+ * 0.0085 rad at most, and each magnitude by as large a share. The rotor turns by 0.63 rad from one to the other: 3.6 % together.
  */
-#define PULSE_L_TOLERANCE (0.084)
+#define PULSE_L_TOLERANCE (0.036)
+#define TELLING_GAP (24U) /* pulses */
 
 static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured(void)
 {
@@ -322,6 +323,7 @@ static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_mea
     int32_t measured;
 
     *emf_current = (int32_t)lround(*emf_current / file);
+    cfg.startup.flying_start.gap_factor = TELLING_GAP;
     begin();
     catch_it();
     TEST_ASSERT_FALSE(drive.identified);
@@ -329,6 +331,7 @@ static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_mea
                               drive.model.inductance_q14 / 16384.0);
     TEST_ASSERT_EQUAL_INT32(16384, drive.model.saliency_q14);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 1.0, drive.model.resistance_q14 / 16384.0);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
 
     begin();
     go_to(DRIVE_STATE_HOLD);
@@ -338,6 +341,16 @@ static void test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_mea
     catch_it();
     TEST_ASSERT_TRUE(drive.flying_start.inductance_q14 > (measured + 2000));
     TEST_ASSERT_EQUAL_INT32(measured, drive.model.inductance_q14);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.speed_loop.halvings);
+}
+
+static void test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop(void)
+{
+    cfg.startup.flying_start.gap_factor = 1U;
+    begin();
+    catch_it();
+    TEST_ASSERT_EQUAL_INT32(16384, drive.model.inductance_q14);
+    TEST_ASSERT_EQUAL_UINT32(1U, drive.speed_loop.halvings);
 }
 
 static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
@@ -776,6 +789,7 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.startup.handover_speed = 2;
         cfg.startup.track_speed = 1;
         cfg.startup.hold_speed = 1;
+        cfg.startup.loaded_speed = 1;
         cfg.startup.current_hold = 16384;
         cfg.startup.current_move = 16384;
         cfg.run.current_floor = 16384;
@@ -784,7 +798,14 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.modulator.dead_time_q15 = 8192;
         cfg.modulator.drop_q15 = 2048;
         cfg.modulator.edge_slope = 32767;
-        cfg.model = (model_cfg_t){15000, 8192, 16384, 8192, 32767, 0};
+        cfg.model = (model_cfg_t){15000,
+                                  8192,
+                                  16384,
+                                  8192,
+                                  32767,
+                                  0,
+                                  {0x10000000, 15U, 32767, 0},
+                                  {0x10000000, 15U, 32767, 16384}};
         cfg.crc = config_guard_crc(&cfg);
         TEST_ASSERT_NULL(drive_init(&drive, &cfg));
         for (uint32_t k = 0U; k < 10000U; k++) {
@@ -860,6 +881,7 @@ int main(void)
         test_a_rotor_that_turns_too_slowly_to_be_taken_over_is_held_by_a_vector_that_turns_with_it);
     RUN_TEST(test_a_caught_rotor_is_measured_at_its_first_standstill);
     RUN_TEST(test_a_caught_rotor_has_the_inductance_of_its_pulses_until_it_is_measured);
+    RUN_TEST(test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop);
     RUN_TEST(test_a_stop_opens_the_gates_in_its_tick_in_every_state);
     RUN_TEST(test_a_stop_after_half_of_a_state_opens_the_gates_too);
     RUN_TEST(test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor);

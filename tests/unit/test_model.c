@@ -365,6 +365,134 @@ static void test_each_correction_is_switched_off_alone(void)
     assert_model(1.0, 1.2, 1.0);
 }
 
+/* ---- shares of the gains by the speed ---- */
+
+#define PACE_SPEED (2600000)   /* 2^13 < it >> 8 < 2^14 */
+#define KAPPA_SPEED (20000000) /* likewise >> 11 */
+
+/*
+ * A speed is cut to 2^-13 of full_speed at least, and so is full_speed for the gain, whose rounding is 2^-14. The share and
+ * each product with it are rounded down: 2^-14 of the share, 1 of the mantissa. η takes pace twice and κ once: three shares,
+ * five products.
+ */
+#define SHARE_TOLERANCE ((2.0 / 8192.0) + (2.0 / ONE_Q14))
+#define SHARES_ROUNDING (5.0)
+
+static gain_share_cfg_t share_of(step_t full_speed, uint32_t shift, double least)
+{
+    return (gain_share_cfg_t){
+        .full_speed = full_speed,
+        .shift = shift,
+        .gain = (1 << 28) / (full_speed >> shift),
+        .least_q14 = (int32_t)lround(ONE_Q14 * least),
+    };
+}
+
+static void configure_shares(void)
+{
+    cfg.pace = share_of(PACE_SPEED, 8U, 0.25);
+    cfg.kappa = share_of(KAPPA_SPEED, 11U, 0.5);
+}
+
+static void assert_shared(const char *what, int32_t nominal, double share, int32_t actual)
+{
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(SHARES_ROUNDING + (3.0 * nominal * SHARE_TOLERANCE),
+                                      nominal * share, actual, what);
+}
+
+static void assert_shares(double pace, double kappa, double l)
+{
+    const nn_observer_cfg_t *const o = &model.observer;
+
+    assert_shared("eta", observer.eta, l * l * pace * pace * kappa, o->eta);
+    assert_shared("kappa_p", observer.kappa_p, l * l * pace, o->kappa_p);
+    assert_shared("rho", observer.rho_max_q13, pace, o->rho_max_q13);
+    assert_shared("K_p of d", run_loop.pi_d.kp, l * pace, model.run_loop.pi_d.kp);
+    assert_shared("K_i of d", run_loop.pi_d.ki, l * pace, model.run_loop.pi_d.ki);
+    assert_shared("K_p of q", run_loop.pi_q.kp, l * pace, model.run_loop.pi_q.kp);
+    assert_shared("K_i of q", run_loop.pi_q.ki, l * pace, model.run_loop.pi_q.ki);
+}
+
+static void pace(step_t speed)
+{
+    model_pace(&model, &cfg, &NOMINAL, speed);
+}
+
+static void test_gains_are_the_share_of_the_speed_and_not_below_the_least(void)
+{
+    static const struct {
+        step_t speed;
+        double pace;
+        double kappa;
+    } cases[] = {
+        {0, 0.25, 0.5},
+        {PACE_SPEED / 5, 0.25, 0.5},
+        {PACE_SPEED / 2, 0.5, 0.5},
+        {PACE_SPEED * 9 / 10, 0.9, 0.5},
+        {PACE_SPEED, 1.0, 0.5},
+        {KAPPA_SPEED * 3 / 4, 1.0, 0.75},
+        {KAPPA_SPEED, 1.0, 1.0},
+        {0x40000000, 1.0, 1.0},
+    };
+
+    configure_shares();
+    observer.rho_max_q13 = 16384;
+    for (uint32_t k = 0U; k < (sizeof cases / sizeof cases[0]); k++) {
+        pace(cases[k].speed);
+        assert_shares(cases[k].pace, cases[k].kappa, 1.0);
+        pace(0);
+        pace(-cases[k].speed);
+        assert_shares(cases[k].pace, cases[k].kappa, 1.0);
+    }
+}
+
+static void test_whole_gains_come_back_bit_for_bit(void)
+{
+    const model_t before = model;
+
+    configure_shares();
+    pace(0);
+    pace(KAPPA_SPEED);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+}
+
+static void test_without_a_full_speed_no_speed_changes_anything(void)
+{
+    const model_t before = model;
+    seeded_t seed = {0xFACEU};
+
+    for (int32_t k = 0; k < 1000; k++) {
+        pace(seeded_in(&seed, -0x40000000, 0x40000000));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof model);
+    }
+}
+
+static void test_a_measured_inductance_and_the_shares_act_together_in_either_order(void)
+{
+    configure_shares();
+    pace(PACE_SPEED / 2);
+    set(1.0, 1.25);
+    assert_shares(0.5, 0.5, 1.25);
+    pace(KAPPA_SPEED);
+    assert_shares(1.0, 1.0, 1.25);
+}
+
+static void test_any_share_cfg_in_range_keeps_the_gains_in_range(void)
+{
+    seeded_t seed = {0x5EEDU};
+
+    for (int32_t k = 0; k < 10000; k++) {
+        cfg.pace =
+            (gain_share_cfg_t){seeded_in(&seed, 0, 0x10000000), (uint32_t)seeded_in(&seed, 0, 15),
+                               seeded_in(&seed, 0, 32767), seeded_in(&seed, 0, 16384)};
+        cfg.kappa = cfg.pace;
+        pace(seeded_in(&seed, -0x40000000, 0x40000000));
+        TEST_ASSERT_TRUE((model.pace_q14 >= cfg.pace.least_q14) && (model.pace_q14 <= 16384));
+        TEST_ASSERT_TRUE((model.observer.eta >= 0) && (model.observer.eta <= observer.eta));
+        TEST_ASSERT_TRUE(model.observer.kappa_p <= observer.kappa_p);
+    }
+}
+
 /* ---- flux ---- */
 
 /* Slow periods beside a motor whose flux is `ratio` times the nominal; e'_d as an ideal observer shows it. */
@@ -482,6 +610,32 @@ static void test_a_nominal_resistance_of_zero_is_no_division_by_zero(void)
     TEST_ASSERT_EQUAL_INT32(0, model.run_loop.resistance_q13);
 }
 
+static void test_gains_are_whole_with_both_shares_at_a_speed_that_has_them(void)
+{
+    const model_cfg_t shares = {.pace = {.full_speed = 1000}, .kappa = {.full_speed = 2000}};
+    const model_cfg_t other = {.pace = {.full_speed = 2000}, .kappa = {.full_speed = 1000}};
+    model_t of_speed = {.pace_q14 = MODEL_RATIO_ONE, .kappa_q14 = MODEL_RATIO_ONE};
+
+    TEST_ASSERT_TRUE(model_is_whole(&of_speed, &shares, 2000));
+    TEST_ASSERT_FALSE(model_is_whole(&of_speed, &shares, 1999));
+    TEST_ASSERT_TRUE(model_is_whole(&of_speed, &other, 2000));
+    TEST_ASSERT_FALSE(model_is_whole(&of_speed, &other, 1999));
+    of_speed.pace_q14--;
+    TEST_ASSERT_FALSE(model_is_whole(&of_speed, &shares, 2000));
+    of_speed.pace_q14++;
+    of_speed.kappa_q14--;
+    TEST_ASSERT_FALSE(model_is_whole(&of_speed, &shares, 2000));
+}
+
+static void test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_rounded_down(void)
+{
+    const model_t half = {.inductance_q14 = 8192, .saliency_q14 = 24577};
+    const model_t more = {.inductance_q14 = 24576, .saliency_q14 = 32767};
+
+    TEST_ASSERT_EQUAL_INT32(12288, model_ratio_q_q14(&half));
+    TEST_ASSERT_EQUAL_INT32(49150, model_ratio_q_q14(&more));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -499,6 +653,13 @@ int main(void)
     RUN_TEST(test_each_correction_is_switched_off_alone);
     RUN_TEST(test_flux_converges_to_that_of_the_motor_in_both_directions_of_rotation);
     RUN_TEST(test_flux_converges_with_its_time_constant);
+    RUN_TEST(test_gains_are_the_share_of_the_speed_and_not_below_the_least);
+    RUN_TEST(test_whole_gains_come_back_bit_for_bit);
+    RUN_TEST(test_without_a_full_speed_no_speed_changes_anything);
+    RUN_TEST(test_a_measured_inductance_and_the_shares_act_together_in_either_order);
+    RUN_TEST(test_any_share_cfg_in_range_keeps_the_gains_in_range);
+    RUN_TEST(test_gains_are_whole_with_both_shares_at_a_speed_that_has_them);
+    RUN_TEST(test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_rounded_down);
     RUN_TEST(test_flux_ends_at_its_limits);
     RUN_TEST(test_flux_is_tracked_from_the_least_speed_on_only);
     RUN_TEST(test_flux_and_inductance_both_reach_the_shift_of_the_state);

@@ -772,6 +772,21 @@ static void test_without_anything_to_give_back_both_ways_write_the_same_counts(v
     }
 }
 
+static void test_the_bus_goes_on_as_it_last_changed_rounded_down(void)
+{
+    TEST_ASSERT_EQUAL_INT32(20150, modulator_bus_ahead(19900, 20000));
+    TEST_ASSERT_EQUAL_INT32(19850, modulator_bus_ahead(20100, 20000));
+    TEST_ASSERT_EQUAL_INT32(20001, modulator_bus_ahead(19999, 20000));
+    TEST_ASSERT_EQUAL_INT32(19998, modulator_bus_ahead(20001, 20000));
+    TEST_ASSERT_EQUAL_INT32(20000, modulator_bus_ahead(20000, 20000));
+}
+
+static void test_the_bus_ahead_ends_at_zero_and_at_full_scale(void)
+{
+    TEST_ASSERT_EQUAL_INT32(32767, modulator_bus_ahead(0, 32767));
+    TEST_ASSERT_EQUAL_INT32(0, modulator_bus_ahead(32767, 0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -789,6 +804,8 @@ int main(void)
     RUN_TEST(test_reciprocal_of_the_full_bus_is_one);
     RUN_TEST(test_reciprocal_of_a_missing_bus_rests_at_its_upper_bound);
     RUN_TEST(test_reciprocal_stays_in_range_for_any_sequence_of_buses);
+    RUN_TEST(test_the_bus_goes_on_as_it_last_changed_rounded_down);
+    RUN_TEST(test_the_bus_ahead_ends_at_zero_and_at_full_scale);
     RUN_TEST(test_limit_is_the_largest_ratio_of_the_bus_rounded_down);
     RUN_TEST(test_ratio_is_the_voltage_over_the_bus_rounded_down);
     RUN_TEST(test_ratio_saturates_to_16_bits_on_both_sides);

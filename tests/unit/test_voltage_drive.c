@@ -293,6 +293,7 @@ static void test_a_load_that_drives_is_held_by_current_control(void)
 static void run_above_the_current_floor(void)
 {
     cfg.run.current_floor = 1000;
+    cfg.run.floor_shift = 0U;
     cfg.run.current_slope = 65;
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
