@@ -25,23 +25,23 @@ RESISTANCE_OHM, INDUCTANCE_H, POLE_PAIRS = 2.125, 0.0116, 2
 LOST_V = BUS_V * DEAD_TIME_S / PERIOD_S + DROP_V    # of a leg, against its current
 
 # The share of the lost voltage, rms, that may be left. All is compensated but where a leg's current is within its
-# ripple and five counts of the converter: at the least current, of equal parts in d and q, for a fifth of a turn.
+# ripple and five counts of the converter: at the least current, less half of i_q, for a tenth of a turn.
 CROSSING_A = BUS_V * PERIOD_S / (12 * INDUCTANCE_H) + 5 * 2 * 20.0 / 4096
-LEAST_A = 0.18 * 7.8 / (1.5 * POLE_PAIRS * 0.387) / math.sqrt(2)
-LEFT = math.sqrt(2 / math.pi * math.asin(CROSSING_A / LEAST_A))     # 0.45
+LEAST_A = 0.25 * 7.8 / (1.5 * POLE_PAIRS * 0.387) * math.sqrt(0.8)
+LEFT = math.sqrt(2 / math.pi * math.asin(CROSSING_A / LEAST_A))     # 0.34
 
 MARGIN = 0.2
 EXPECTED = {    # rpm, N·m, compensated: THD in %, ripple of i_q in A rms, largest angle error in °
-    (200, 0, True): (3.15, 0.0686, 0.283),
-    (200, 1, True): (10.5, 0.212, 0.831),
-    (200, 3, True): (2.64, 0.0953, 0.299),
-    (400, 0, True): (2.78, 0.0473, 0.166),
-    (400, 1, True): (7.83, 0.175, 0.597),
-    (400, 3, True): (2.19, 0.0755, 0.182),
-    (900, 0, True): (5.88, 0.164, 0.408),
-    (900, 1, True): (3.25, 0.0680, 0.204),
-    (900, 3, True): (0.901, 0.0346, 0.0767),
-    (900, 3, False): (26.8, 0.733, 0.729),
+    (200, 0, True): (2.93, 0.0744, 0.234),
+    (200, 1, True): (3.97, 0.119, 0.827),
+    (200, 3, True): (4.12, 0.172, 0.778),
+    (400, 0, True): (1.22, 0.0323, 0.103),
+    (400, 1, True): (4.67, 0.101, 0.478),
+    (400, 3, True): (1.71, 0.0675, 0.182),
+    (900, 0, True): (1.75, 0.0641, 0.212),
+    (900, 1, True): (1.64, 0.0514, 0.183),
+    (900, 3, True): (1.06, 0.0433, 0.102),
+    (900, 3, False): (34.6, 0.951, 0.753),
 }
 
 
