@@ -202,10 +202,11 @@ class Recorder(unittest.TestCase):
         made.set_inputs(MIDDLE, MIDDLE, BUS)
         made.boot()
         made.said()
-        made.type("dump")  # while it is answered the first tick comes
-        self.assertEqual(made.ticks, 1)
-        self.assertCountEqual(console.lines(made.said()),
-                              ["error: the control tick does not run, nothing is recorded", "OFFSET_CAL"])
+        converts, made.chip.timer.trigger = made.chip.timer.trigger, lambda: None
+        made.type("dump")
+        self.assertEqual(made.ticks, 0)
+        self.assertIn("error: the control tick does not run, nothing is recorded", console.lines(made.said()))
+        made.chip.timer.trigger = converts
         made.tick(10)
         made.said()
         made.chip.timer.trigger = lambda: None  # no conversion: the tick guard comes
