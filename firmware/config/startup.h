@@ -24,7 +24,7 @@ typedef struct {
     step_t track_speed;
     /* the observer takes over from this speed on; at once, when a rotor turns as fast at a start, 1…2^29 … */
     step_t handover_speed;
-    /* below this one RUN fades the imposed current in, and hands back at half of it, 1…handover_speed − 1 */
+    /* below this one RUN fades the imposed current in; it hands back at 3/4, in position mode at 1/2 of it, 1…handover_speed − 1 */
     step_t hold_speed;
     /* in place of it in speed mode, while a load against the motion takes load_current or more of i_q, 1…hold_speed */
     step_t loaded_speed;

@@ -63,10 +63,10 @@ static int32_t pulse_current(const flying_start_t *start, const flying_start_cfg
 /* L_q / nominal. The error of the speed is as large in it, so a short way between the pulses tells less than a file. */
 static int32_t inductance_told(angle_t way, int32_t expected, int32_t current)
 {
-    const bool short_way = (way + TELLING_TURN) < (2U * TELLING_TURN);
+    const bool tells = (way + TELLING_TURN) >= (2U * TELLING_TURN);
     int32_t ratio_q14 = 0;
 
-    if (!short_way) {
+    if (tells) {
         ratio_q14 = fx_clamp((expected * ONE_Q14) / fx_max(current, 1), 1, FX_Q15_MAX);
     }
     return ratio_q14;

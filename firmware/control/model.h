@@ -11,10 +11,9 @@
  * A saliency within 1/32 of the configured one counts as that: the gains of two current sensors differ by up to 2 %, and
  * the rest is the measurement's noise. So a motor without saliency stays one, and the observer needs no product for it.
  *
- * Pace: at low speed the gains in force are a share of the configured ones, as the speed is of pace.full_speed. What is
- * not known of the voltage is more against the EMF there, and its ripple has a lower frequency: both in proportion to the
- * speed. κ has a share of its own up to kappa.full_speed: the lag of the estimate falls with the speed, as the frequency of the
- * ripple rises.
+ * Pace: at low speed the unknown part of the voltage is larger against the EMF, and its ripple is slower. So below
+ * pace.full_speed the gains in force are the configured ones times speed / full_speed. κ has a share of its own, up to
+ * kappa.full_speed: at high speed the ripple is faster than the estimate, and a larger κ shortens the lag.
  *
  * Flux: at speed the static error e' of the observer along d is the flux error (φ̂ − φ)/L_d. An integrator removes it.
  */

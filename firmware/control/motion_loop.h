@@ -4,9 +4,10 @@
  *
  * Speed: a ramp limits how fast the reference follows the target. A PI and an acceleration feed-forward compute i_q*.
  *
- * J. On a ramp the feed-forward is J·dω/dt with the J of the file. What that lacks, the integral takes over; behind the ramp
- * it is too much, and the speed overshoots. So on a ramp what the integral would take over corrects J instead: at the
- * acceleration of that ramp both are the same torque. A load that changes on a ramp is taken for J, until the next ramp.
+ * J: on a ramp the feed-forward is J·dω/dt with the J of the file. If J is wrong, the integral takes over the rest of the
+ * torque, and behind the ramp the speed overshoots. So on a ramp this rest corrects J, and the integral stays. A load that
+ * changes on a ramp is taken for J, until the next ramp.
+ *
  * Position: a profile with limited speed, acceleration and deceleration runs to the target. The speed
  * reference is the profile's speed plus a gain times the position lag.
  *

@@ -9,7 +9,7 @@
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
-#define SPARED (15)    /* sixteenths of the voltage; the rest is for the torque */
+#define FREE_SIXTEENTHS (15) /* of the voltage, up to which i_d* may take some */
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 void run_reset(drive_t *drive)
@@ -49,7 +49,10 @@ static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *po
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }
 
-/* A torque in the direction of the speed lasts: J may be off its file, and braking an unloaded rotor would be taken for a load. */
+/*
+ * The speed loop's integral holds the load. While the speed changes it also holds the torque of a J above that of the file,
+ * which is against the motion when the drive brakes. So only a torque in the direction of the motion counts as a load.
+ */
 static bool is_loaded(const drive_t *drive)
 {
     const int32_t load = pi_output(&drive->speed_loop.pi);
@@ -117,7 +120,7 @@ static bool is_slow(const drive_t *drive)
 static bool lacks_voltage(const drive_t *drive)
 {
     const int32_t limit = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
-    const int32_t near = fx_asr(limit * SPARED, 4U);
+    const int32_t near = fx_asr(limit * FREE_SIXTEENTHS, 4U);
     const int32_t square = near * near;
 
     return transforms_square(drive->derating.voltage) > (uint32_t)square;

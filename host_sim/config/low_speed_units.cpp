@@ -65,7 +65,7 @@ constexpr double HANDOVER_TIME_S = 0.1;
 // While the observer settles the vector becomes faster by this share of the hand-over speed: the EMF of more would be too much for
 // a soft control of the current.
 constexpr double SETTLE_RISE = 0.15;
-// Below this torque current, as a share of the continuous one, a drive at such a speed has no load.
+// At low speed a drive has a load from this torque current on, as a share of the continuous one.
 constexpr double LOAD_SHARE = 0.15;
 constexpr uint32_t ATTEMPTS = 5;
 

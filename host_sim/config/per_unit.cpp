@@ -535,7 +535,7 @@ void set_inertia_correction(speed_loop_cfg_t &c, const TuningSettings &tuning,
     if (tuning.adapt_inertia_pct > 0) {
         require(tuning.inertia_feed_forward, 1, 1,
                 {"speed_loop.inertia_feed_forward", tuning.inertia_feed_forward},
-                "adaptation.inertia_pct takes J from what the whole of it leaves to the integral");
+                "adaptation.inertia_pct needs the whole of J fed forward");
         const double rate = std::min(Q17 / ramp_q26, RATE_MAX);
         const Mantissa mantissa =
             normalise(std::ldexp(rate, 16), 0, 30,

@@ -109,7 +109,7 @@ struct TuningSettings {
            // start-up, RUN begins with the rotor taken to be at angle 0
     double align_current_pct = 0;    // likewise in the alignment; 0: as startup_current_pct
     double handover_speed_pct = 10;  // of rated speed
-    double loaded_speed_pct = 0;     // likewise, on the way down; 0: 0.7 of handover_speed_pct
+    double loaded_speed_pct = 0;     // likewise, down to it RUN carries a load; 0: as without one
     double adapt_resistance_pct = 0; // how far the model may be corrected; 0: not at all
     double adapt_inductance_pct = 0;
     double adapt_saliency_pct = 0;
@@ -158,9 +158,9 @@ struct ModelScales {
     double inductance = 1;
     double flux = 1;
     double inertia = 1;
-    double dead_time_s = AS_PLANT; // compensated by the drive
-    double output_capacitance_f = AS_BOARD;
+    double dead_time_s = AS_PLANT;   // compensated by the drive
     double device_drop_v = AS_PLANT; // likewise
+    double output_capacitance_f = AS_BOARD;
 };
 
 // [plant] How the real machine differs from the motor file, and what disturbs it.
