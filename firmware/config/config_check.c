@@ -87,6 +87,7 @@ static const char *check_startup(const char *before, const startup_cfg_t *cfg, s
 
     bad = in_order(bad, "startup.align.current_low", align->current_low,
                    (int64_t)align->current_high - 1);
+    bad = in_order(bad, "startup.align.swing_max", align->swing_max, align->current_high);
     bad = in_order(bad, "startup.align.sweep_speed", align->sweep_speed, speed_limit);
     bad = in_order(bad, "startup.align.sweep_ticks", align->sweep_ticks, align->pull_ticks);
     bad = in_order(bad, "startup.current_move", cfg->current_hold, cfg->current_move);

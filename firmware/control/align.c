@@ -6,7 +6,10 @@
 #define MEAN_BITS (6U)
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
-#define REST_SHARE (5) /* a rotor rests while |i_q| stays below 1/5 of the current */
+/* A rotor with more than 1/5 of the current across it slips, and the load would make it too fast to be caught meanwhile. */
+#define SLIP_CURRENT_SHARE (5)
+/* One that swings with a damping of 0.008 or more has at most so much left after two measurements: 15/16 = exp(-8*0.008). */
+#define CALM_SIXTEENTHS (15)
 /* For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of both points. */
 #define LOST_BITS (3U)
 #define DISTANCE_ONE_Q10 (1024)
@@ -29,6 +32,14 @@ static void next_align_phase(align_t *align)
     align->tick = 0U;
 }
 
+static void begin_measuring(align_t *align, const align_cfg_t *cfg)
+{
+    align->swing = 0;
+    align->swing_bound = cfg->current_high / SLIP_CURRENT_SHARE;
+    align->swing_before = align->swing_bound;
+    next_align_phase(align);
+}
+
 static void pull_rotor(align_t *align, const align_cfg_t *cfg)
 {
     align->current_ref = fx_towards(align->current_ref, cfg->current_high, cfg->slope);
@@ -37,7 +48,7 @@ static void pull_rotor(align_t *align, const align_cfg_t *cfg)
         align->frame_speed = align->backwards ? -cfg->sweep_speed : cfg->sweep_speed;
     }
     if (align->tick >= cfg->pull_ticks) {
-        next_align_phase(align);
+        begin_measuring(align, cfg);
     }
 }
 
@@ -46,16 +57,39 @@ static int32_t added(int32_t sum, int32_t sample)
     return fx_clamp(sum, -SUM_MAX, SUM_MAX) + sample;
 }
 
+static bool calms_down(const align_t *align, const align_cfg_t *cfg)
+{
+    return (align->swing > cfg->swing_max) && (align->swing <= align->swing_bound);
+}
+
+static void measure_again(align_t *align, align_point_t *point)
+{
+    align->swing_bound = fx_asr(CALM_SIXTEENTHS * fx_max(align->swing, align->swing_before), 4U);
+    align->swing_before = align->swing;
+    align->swing = 0;
+    align->tick = 0U;
+    *point = (align_point_t){0, 0};
+}
+
+static void end_measuring(align_t *align, const align_cfg_t *cfg, align_point_t *point)
+{
+    point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
+    point->voltage = fx_asr(point->voltage, cfg->measure_log2 - MEAN_BITS);
+    next_align_phase(align);
+}
+
 static void measure(align_t *align, const align_cfg_t *cfg, align_point_t *point, dq_t current,
                     int32_t voltage)
 {
     align->swing = fx_max(align->swing, fx_abs(current.q));
     point->current = added(point->current, current.d);
     point->voltage = added(point->voltage, voltage);
-    if (align->tick >= (1UL << cfg->measure_log2)) {
-        point->current = fx_asr(point->current, cfg->measure_log2 - MEAN_BITS);
-        point->voltage = fx_asr(point->voltage, cfg->measure_log2 - MEAN_BITS);
-        next_align_phase(align);
+    if (align->tick < (1UL << cfg->measure_log2)) {
+        /* it goes on */
+    } else if (calms_down(align, cfg)) {
+        measure_again(align, point);
+    } else {
+        end_measuring(align, cfg, point);
     }
 }
 
@@ -136,7 +170,7 @@ void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t vo
         break;
     case ALIGN_SETTLE:
         if (align->tick >= cfg->settle_ticks) {
-            next_align_phase(align);
+            begin_measuring(align, cfg);
         }
         break;
     case ALIGN_MEASURE_LOW:
@@ -167,12 +201,7 @@ bool align_has_measured(const align_t *align)
            ((align->phase == ALIGN_INDUCTANCE) || (align->phase == ALIGN_EVALUATE));
 }
 
-int32_t align_swing_max(const align_cfg_t *cfg)
-{
-    return cfg->current_high / REST_SHARE;
-}
-
 bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg)
 {
-    return align->swing <= align_swing_max(cfg);
+    return align->swing <= cfg->swing_max;
 }

@@ -16,8 +16,10 @@
  *
  * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a current across it. Measured
  * values are worth nothing then. While the vector rests, that current is 1.4·(angle of the swing) of the imposed one, by
- * the damping of the current control. A rotor at rest has a few percent of current_high, a slipping one a quarter or
- * more. Single samples are looked at, so noise counts too.
+ * the damping of the current control. Where R·I is many times the EMF it is less. Single samples are looked at, so noise
+ * counts too. A rotor that only swings calms down: with more than swing_max across, and at most a fifth of current_high, it is
+ * measured again as long as the largest |i_q| is 1/16 smaller than that of the two measurements before. One that slips keeps
+ * its current.
  *
  * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure, total. One step per
  * control tick.
@@ -34,6 +36,7 @@
 typedef struct {
     int32_t current_high; /* Q15 of I_b, 1…16384 */
     int32_t current_low;  /* of the second measurement, 0…current_high − 1 */
+    int32_t swing_max;    /* largest |i_q| of a rotor that rests, Q15 of I_b, 1…current_high */
     int32_t slope;        /* change of the current in a tick, Q15 of I_b, 1…16384 */
     /* speed of the vector while it turns, 1…2^29, within the observer's speed_limit */
     step_t sweep_speed;
@@ -80,7 +83,9 @@ typedef struct {
     bool backwards;      /* the vector turns from β towards α */
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
-    int32_t swing; /* largest |i_q| of both measurements, 0…34400 */
+    int32_t swing;        /* largest |i_q| of this measurement, 0…34400 */
+    int32_t swing_before; /* of the measurement before that was repeated, 0…3276 */
+    int32_t swing_bound;  /* up to there it is measured again, 0…3276 */
     inductance_t inductance;
     align_point_t high;
     align_point_t low;
@@ -105,11 +110,8 @@ void align_step(align_t *align, const align_cfg_t *cfg, dq_t current, int32_t vo
 /* Whether a measurement ended with this tick, MEASURE_HIGH or MEASURE_LOW. */
 bool align_has_measured(const align_t *align);
 
-/* Then: the rotor has rested while it was measured, |i_q| ≤ align_swing_max(). */
+/* Then: the rotor has rested while it was measured, |i_q| ≤ swing_max. */
 bool align_is_at_rest(const align_t *align, const align_cfg_t *cfg);
-
-/* The largest |i_q| of a rotor that rests, Q15 of I_b. */
-int32_t align_swing_max(const align_cfg_t *cfg);
 
 /* Whether the current control pauses in this tick: from the one that ends MEASURE_HIGH on, while the voltage is given. */
 bool align_holds_voltage(const align_t *align, const align_cfg_t *cfg);

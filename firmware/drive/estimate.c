@@ -102,14 +102,24 @@ static step_t calm_speed(const drive_t *drive)
     return (fx_abs(own) >= fast) ? own : drive->speed_loop.reference;
 }
 
+/*
+ * What of the current the model does not explain. At rest a leg that has no current lies along q, and its dead time takes what
+ * voltage the control puts there: the model would see a current. Along d all legs conduct.
+ */
+static int32_t unexplained_current(const drive_t *drive)
+{
+    const dq_t error = drive->observer.rotated_error;
+
+    return fx_abs(drive_is_held(drive) ? error.d : error.q);
+}
+
 void estimate_refine(drive_t *drive)
 {
     const nn_observer_t *const observer = &drive->observer;
     const model_nominal_t nominal = drive_nominal(drive);
     const step_t calm = calm_speed(drive);
 
-    drive->residual =
-        fx_approach(drive->residual, fx_abs(observer->rotated_error.q), RESIDUAL_SHIFT);
+    drive->residual = fx_approach(drive->residual, unexplained_current(drive), RESIDUAL_SHIFT);
     model_track_flux(&drive->model, &drive->cfg->model, &nominal, observer->rotated_error.d,
                      observer->speed);
     if (!model_is_whole(&drive->model, &drive->cfg->model, fx_abs(calm))) {

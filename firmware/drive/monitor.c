@@ -46,16 +46,15 @@ static fault_id_t check_imposed(drive_t *drive, fault_t *fault)
 /* Whether the rotor rests on the imposed current. */
 static bool is_at_rest(const drive_t *drive)
 {
-    const bool held = (drive->state == DRIVE_STATE_HOLD) && (drive->vector.step == 0);
     const bool aligned = (drive->state == DRIVE_STATE_ALIGN) && (drive->align.phase != ALIGN_PULL);
 
-    return held || aligned;
+    return drive_is_held(drive) || aligned;
 }
 
 /*
  * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open wire takes half of the
- * imposed current or all of it. So at rest the error counts half. While the rotor is pulled in or turned it does not
- * count; there the check of the phases and the start-up find the fault.
+ * imposed current or all of it. So at rest the error counts half, and what there is too much along the vector does not.
+ * While the rotor is pulled in or turned no error counts; there the check of the phases and the start-up find the fault.
  */
 static dq_t controlled_current(const drive_t *drive)
 {
@@ -65,7 +64,7 @@ static dq_t controlled_current(const drive_t *drive)
     if (drive->state == DRIVE_STATE_RUN) {
         current = s->current;
     } else if (is_at_rest(drive)) {
-        current.d = fx_asr(current.d + s->current_frame.d, 1U);
+        current.d = fx_asr(current.d + fx_min(current.d, s->current_frame.d), 1U);
         current.q = fx_asr(current.q + s->current_frame.q, 1U);
     } else {
         /* as asked for */

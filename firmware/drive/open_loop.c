@@ -195,7 +195,7 @@ static drive_event_t judge_rest(drive_t *drive, fault_t *fault)
     drive_event_t event = DRIVE_EVENT_NONE;
 
     if (!align_is_at_rest(align, cfg)) {
-        event = repeat_start(drive, align->swing, align_swing_max(cfg), fault);
+        event = repeat_start(drive, align->swing, cfg->swing_max, fault);
     }
     return event;
 }

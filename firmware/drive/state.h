@@ -119,7 +119,7 @@ typedef struct {
     bool identified; /* R and L of the model were measured */
     current_vector_t vector;
     angle_sensor_t angle_sensor;
-    int32_t residual; /* |e'_q|, filtered over slow periods, Q15 of I_b */
+    int32_t residual; /* |e'_q|, at rest |e'_d|, filtered over slow periods, Q15 of I_b */
     /* slow periods with a residual too large for a held rotor, less those without */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */
@@ -151,6 +151,12 @@ static inline bool drive_is_controlled(drive_state_t state)
 static inline bool drive_is_imposed(drive_state_t state)
 {
     return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_RUN);
+}
+
+/* The vector rests, and holds a rotor that has been aligned or stopped. */
+static inline bool drive_is_held(const drive_t *drive)
+{
+    return (drive->state == DRIVE_STATE_HOLD) && (drive->vector.step == 0);
 }
 
 static inline bool drive_has_sensor(const drive_t *drive)

@@ -19,6 +19,12 @@ constexpr double SETTLE = 6;
 constexpr double MEASURE = 4;
 // The second level of the current: well apart from the first, and still enough to hold a load.
 constexpr double LOW_SHARE = 0.62;
+// A rotor rests while the current across stays below the smaller of two: this share of the current, as the firmware has it, and
+// what the EMF at this share of the hand-over speed drives, but at least so many counts: a winding's noise of 1.5 counts
+// reaches 4.5 times that in 2^16 samples, and nearly twice as much across.
+constexpr double REST_SHARE = 0.2;
+constexpr double REST_SPEED = 0.125;
+constexpr double REST_LSB = 12;
 // Between them voltages for L_d and L_q: at most this share of the bus, so that the duty has room.
 constexpr double STEP_SHARE = 0.3;
 constexpr double STEP_TICKS_MIN = 2; // a filter before the converter takes less of it than of one
@@ -58,8 +64,8 @@ constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
 // The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
-// The vector's ramp, as torque on the nominal inertia: a load of half the rated torque and three times the
-// inertia still follow.
+// The vector's ramp on the nominal inertia takes this share of the imposed current: a load of half the rated torque and three
+// times the inertia still follow.
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 // While the observer settles the vector becomes faster by this share of the hand-over speed: the EMF of more would be too much for
@@ -108,6 +114,13 @@ double hold_current(const MotorSettings &motor, const BoardSettings &board,
 // sensors 2 % apart then leave the angle within some degrees.
 constexpr double HIDDEN_EMF = 3;
 
+// Electrical.
+double handover_rad_s(const MotorSettings &motor, const TuningSettings &tuning)
+{
+    return tuning.handover_speed_pct / 100 * motor.pole_pairs *
+           rad_s_from_rpm(motor.rated_speed_rpm);
+}
+
 // In motion: what the motor bears, within what its saliency allows and its EMF can be seen beside; never less than at rest, or a
 // load would be lost.
 double moving_current(const MotorSettings &motor, const BoardSettings &board,
@@ -115,9 +128,8 @@ double moving_current(const MotorSettings &motor, const BoardSettings &board,
 {
     const double saliency = motor.inductance_q_h - motor.inductance_d_h;
     const double most = saliency > 0 ? SALIENT_SHARE * motor.flux_linkage_wb / saliency : HUGE_VAL;
-    const double handover_rad_s =
-        tuning.handover_speed_pct / 100 * motor.pole_pairs * rad_s_from_rpm(motor.rated_speed_rpm);
-    const double seen = HIDDEN_EMF * handover_rad_s * motor.flux_linkage_wb / motor.resistance_ohm;
+    const double seen =
+        HIDDEN_EMF * handover_rad_s(motor, tuning) * motor.flux_linkage_wb / motor.resistance_ohm;
     return std::clamp(std::min(most, seen), hold_current(motor, board, tuning),
                       motor.max_current_a);
 }
@@ -210,6 +222,31 @@ double align_current(const MotorSettings &motor, const BoardSettings &board,
     return hold_current(motor, board, aligning);
 }
 
+// A count of the converter.
+double count_a(const BoardSettings &board)
+{
+    return board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
+}
+
+// K_p of the imposed current's control, in ohm: it adds to R, and damps the rotor's swing best so.
+double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
+                     const TuningSettings &tuning, const Model &m)
+{
+    const double damping = swing_rad_s(motor, board, tuning, m) * m.flux /
+                           (2 * HOLD_DAMPING * hold_current(motor, board, tuning));
+    return std::max(damping - m.resistance, -HOLD_RELIEF * m.resistance);
+}
+
+// What may flow across the vector while the rotor rests. A rotor that slips drives its EMF over R and K_p: where R·I is many times
+// that EMF, it is a small part of the current. A current of less than 60 counts does not tell a slip from noise.
+double resting_swing(double current_a, const MotorSettings &motor, const BoardSettings &board,
+                     const TuningSettings &tuning, const Model &m)
+{
+    const double emf_v = REST_SPEED * handover_rad_s(motor, tuning) * m.flux;
+    const double slips_a = emf_v / (m.resistance + hold_gain_ohm(motor, board, tuning, m));
+    return std::min(REST_SHARE * current_a, std::max(slips_a, REST_LSB * count_a(board)));
+}
+
 align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
                        const TuningSettings &tuning, const Model &m, const Bases &b)
 {
@@ -220,6 +257,7 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
     store(c.current_high, current / b.current_a * Q15, tuning.align_current_pct > 0 ? HOLD_MIN : 0,
           Q14, written, CURRENT_REASON);
     c.current_low = current_q15(current * LOW_SHARE, b);
+    keep(c.swing_max, resting_swing(current, motor, board, tuning, m) / b.current_a * Q15, 1, Q14);
     c.slope = hold_slope(motor, board, tuning, m, b);
     c.sweep_ticks = ticks(sweep_time_s(swing, b), b);
     keep(c.sweep_speed, STEPS_PER_TURN / 2 / c.sweep_ticks, 1, b.speed_limit);
@@ -233,8 +271,7 @@ align_cfg_t make_align(const MotorSettings &motor, const BoardSettings &board,
 
 double flying_start_current(const MotorSettings &motor, const BoardSettings &board)
 {
-    const double lsb = board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
-    return std::max(FLYING_START_SHARE * motor.max_current_a, FLYING_START_LSB * lsb);
+    return std::max(FLYING_START_SHARE * motor.max_current_a, FLYING_START_LSB * count_a(board));
 }
 
 // In lengths of a pulse, in which the rotor turns by I·L_q/φ.
@@ -341,7 +378,8 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     c.along_max = std::max(current_q15(ALONG_SHARE * board.overcurrent_a, b), c.current_move);
     c.across_max = current_q15(ACROSS_SHARE * board.overcurrent_a, b);
     keep(c.handover_speed, handover, 2, Q30 / 2);
-    const double acceleration = RAMP_TORQUE * m.torque_acceleration * motor.max_current_a;
+    const double acceleration =
+        RAMP_TORQUE * m.torque_acceleration * moving_current(motor, board, tuning);
     keep(c.ramp,
          std::ceil(acceleration * tuning.slow_ticks * std::pow(b.control_period_s, 2) / TWO_PI *
                    STEPS_PER_TURN),
@@ -387,9 +425,7 @@ current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const Moto
     current_loop_cfg_t c = run_loop;
     if (tuning.startup_current_pct > 0) {
         const double swing = swing_rad_s(motor, board, tuning, m);
-        const double damping =
-            swing * m.flux / (2 * HOLD_DAMPING * hold_current(motor, board, tuning));
-        const double kp = std::max(damping - m.resistance, -HOLD_RELIEF * m.resistance);
+        const double kp = hold_gain_ohm(motor, board, tuning, m);
         const double ki = (m.resistance + kp) * HOLD_INTEGRAL * swing * b.control_period_s;
         const double base = b.voltage_v / b.current_a;
         c.pi_d = make_pi(std::min(std::abs(kp) / base, PI_GAIN_MAX),

@@ -39,7 +39,8 @@ void set_imposed_limits(supervision_cfg_t &c, const MotorSettings &motor,
 model_cfg_t make_model_cfg(const MotorSettings &motor, const TuningSettings &tuning, const Model &m,
                            const Bases &b);
 
-// How long the start-up takes from the run request to standstill under control, in seconds.
+// How long the start-up of a rotor that rests when it is measured takes from the run request to standstill under control, in
+// seconds. One that swings is measured again.
 double startup_time(const MotorSettings &motor, const BoardSettings &board,
                     const TuningSettings &as_written);
 

@@ -25,6 +25,8 @@ const std::vector<MetricField> &metric_fields()
         {"angle_error_rms_deg", &MetricValues::angle_error_rms_deg},
         {"speed_error_command_pct", &MetricValues::speed_error_command_pct},
         {"speed_error_load_pct", &MetricValues::speed_error_load_pct},
+        {"ripple_speed_pct", &MetricValues::ripple_speed_pct},
+        {"ripple_current_pct", &MetricValues::ripple_current_pct},
         {"swing_speed_pct", &MetricValues::swing_speed_pct},
         {"swing_current_pct", &MetricValues::swing_current_pct},
         {"swing_hz", &MetricValues::swing_hz},
@@ -85,7 +87,7 @@ void Metrics::load_step()
         dip_ = 0;
         recovery_ = {true, RECOVERY_BAND * rated_rpm_, ticks_, ticks_};
     }
-    after_ = with_command ? after_ : After::load;
+    after_ = After::load;
 }
 
 void Metrics::add(const Instant &now)
@@ -128,8 +130,8 @@ void Metrics::watch_steps(double beyond)
 
 void Metrics::watch_window(const Instant &now)
 {
-    speed_swing_.add(now.speed_rpm);
-    current_swing_.add(now.i_q_a);
+    speed_ripple_.add(now.angle_el_rad, now.speed_rpm);
+    current_ripple_.add(now.angle_el_rad, now.i_q_a);
     if (quiet_ticks_ > settled_ticks_) {
         add_settled(now);
     }
@@ -198,8 +200,24 @@ void Metrics::close_settled_window()
     window_id_sum_ = 0;
     quiet_ticks_ = 0;
     settled_mean_ = {};
-    speed_swing_.restart();
-    current_swing_.restart();
+    close_swings();
+}
+
+void Metrics::close_swings()
+{
+    const auto watch = [this](Ripple &ripple, Worst &amplitude, SwingFinder &finder) {
+        const Ripple::Split split = ripple.split(static_cast<std::size_t>(settled_ticks_));
+        for (const double value : split.rest) {
+            finder.add(value);
+        }
+        if (split.amplitude) {
+            amplitude.add(*split.amplitude);
+        }
+        finder.restart();
+        ripple.clear();
+    };
+    watch(speed_ripple_, ripple_speed_, speed_swing_);
+    watch(current_ripple_, ripple_current_, current_swing_);
 }
 
 // Steps of command and load in one tick leave a window of no ticks between them; it says nothing.
@@ -216,18 +234,20 @@ void Metrics::close_step_window()
     }
 }
 
+std::optional<double> Metrics::of_rated(const Worst &worst, double rated)
+{
+    const std::optional<double> value = worst.get();
+    return value ? std::optional<double>(*value / rated * 100.0) : std::nullopt;
+}
+
 void Metrics::finish_errors(MetricValues &m) const
 {
     const auto count = static_cast<double>(ticks_);
-    const auto of_rated = [&](const Worst &worst) {
-        const std::optional<double> value = worst.get();
-        return value ? std::optional<double>(*value / rated_rpm_ * 100.0) : std::nullopt;
-    };
     m.speed_error_max_rpm = speed_error_max_;
     m.speed_error_rms_rpm = std::sqrt(speed_error_squares_ / count);
     m.speed_error_max_pct = speed_error_max_ / rated_rpm_ * 100.0;
-    m.speed_error_command_pct = of_rated(error_command_);
-    m.speed_error_load_pct = of_rated(error_load_);
+    m.speed_error_command_pct = of_rated(error_command_, rated_rpm_);
+    m.speed_error_load_pct = of_rated(error_load_, rated_rpm_);
     m.angle_error_max_deg = angle_error_max_;
     m.angle_error_rms_deg = std::sqrt(angle_error_squares_ / count);
     m.iq_error_max_a = iq_error_max_;
@@ -239,6 +259,8 @@ void Metrics::finish_swings(MetricValues &m) const
     const std::optional<Swing> &speed = speed_swing_.largest();
     const std::optional<Swing> &current = current_swing_.largest();
     m.limit_cycle = speed || current;
+    m.ripple_speed_pct = of_rated(ripple_speed_, rated_rpm_);
+    m.ripple_current_pct = of_rated(ripple_current_, rated_a_);
     if (speed) {
         m.swing_speed_pct = speed->amplitude / rated_rpm_ * 100.0;
         m.swing_hz = speed->hz;

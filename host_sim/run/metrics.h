@@ -13,6 +13,7 @@
 #pragma once
 
 #include "config.h"
+#include "ripple.h"
 #include "swing.h"
 
 #include <cstdint>
@@ -65,11 +66,16 @@ struct MetricValues {
     std::optional<double> position_error_final_rad;
     // Magnitude of the mean of the true i_d over a settled window. The largest.
     std::optional<double> id_settled_a;
-    // Likewise for the speed error, % of rated speed, in the windows of command steps and of load steps.
+    // Likewise for the speed error, % of rated speed, in the windows of command steps and of load steps; one of both in a
+    // tick is of the load, whose torque no drive knows.
     std::optional<double> speed_error_command_pct;
     std::optional<double> speed_error_load_pct;
-    // The largest sustained swing (swing.h) of speed, % of rated speed, and of the torque's current, % of that
-    // of rated torque, at a command and a load that do not change. The frequency: the current's, if it swings.
+    // What the rotor's own turning forces (ripple.h) at a command and a load that do not change, amplitudes: of the speed, % of
+    // rated speed, and of the torque's current, % of that of rated torque. The largest.
+    std::optional<double> ripple_speed_pct;
+    std::optional<double> ripple_current_pct;
+    // Without that, the largest sustained swings (swing.h), likewise. The frequency: the current's, if it swings. A window
+    // is watched from its beginning: what goes on after it has settled began before.
     std::optional<double> swing_speed_pct;
     std::optional<double> swing_current_pct;
     std::optional<double> swing_hz;
@@ -108,6 +114,7 @@ struct Instant {
     double speed_rpm;
     double speed_estimated_rpm;
     double angle_error_deg; // electrical, wrapped
+    double angle_el_rad;    // of the rotor
     double iq_error_a;
     double i_q_a;
     double i_d_a;
@@ -164,15 +171,16 @@ private:
     };
 
     void close_step_window();
-    void new_conditions();
     void close_wait(Wait &wait, Worst &into) const;
     void close_settled_window();
+    void close_swings();
     void watch_window(const Instant &now);
     void watch_steps(double beyond);
     void average(const Instant &now);
     bool is_held_coarsely(const Instant &now) const;
     bool is_held() const;
     void add_settled(const Instant &now);
+    static std::optional<double> of_rated(const Worst &worst, double rated);
     void finish_errors(MetricValues &m) const;
     void finish_swings(MetricValues &m) const;
 
@@ -205,6 +213,10 @@ private:
     After after_ = After::nothing; // which step the window is of
     Worst error_command_;
     Worst error_load_;
+    Ripple speed_ripple_; // since the conditions changed
+    Ripple current_ripple_;
+    Worst ripple_speed_;
+    Worst ripple_current_;
     SwingFinder speed_swing_;
     SwingFinder current_swing_;
 

@@ -111,6 +111,7 @@ void Run::evaluate(const Tick &tick)
     now.speed_rpm = truth.omega_mech_rad_s * RPM_PER_RAD_S;
     now.speed_estimated_rpm = tick.speed_estimate * rpm_per_step_;
     now.angle_error_deg = angle_error_deg(tick);
+    now.angle_el_rad = truth.theta_el_rad;
     now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
     now.i_q_a = truth.i_q_a;
     now.i_d_a = truth.i_d_a;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-// Finds a swing that does not die out: a limit cycle, a resonance, or a ripple that something drives.
+// Finds a swing that does not die out: a limit cycle, a resonance, or a ripple that something but the rotor's turning drives.
 //
 // A swing is sustained when three periods after any half-swing the signal still makes half-swings of at least half its
 // height. A free swing with the damping ζ falls by exp(−2πζ/√(1−ζ²)) in a period, to a half in three of them for

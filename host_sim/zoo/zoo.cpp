@@ -23,8 +23,8 @@ const char *const TEMPERATURE_SENSOR =
     "temperature_points_pct = [5.9, 14.28, 27.92, 44.72, 60.73, 73.31, 82.11, 87.91]\n"
     "temperature_max_c = 100\n";
 
-// The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one where
-// it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
+// The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one of the rated
+// torque where it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
 constexpr double RAMP_TORQUE = 0.15;
 constexpr double IMPOSED_TORQUE = 0.05;
 constexpr double IMPOSED_SPEED = 0.1;
@@ -33,6 +33,10 @@ constexpr double HANDOVER_S = 0.2;
 // of a period of the speed loop.
 constexpr double REST_LOOPS = 3;
 constexpr double REST_S = 0.3;
+// And at the lowest speed for ripple and swings to be told apart.
+constexpr double LAST_SPEED = 0.1;
+constexpr double LAST_TURNS = 2.5; // electrical
+constexpr double LAST_SETTLED_S = 0.2;
 // The start-up of a standing rotor in units of 1/ω_n of its swing in the field of the rated current, and ticks.
 constexpr double START_SWINGS = 60;
 constexpr double START_TICKS = 256;
@@ -124,11 +128,13 @@ Times times_of(const Specimen &specimen)
     const double tick_s = 1 / specimen.board.pwm_frequency_hz;
     const double swing = std::sqrt(motor.pole_pairs * motor.rated_torque_nm / motor.inertia_kg_m2);
     const double rated_a = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
-    // From rest to rated speed with the largest torque.
-    const double fastest_s = motor.rated_speed_rpm * RAD_S_PER_RPM * motor.inertia_kg_m2 /
-                             motor.rated_torque_nm * rated_a / motor.max_current_a;
+    // From rest to rated speed with rated torque, and with the largest one.
+    const double rated_s =
+        motor.rated_speed_rpm * RAD_S_PER_RPM * motor.inertia_kg_m2 / motor.rated_torque_nm;
+    const double fastest_s = rated_s * rated_a / motor.max_current_a;
     const double rest = REST_S + REST_LOOPS * fastest_s;
-    const double imposed = IMPOSED_SPEED * fastest_s / IMPOSED_TORQUE + HANDOVER_S;
+    const double imposed = IMPOSED_SPEED * rated_s / IMPOSED_TORQUE + HANDOVER_S;
+    const double last_turn_s = 60 / (LAST_SPEED * motor.rated_speed_rpm * motor.pole_pairs);
     const auto reach = [&](double share) { return share * fastest_s / RAMP_TORQUE; };
     Times times{};
     times.held = HELD_SWINGS / swing + HELD_TICKS * tick_s;
@@ -138,7 +144,8 @@ Times times_of(const Specimen &specimen)
     times.unloaded = times.loaded + rest;
     times.stopped = times.unloaded + rest;
     times.reversed = times.stopped + reach(1) + imposed + rest;
-    times.end = times.reversed + imposed + rest;
+    times.end =
+        times.reversed + imposed + std::max(rest, LAST_SETTLED_S + LAST_TURNS * last_turn_s);
     return times;
 }
 

@@ -530,7 +530,9 @@ void start()
 // φ/(L_q − L_d) = 0.375/0.0375 = 10 A, half of it lies between the hold and the largest current; of 0.375/0.1 A not.
 void a_salient_motor_is_dragged_with_less_current()
 {
-    expect(5.0 / 40 * 32768, motor_b({"motor.inductance_q_h=0.051"}).startup.current_move);
+    const startup_cfg_t less = motor_b({"motor.inductance_q_h=0.051"}).startup;
+    expect(5.0 / 40 * 32768, less.current_move);
+    TEST_ASSERT_DOUBLE_WITHIN(1, 0.07 * 204.54545 * 5.0 * STEPS_PER_RAD_S2 + 0.5, less.ramp);
     const startup_cfg_t c =
         motor_b({"motor.inductance_d_h=0.05", "motor.inductance_q_h=0.15"}).startup;
     expect(c.current_hold, c.current_move);
@@ -539,7 +541,23 @@ void a_salient_motor_is_dragged_with_less_current()
 // The EMF at 120 rpm is 9.42478 V; three times that over R is 5 A.
 void a_motor_of_much_resistance_is_dragged_with_less_current()
 {
-    expect(5.0 / 40 * 32768, motor_b({"motor.resistance_ohm=5.654867"}).startup.current_move);
+    const startup_cfg_t c = motor_b({"motor.resistance_ohm=5.654867"}).startup;
+    expect(5.0 / 40 * 32768, c.current_move);
+    TEST_ASSERT_DOUBLE_WITHIN(1, 0.07 * 204.54545 * 5.0 * STEPS_PER_RAD_S2 + 0.5, c.ramp);
+}
+
+// An eighth of the EMF at 120 rpm over ω_n·φ/(1.4·3.53778 A) = 2.03674 ohm; at most a fifth of the current, and at least 12 counts of
+// 20 A/2048. A winding of 5.654867 ohm keeps 0.6 of them.
+void a_rotor_rests_with_less_than_a_slip_drives_across()
+{
+    const auto swing = [](const std::vector<std::string> &set) {
+        return motor_b(set).startup.align.swing_max;
+    };
+    expect(9.42478 / 8 / 2.03674 / 40 * 32768, swing({}));
+    expect(0.2 * 1.5 * CONTINUOUS_Q15, swing({"startup.handover_speed_pct=30"}));
+    expect(12.0 * 20 / 2048 / 40 * 32768,
+           swing({"startup.handover_speed_pct=1", "startup.loaded_speed_pct=0"}));
+    expect(9.42478 / 8 / (0.6 * 5.654867) / 40 * 32768, swing({"motor.resistance_ohm=5.654867"}));
 }
 
 // Of twice the continuous current what the motor bears, and 1/1.8 of what the board does.
@@ -840,6 +858,7 @@ int main()
     RUN_TEST(start);
     RUN_TEST(a_salient_motor_is_dragged_with_less_current);
     RUN_TEST(a_motor_of_much_resistance_is_dragged_with_less_current);
+    RUN_TEST(a_rotor_rests_with_less_than_a_slip_drives_across);
     RUN_TEST(a_start_imposes_what_motor_and_board_bear);
     RUN_TEST(flying_start);
     RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);

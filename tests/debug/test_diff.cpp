@@ -83,7 +83,7 @@ static void test_every_tick_of_the_scenarios_is_within_its_roundings()
     take_run("s1", {}, shares);
     take_run("s1_robust", {"all"}, shares);
     take_run("s2_robust", {"imp"}, shares,
-             {"observer.feedback=0.08", "plant.saliency_scale=1.06", "speed_loop.notch_hz=150",
+             {"observer.feedback=0.08", "plant.saliency_scale=1.1", "speed_loop.notch_hz=150",
               "speed_loop.torque_filter_hz=200"});
     take_run("s3_robust", {"deadtime"}, shares);
     take_run("s2_motor_b", {"adc"}, shares);

@@ -183,9 +183,11 @@ void test_speed_errors_of_command_and_load_steps_are_told_apart()
     metrics.command_step(200);
     metrics.load_step(); // with the command's
     run(metrics, 10, with_error(30));
+    metrics.command_step(300);
+    run(metrics, 10, with_error(10));
     const MetricValues m = metrics.finish();
     check(2.0, m.speed_error_command_pct);
-    check(1.0, m.speed_error_load_pct);
+    check(1.5, m.speed_error_load_pct);
 }
 
 // A sine of 10 Hz; half a sample from its top it has fallen by 1 − cos(π/100).
@@ -218,6 +220,36 @@ void test_a_swing_of_speed_or_current_is_a_limit_cycle()
         with_swing(0.99 * nf::SWING_SPEED * RATED_RPM, 0.99 * nf::SWING_CURRENT * RATED_A, false);
     TEST_ASSERT_FALSE(ripple.limit_cycle);
     TEST_ASSERT_FALSE(ripple.swing_hz.has_value());
+}
+
+// The same swing of a rotor that makes so many electrical turns in a second.
+MetricValues with_swing_of_a_rotor(double turns)
+{
+    constexpr double pi = 3.14159265358979323846;
+    Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
+    run(metrics, 1000, [&](int k) {
+        const double sine = std::sin(2 * pi * 12 * k * PERIOD_S);
+        Instant now = perfect(RATED_RPM + 100 * sine);
+        now.i_q_a = 5 * sine;
+        now.angle_el_rad = std::remainder(2 * pi * turns * k * PERIOD_S, 2 * pi);
+        return now;
+    });
+    return metrics.finish();
+}
+
+// With three turns in the settled part a swing at order 3.4 lies four periods and more from the orders 2 and 6.
+void test_a_ripple_that_the_rotor_forces_is_no_limit_cycle()
+{
+    constexpr double top = 0.001; // half a sample from it a sine has fallen by 1 − cos(π/83)
+    const MetricValues m = with_swing_of_a_rotor(6); // of order 2
+    TEST_ASSERT_FALSE(m.limit_cycle);
+    check_within(top * 5, 5, m.ripple_speed_pct);
+    check_within(top * 50, 50, m.ripple_current_pct);
+    TEST_ASSERT_TRUE(with_swing_of_a_rotor(12.0 / 3.4).limit_cycle);
+    const MetricValues slow = with_swing_of_a_rotor(2); // less than two turns once it has settled
+    TEST_ASSERT_TRUE(slow.limit_cycle);
+    TEST_ASSERT_FALSE(slow.ripple_speed_pct.has_value());
+    TEST_ASSERT_FALSE(slow.ripple_current_pct.has_value());
 }
 
 // Where the reference moves the speed has to change.
@@ -393,6 +425,7 @@ int main()
     RUN_TEST(test_closed_loop_begins_its_mean_anew);
     RUN_TEST(test_speed_errors_of_command_and_load_steps_are_told_apart);
     RUN_TEST(test_a_swing_of_speed_or_current_is_a_limit_cycle);
+    RUN_TEST(test_a_ripple_that_the_rotor_forces_is_no_limit_cycle);
     RUN_TEST(test_a_limit_cycle_needs_a_constant_command);
     RUN_TEST(test_lock_is_lost_when_the_drive_stops);
     RUN_TEST(test_nothing_applies_without_steps_and_time);

@@ -25,7 +25,7 @@ METRICS = """
 scenario with set notes seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a angle_error_rms_deg
-speed_error_command_pct speed_error_load_pct swing_speed_pct swing_current_pct swing_hz lost_time_s
+speed_error_command_pct speed_error_load_pct ripple_speed_pct ripple_current_pct swing_speed_pct swing_current_pct swing_hz lost_time_s
 locked locked_coarse limit_cycle faults state_final
 gates_enabled_final parameters dimensionless saturations saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
@@ -36,7 +36,7 @@ v_d_v v_q_v duty_a duty_b duty_c bus_v load_torque_nm torque_nm fault""".split()
 NOT_IN_GOOD_RUN = {"swing_speed_pct", "swing_current_pct", "swing_hz", "lost_time_s"}
 NOT_IN_SPEED_RUN = {"position_error_final_rad", *NOT_IN_GOOD_RUN}
 NOT_IN_POSITION_RUN = {"command_error_settled_pct", "speed_dip_rpm", "recovery_time_s", "speed_error_load_pct",
-                       *NOT_IN_GOOD_RUN}
+                       "ripple_speed_pct", "ripple_current_pct", *NOT_IN_GOOD_RUN}
 
 SHORT = """
 motor = "motor_a"

@@ -210,6 +210,8 @@ static inline align_cfg_t example_align_cfg(void)
         .current_high = 6554, /* 8 A */
         .current_low = 4063,  /* 4.96 A */
         .slope = 65,
+        /* the EMF of an eighth of 180 rpm, 1.824 V, over ω_n·φ/(1.4·8 A) = 2.72 ohm */
+        .swing_max = 549,
         .sweep_speed = 2111587, /* half a turn in 1017 ticks */
         .sweep_ticks = 1017U,
         .pull_ticks = 3050U,

@@ -358,29 +358,109 @@ test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_ti
 
 /* ---- whether the rotor rests ---- */
 
-/* The largest |i_q| of `phase` alone. */
+/* Whether it rests in both measurements while current_q flows across in `phase` alone. */
 static bool rests_with(align_phase_t phase, int32_t current_q)
 {
+    bool rests = true;
+
     align_reset(&align, false);
     while (align.phase != ALIGN_DONE) {
         const int32_t q = (align.phase == phase) ? current_q : 0;
 
         align_step(&align, &cfg, (dq_t){cfg.current_high, q}, 0);
+        rests = rests && (!align_has_measured(&align) || align_is_at_rest(&align, &cfg));
     }
-    return align_is_at_rest(&align, &cfg);
+    return rests;
 }
 
-static void test_rotor_rests_while_the_current_across_stays_within_a_fifth(void)
+/*
+ * The measurement `phase` of a rotor that swings: of each time that it is repeated the largest current across, below zero in
+ * each second one. Returns how often it was measured.
+ */
+static uint32_t measured_with(align_phase_t phase, const int32_t *swings, uint32_t count)
 {
-    const int32_t most = cfg.current_high / 5;
+    uint32_t times = 0U;
 
-    TEST_ASSERT_EQUAL_INT32(most, align_swing_max(&cfg));
+    align_reset(&align, false);
+    while (align.phase < phase) {
+        align_step(&align, &cfg, (dq_t){cfg.current_high, 0}, 0);
+    }
+    while (align.phase == phase) {
+        const int32_t swing = swings[(times < count) ? times : (count - 1U)];
+        const int32_t q = ((times & 1U) != 0U) ? -swing : swing;
+        const bool begins = align.tick == 0U;
+
+        align_step(&align, &cfg, (dq_t){cfg.current_high + (int32_t)times, begins ? q : 0}, 0);
+        times += (align.tick == 0U) ? 1U : 0U;
+    }
+    return times;
+}
+
+static void test_rotor_rests_while_the_current_across_stays_within_its_limit(void)
+{
+    const int32_t most = cfg.swing_max;
+
     for (int32_t sign = -1; sign <= 1; sign += 2) {
         TEST_ASSERT_TRUE(rests_with(ALIGN_MEASURE_HIGH, sign * most));
         TEST_ASSERT_TRUE(rests_with(ALIGN_MEASURE_LOW, sign * most));
         TEST_ASSERT_FALSE(rests_with(ALIGN_MEASURE_HIGH, sign * (most + 1)));
         TEST_ASSERT_FALSE(rests_with(ALIGN_MEASURE_LOW, sign * (most + 1)));
     }
+}
+
+/*
+ * Each swing is 1/16 smaller than the larger one of the two before, 750 of 800: in one measurement there may be no top. What was
+ * measured before the rotor rested does not count.
+ */
+static void test_a_rotor_that_swings_is_measured_once_it_has_calmed_down(void)
+{
+    static const int32_t calms[] = {1310, 500, 1228, 800, 1151, 750, 700, 400};
+
+    cfg.swing_max = 400;
+    TEST_ASSERT_EQUAL_UINT32(8, measured_with(ALIGN_MEASURE_HIGH, calms, 8U));
+    TEST_ASSERT_TRUE(align_is_at_rest(&align, &cfg));
+    TEST_ASSERT_EQUAL_INT32(64 * (cfg.current_high + 7), align.high.current);
+    TEST_ASSERT_EQUAL_UINT32(8, measured_with(ALIGN_MEASURE_LOW, calms, 8U));
+    TEST_ASSERT_TRUE(align_is_at_rest(&align, &cfg));
+    TEST_ASSERT_EQUAL_INT32(64 * (cfg.current_high + 7), align.low.current);
+}
+
+static void test_a_rotor_that_slips_does_not_calm_down(void)
+{
+    static const int32_t slips[] = {800};
+    static const int32_t hardly[] = {800, 700, 751};
+    static const int32_t grows[] = {800, 700, 750, 704};
+
+    cfg.swing_max = 400;
+    TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_HIGH, slips, 1U));
+    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+    TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_LOW, hardly, 3U));
+    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+    TEST_ASSERT_EQUAL_UINT32(4, measured_with(ALIGN_MEASURE_LOW, grows, 4U));
+    TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+}
+
+/* The limit falls for the smallest swings too. */
+static void test_no_swing_however_small_is_waited_for_without_end(void)
+{
+    for (int32_t swing = 2; swing <= 17; swing++) {
+        cfg.swing_max = 1;
+        TEST_ASSERT_EQUAL_UINT32(3, measured_with(ALIGN_MEASURE_HIGH, &swing, 1U));
+        TEST_ASSERT_FALSE(align_is_at_rest(&align, &cfg));
+    }
+}
+
+/* A load that drives it makes it faster meanwhile. */
+static void test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for(void)
+{
+    const int32_t most = cfg.current_high / 5;
+    const int32_t calms[] = {most, 0};
+    const int32_t slips[] = {most + 1, 0};
+
+    cfg.swing_max = 400;
+    TEST_ASSERT_EQUAL_UINT32(2, measured_with(ALIGN_MEASURE_HIGH, calms, 2U));
+    TEST_ASSERT_EQUAL_UINT32(1, measured_with(ALIGN_MEASURE_HIGH, slips, 2U));
+    TEST_ASSERT_EQUAL_UINT32(1, measured_with(ALIGN_MEASURE_LOW, slips, 2U));
 }
 
 static void test_swing_while_the_rotor_is_pulled_in_does_not_count(void)
@@ -500,7 +580,11 @@ int main(void)
     RUN_TEST(test_voltage_that_dead_time_and_drop_take_is_what_is_left_at_zero_current);
     RUN_TEST(test_no_lost_voltage_without_two_currents);
     RUN_TEST(test_lost_voltage_of_two_close_currents_is_not_extrapolated_further_than_four_times);
-    RUN_TEST(test_rotor_rests_while_the_current_across_stays_within_a_fifth);
+    RUN_TEST(test_rotor_rests_while_the_current_across_stays_within_its_limit);
+    RUN_TEST(test_a_rotor_that_swings_is_measured_once_it_has_calmed_down);
+    RUN_TEST(test_a_rotor_that_slips_does_not_calm_down);
+    RUN_TEST(test_no_swing_however_small_is_waited_for_without_end);
+    RUN_TEST(test_with_a_fifth_of_the_current_across_a_rotor_is_not_waited_for);
     RUN_TEST(test_swing_while_the_rotor_is_pulled_in_does_not_count);
     RUN_TEST(test_inductance_is_measured_whatever_the_offset_voltage_and_the_resistance);
     RUN_TEST(test_resistance_is_unknown_without_a_difference_in_current_or_voltage);

@@ -71,6 +71,7 @@ static const field_t RULES[] = {
     RULE(startup.align.current_high, "startup.align.current_low", 4064, 16384,
          "startup.align.current_high"),
     UP_TO(startup.align.current_low, 0, 6553),     /* below current_high */
+    UP_TO(startup.align.swing_max, 1, 6554),       /* current_high */
     UP_TO(startup.align.sweep_speed, 1, 35791394), /* observer.speed_limit */
     UP_TO(startup.align.sweep_ticks, 1, 3050),     /* pull_ticks */
     RULE(startup.align.pull_ticks, "startup.align.sweep_ticks", 1017, 0x100000,

@@ -446,6 +446,27 @@ static void test_the_hand_back_turns_the_currents_into_its_frame(void)
     TEST_ASSERT_TRUE(drive.signals.current_ref.d >= (cfg.startup.current_hold - TURN_LSB));
 }
 
+/* ---- what the observer does not explain ---- */
+
+static int32_t residual_in(drive_state_t state, step_t vector_speed)
+{
+    enter(state);
+    drive.vector.step = vector_speed;
+    drive.observer.rotated_error = (dq_t){.d = -800, .q = 1600};
+    drive.residual = 0;
+    estimate_refine(&drive);
+    return drive.residual;
+}
+
+/* At rest a leg without current lies along q. The filter takes an eighth of it. */
+static void test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector(void)
+{
+    TEST_ASSERT_EQUAL_INT32(100, residual_in(DRIVE_STATE_HOLD, 0));
+    TEST_ASSERT_EQUAL_INT32(200, residual_in(DRIVE_STATE_HOLD, 1));
+    TEST_ASSERT_EQUAL_INT32(200, residual_in(DRIVE_STATE_IF_RAMP, 0));
+    TEST_ASSERT_EQUAL_INT32(200, residual_in(DRIVE_STATE_HANDOVER, 0));
+}
+
 /* ---- the observer's static part ---- */
 
 /* rho has the sign of the speed that sets it: of the rotor's own speed `own`, or of the opposite one asked for. */
@@ -708,7 +729,7 @@ static void end_alignment(int32_t swing)
 
 static void test_an_alignment_is_believed_when_the_rotor_rested(void)
 {
-    end_alignment(align_swing_max(&cfg.startup.align));
+    end_alignment(cfg.startup.align.swing_max);
     TEST_ASSERT_EQUAL(DRIVE_STATE_HOLD, drive.state);
     TEST_ASSERT_TRUE(drive.identified);
 }
@@ -727,7 +748,7 @@ static void test_an_alignment_without_an_inductance_leaves_the_model_and_is_not_
 
 static void test_the_second_measurement_follows_when_the_rotor_rested_in_the_first(void)
 {
-    end_measurement(ALIGN_MEASURE_HIGH, align_swing_max(&cfg.startup.align), 2000);
+    end_measurement(ALIGN_MEASURE_HIGH, cfg.startup.align.swing_max, 2000);
     TEST_ASSERT_EQUAL(DRIVE_STATE_ALIGN, drive.state);
     TEST_ASSERT_EQUAL(ALIGN_INDUCTANCE, drive.align.phase);
     TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
@@ -739,7 +760,7 @@ static void test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_
 
     for (uint32_t k = 0; k < 2U; k++) {
         drive.attempts = 0U;
-        end_measurement(PHASES[k], align_swing_max(&cfg.startup.align) + 1, 2000);
+        end_measurement(PHASES[k], cfg.startup.align.swing_max + 1, 2000);
         TEST_ASSERT_EQUAL(DRIVE_STATE_FLYING_START, drive.state);
         TEST_ASSERT_EQUAL_UINT32(1U, drive.attempts);
         TEST_ASSERT_FALSE(drive.identified);
@@ -749,11 +770,11 @@ static void test_a_rotor_that_does_not_rest_is_looked_for_after_the_measurement_
 static void test_the_last_alignment_without_rest_is_a_fault_that_names_the_current_across(void)
 {
     drive.attempts = cfg.startup.attempts - 1U;
-    end_alignment(align_swing_max(&cfg.startup.align) + 1);
+    end_alignment(cfg.startup.align.swing_max + 1);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
     TEST_ASSERT_EQUAL(FAULT_STARTUP, fault.id);
-    TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align) + 1, fault.value);
-    TEST_ASSERT_EQUAL_INT32(align_swing_max(&cfg.startup.align), fault.limit);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.align.swing_max + 1, fault.value);
+    TEST_ASSERT_EQUAL_INT32(cfg.startup.align.swing_max, fault.limit);
 }
 
 /* ---- a rotor that slipped ---- */
@@ -1300,6 +1321,28 @@ static int32_t heat_after_one_look(drive_state_t state)
     return drive.derating.heat_q24;
 }
 
+/* Held at rest with an imposed current of 5000: what one look adds to the sum of the errors. */
+static dq_t held_error_with(dq_t current)
+{
+    enter(DRIVE_STATE_HOLD);
+    drive.vector.step = 0;
+    supervision_reset(&drive.supervision);
+    drive.signals.current_ref = (dq_t){5000, 0};
+    drive.signals.current_frame = current;
+    drive.supervision.step = 2U; /* the check of the current */
+    slot(SLOT_CHECKS);
+    return drive.supervision.off_current;
+}
+
+static void
+test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds(void)
+{
+    TEST_ASSERT_EQUAL_INT32(500, held_error_with((dq_t){4000, 0}).d);
+    TEST_ASSERT_EQUAL_INT32(0, held_error_with((dq_t){6000, 0}).d);
+    TEST_ASSERT_EQUAL_INT32(-500, held_error_with((dq_t){5000, 1000}).q);
+    TEST_ASSERT_EQUAL_INT32(500, held_error_with((dq_t){5000, -1000}).q);
+}
+
 static void test_at_rest_the_motor_cools_whatever_current_was_measured_last(void)
 {
     in.adc_temperature = 0U;
@@ -1568,6 +1611,7 @@ int main(void)
     RUN_TEST(test_the_hand_back_of_a_position_profile_waits_for_half_of_the_hold_speed);
     RUN_TEST(test_the_hand_back_begins_with_what_flows_and_nothing_older);
     RUN_TEST(test_the_hand_back_turns_the_currents_into_its_frame);
+    RUN_TEST(test_the_residual_is_that_across_the_flux_and_at_rest_that_along_the_vector);
     RUN_TEST(test_the_static_part_follows_the_estimate_from_twice_the_hand_over_speed_on);
     RUN_TEST(test_ramp_and_profile_wait_at_the_end_of_a_narrowed_torque_and_only_there);
     RUN_TEST(test_the_estimate_takes_on_its_share_of_what_the_reference_changes);
@@ -1588,6 +1632,8 @@ int main(void)
     RUN_TEST(test_behind_a_notch_the_limit_of_the_torque_is_reached_in_the_end);
     RUN_TEST(test_run_begins_with_the_torque_filter_at_the_torque_that_acts);
     RUN_TEST(test_current_control_is_given_back_with_the_torque_filter_at_the_torque_that_acts);
+    RUN_TEST(
+        test_at_rest_half_of_what_the_imposed_current_lacks_counts_and_nothing_of_what_a_swing_adds);
     RUN_TEST(test_at_rest_the_motor_cools_whatever_current_was_measured_last);
     RUN_TEST(test_phases_are_watched_over_the_turns_of_what_turns_in_this_state);
     RUN_TEST(test_a_run_is_not_judged_by_the_voltage_of_its_current_control);

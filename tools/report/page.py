@@ -28,6 +28,8 @@ METRICS = {     # key: name, unit
     "angle_error_rms_deg": ("angle error, rms", "° el."),
     "speed_error_command_pct": ("speed error after command steps, largest", "% of rated"),
     "speed_error_load_pct": ("speed error after load steps, largest", "% of rated"),
+    "ripple_speed_pct": ("ripple of speed that the rotor's turning forces", "% of rated"),
+    "ripple_current_pct": ("ripple of torque current, likewise", "% of rated"),
     "swing_speed_pct": ("sustained swing of speed", "% of rated"),
     "swing_current_pct": ("sustained swing of torque current", "% of rated"),
     "swing_hz": ("its frequency", "Hz"),
