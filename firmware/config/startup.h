@@ -29,7 +29,7 @@ typedef struct {
     /* in place of it in speed mode, while a load against the motion takes load_current or more of i_q, 1…hold_speed */
     step_t loaded_speed;
     int32_t load_current; /* Q15 of I_b, 1…16384 */
-    /* the observer takes over only with a residual (filtered |e'_q|, at rest |e'_d|) below this, Q15 of I_b, 1…16384 */
+    /* the observer takes over only with a residual (drive_t.residual, here |e'_q|) below this, Q15 of I_b, 1…16384 */
     int32_t residual_max;
     /* a residual above this means that the rotor does not follow the vector, residual_max…16384 … */
     int32_t residual_lost;

@@ -6,9 +6,7 @@
 #define MEAN_BITS (6U)
 #define SUM_MAX (0x7FFF0000) /* of 2^16 samples */
 #define MEAN_MAX (64 * FX_Q15_MAX)
-/* A rotor with more than 1/5 of the current across it slips, and the load would make it too fast to be caught meanwhile. */
-#define SLIP_CURRENT_SHARE (5)
-/* One that swings with a damping of 0.008 or more has at most so much left after two measurements: 15/16 = exp(-8*0.008). */
+/* A swing with a damping of 0.008 or more has at most so much left after two measurements: 15/16 = exp(-8*0.008). */
 #define CALM_SIXTEENTHS (15)
 /* For the extrapolation to zero: means in 1/8 LSB, and the distance from there in Q10 of that of both points. */
 #define LOST_BITS (3U)
@@ -35,7 +33,7 @@ static void next_align_phase(align_t *align)
 static void begin_measuring(align_t *align, const align_cfg_t *cfg)
 {
     align->swing = 0;
-    align->swing_bound = cfg->current_high / SLIP_CURRENT_SHARE;
+    align->swing_bound = cfg->current_high / ALIGN_SLIP_SHARE;
     align->swing_before = align->swing_bound;
     next_align_phase(align);
 }

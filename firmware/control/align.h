@@ -17,9 +17,9 @@
  * Whether the rotor rests. A rotor that swings or slips in the field of the vector induces a current across it. Measured
  * values are worth nothing then. While the vector rests, that current is 1.4·(angle of the swing) of the imposed one, by
  * the damping of the current control. Where R·I is many times the EMF it is less. Single samples are looked at, so noise
- * counts too. A rotor that only swings calms down: with more than swing_max across, and at most a fifth of current_high, it is
- * measured again as long as the largest |i_q| is 1/16 smaller than that of the two measurements before. One that slips keeps
- * its current.
+ * counts too. Up to swing_max across the rotor rests. Above, up to a fifth of current_high, it may only swing: it is measured
+ * again as long as the largest |i_q| is 1/16 smaller than in the two measurements before. The swing of a rotor that slips
+ * does not shrink.
  *
  * The current vector lies on the d axis of a frame, which the caller turns by frame_speed. Pure, total. One step per
  * control tick.
@@ -32,6 +32,9 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+
+/* With more than 1/5 of current_high across a rotor slips. Its load makes it faster, so nobody waits for it. */
+#define ALIGN_SLIP_SHARE (5)
 
 typedef struct {
     int32_t current_high; /* Q15 of I_b, 1…16384 */
@@ -84,8 +87,8 @@ typedef struct {
     int32_t current_ref; /* i_d* */
     step_t frame_speed;
     int32_t swing;        /* largest |i_q| of this measurement, 0…34400 */
-    int32_t swing_before; /* of the measurement before that was repeated, 0…3276 */
-    int32_t swing_bound;  /* up to there it is measured again, 0…3276 */
+    int32_t swing_before; /* the same of the measurement before this one, 0…34400 */
+    int32_t swing_bound;  /* a larger swing is a slip: it is not measured again, 0…32250 */
     inductance_t inductance;
     align_point_t high;
     align_point_t low;

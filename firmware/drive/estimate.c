@@ -103,8 +103,8 @@ static step_t calm_speed(const drive_t *drive)
 }
 
 /*
- * What of the current the model does not explain. At rest a leg that has no current lies along q, and its dead time takes what
- * voltage the control puts there: the model would see a current. Along d all legs conduct.
+ * The current that the model does not explain. At rest the axis of a leg without current is q. Its dead time takes the voltage
+ * that the control puts there, and the model computes a current from it that does not flow. Along d all legs conduct.
  */
 static int32_t unexplained_current(const drive_t *drive)
 {

@@ -53,8 +53,9 @@ static bool is_at_rest(const drive_t *drive)
 
 /*
  * The control of an imposed current is soft, so a swinging rotor adds a current of its own. An open wire takes half of the
- * imposed current or all of it. So at rest the error counts half, and what there is too much along the vector does not.
- * While the rotor is pulled in or turned no error counts; there the check of the phases and the start-up find the fault.
+ * imposed current or all of it. So at rest the error counts half. Along the vector only a current that is too small counts: a swing
+ * makes it larger too, an open wire does not. While the rotor is pulled in or turned no error counts; there the check of the
+ * phases and the start-up find the fault.
  */
 static dq_t controlled_current(const drive_t *drive)
 {

@@ -119,7 +119,8 @@ typedef struct {
     bool identified; /* R and L of the model were measured */
     current_vector_t vector;
     angle_sensor_t angle_sensor;
-    int32_t residual; /* |e'_q|, at rest |e'_d|, filtered over slow periods, Q15 of I_b */
+    /* current that the model does not explain: |e'_q|, held at rest |e'_d|, filtered over slow periods, Q15 of I_b */
+    int32_t residual;
     /* slow periods with a residual too large for a held rotor, less those without */
     uint32_t lost_periods;
     uint32_t handover_periods; /* slow periods in HANDOVER */

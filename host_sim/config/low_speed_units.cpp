@@ -19,10 +19,10 @@ constexpr double SETTLE = 6;
 constexpr double MEASURE = 4;
 // The second level of the current: well apart from the first, and still enough to hold a load.
 constexpr double LOW_SHARE = 0.62;
-// A rotor rests while the current across stays below the smaller of two: this share of the current, as the firmware has it, and
-// what the EMF at this share of the hand-over speed drives, but at least so many counts: a winding's noise of 1.5 counts
-// reaches 4.5 times that in 2^16 samples, and nearly twice as much across.
-constexpr double REST_SHARE = 0.2;
+// A rotor rests while the current across stays below the smaller of two limits. One is the share from which on a rotor slips. The
+// other is what the EMF at this share of the hand-over speed drives, but at least so many counts: noise of 1.5 counts reaches
+// 4.5 times that in 2^16 samples of a winding, and nearly twice as much across.
+constexpr double REST_SHARE = 1.0 / ALIGN_SLIP_SHARE;
 constexpr double REST_SPEED = 0.125;
 constexpr double REST_LSB = 12;
 // Between them voltages for L_d and L_q: at most this share of the bus, so that the duty has room.
@@ -64,8 +64,8 @@ constexpr double LOST_SHARE = 0.75;
 constexpr double LOST_TIME_S = 0.1;
 // The least current goes so many times more slowly than it comes. A voltage drive takes over without it, and does not wait.
 constexpr int32_t CURRENT_FALL = 32;
-// The vector's ramp on the nominal inertia takes this share of the imposed current: a load of half the rated torque and three
-// times the inertia still follow.
+// On the file's J the vector's ramp takes the torque of this share of the current in motion: a load of half the rated torque and
+// three times J still follow.
 constexpr double RAMP_TORQUE = 0.07;
 constexpr double HANDOVER_TIME_S = 0.1;
 // While the observer settles the vector becomes faster by this share of the hand-over speed: the EMF of more would be too much for
@@ -228,7 +228,7 @@ double count_a(const BoardSettings &board)
     return board.current_full_scale_a / std::ldexp(1.0, board.adc_bits - 1);
 }
 
-// K_p of the imposed current's control, in ohm: it adds to R, and damps the rotor's swing best so.
+// K_p of the imposed current's control, in ohm, which adds to R: both together damp the swing as wanted.
 double hold_gain_ohm(const MotorSettings &motor, const BoardSettings &board,
                      const TuningSettings &tuning, const Model &m)
 {
@@ -372,14 +372,14 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     c.align = make_align(motor, board, tuning, m, b);
     store(c.current_hold, current, HOLD_MIN, Q14,
           {"startup.current_pct", tuning.startup_current_pct}, CURRENT_REASON);
-    store(c.current_move, moving_current(motor, board, tuning) / b.current_a * Q15, 1, Q14,
+    const double moving_a = moving_current(motor, board, tuning);
+    store(c.current_move, moving_a / b.current_a * Q15, 1, Q14,
           {"motor.max_current_a", motor.max_current_a}, CURRENT_REASON);
     c.current_slope = c.align.slope;
     c.along_max = std::max(current_q15(ALONG_SHARE * board.overcurrent_a, b), c.current_move);
     c.across_max = current_q15(ACROSS_SHARE * board.overcurrent_a, b);
     keep(c.handover_speed, handover, 2, Q30 / 2);
-    const double acceleration =
-        RAMP_TORQUE * m.torque_acceleration * moving_current(motor, board, tuning);
+    const double acceleration = RAMP_TORQUE * m.torque_acceleration * moving_a;
     keep(c.ramp,
          std::ceil(acceleration * tuning.slow_ticks * std::pow(b.control_period_s, 2) / TWO_PI *
                    STEPS_PER_TURN),

@@ -130,8 +130,7 @@ void Metrics::watch_steps(double beyond)
 
 void Metrics::watch_window(const Instant &now)
 {
-    speed_ripple_.add(now.angle_el_rad, now.speed_rpm);
-    current_ripple_.add(now.angle_el_rad, now.i_q_a);
+    ripple_.add(now.angle_el_rad, {now.speed_rpm, now.i_q_a});
     if (quiet_ticks_ > settled_ticks_) {
         add_settled(now);
     }
@@ -205,8 +204,8 @@ void Metrics::close_settled_window()
 
 void Metrics::close_swings()
 {
-    const auto watch = [this](Ripple &ripple, Worst &amplitude, SwingFinder &finder) {
-        const Ripple::Split split = ripple.split(static_cast<std::size_t>(settled_ticks_));
+    const auto [speed, current] = ripple_.split(static_cast<std::size_t>(settled_ticks_));
+    const auto watch = [](const Ripple::Split &split, Worst &amplitude, SwingFinder &finder) {
         for (const double value : split.rest) {
             finder.add(value);
         }
@@ -214,10 +213,10 @@ void Metrics::close_swings()
             amplitude.add(*split.amplitude);
         }
         finder.restart();
-        ripple.clear();
     };
-    watch(speed_ripple_, ripple_speed_, speed_swing_);
-    watch(current_ripple_, ripple_current_, current_swing_);
+    watch(speed, ripple_speed_, speed_swing_);
+    watch(current, ripple_current_, current_swing_);
+    ripple_.clear();
 }
 
 // Steps of command and load in one tick leave a window of no ticks between them; it says nothing.

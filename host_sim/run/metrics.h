@@ -213,8 +213,7 @@ private:
     After after_ = After::nothing; // which step the window is of
     Worst error_command_;
     Worst error_load_;
-    Ripple speed_ripple_; // since the conditions changed
-    Ripple current_ripple_;
+    Ripple ripple_; // of speed and torque current, since the conditions changed
     Worst ripple_speed_;
     Worst ripple_current_;
     SwingFinder speed_swing_;

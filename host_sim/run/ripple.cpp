@@ -3,8 +3,6 @@
 
 #include <Eigen/Dense>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace nf
@@ -20,8 +18,11 @@ constexpr int TERMS = SETTLING + 2 * static_cast<int>(ORDERS.size());
 
 using Terms = Eigen::Matrix<double, TERMS, 1>;
 using Square = Eigen::Matrix<double, TERMS, TERMS>;
+// A column for each signal.
+using Fits = Eigen::Matrix<double, TERMS, Ripple::SIGNALS>;
+using Row = Eigen::Matrix<double, 1, Ripple::SIGNALS>;
 
-// An order that turns by half a turn in a sample looks like a lower one.
+// An order that makes half a turn or more from tick to tick looks like a lower one, and is left out.
 struct Basis {
     double ticks;   // of the signal
     double highest; // order
@@ -43,9 +44,9 @@ struct Basis {
 
 } // namespace
 
-void Ripple::add(double angle_el_rad, double value)
+void Ripple::add(double angle_el_rad, const Values &values)
 {
-    samples_.push_back({angle_el_rad, value});
+    samples_.push_back({angle_el_rad, values});
 }
 
 void Ripple::clear()
@@ -63,38 +64,45 @@ double Ripple::turned_rad(std::size_t from) const
     return std::abs(turned);
 }
 
-Ripple::Split Ripple::split(std::size_t settled) const
+std::array<Ripple::Split, Ripple::SIGNALS> Ripple::split(std::size_t settled) const
 {
-    Split split;
-    for (const Sample &sample : samples_) {
-        split.rest.push_back(sample.value);
+    std::array<Split, SIGNALS> splits;
+    for (std::size_t n = 0; n < SIGNALS; n++) {
+        for (const Sample &sample : samples_) {
+            splits[n].rest.push_back(sample.values[n]);
+        }
     }
     const double turned = turned_rad(settled);
     if (turned < LEAST_TURNS * 2 * HALF_TURN) {
-        return split;
+        return splits;
     }
     const Basis basis = {static_cast<double>(samples_.size()),
                          HALF_TURN * static_cast<double>(samples_.size() - settled) / turned};
     Square products = Square::Zero();
-    Terms sums = Terms::Zero();
+    Fits sums = Fits::Zero();
     for (std::size_t k = settled; k < samples_.size(); k++) {
         const Terms terms = basis.at(k, samples_[k].angle_el_rad);
         products.noalias() += terms * terms.transpose();
-        sums += terms * samples_[k].value;
+        sums.noalias() += terms * Eigen::Map<const Row>(samples_[k].values.data());
     }
-    // The least of all solutions: an order that does not show has none.
-    Terms found = products.completeOrthogonalDecomposition().solve(sums);
-    found.head<SETTLING>().setZero();
-    double low = 0;
-    double high = 0;
+    // The smallest of all solutions: an order that does not show gets nothing.
+    Fits found = products.completeOrthogonalDecomposition().solve(sums);
+    found.topRows<SETTLING>().setZero();
+    Row low = Row::Zero();
+    Row high = Row::Zero();
     for (std::size_t k = 0; k < samples_.size(); k++) {
-        const double forced = found.dot(basis.at(k, samples_[k].angle_el_rad));
-        low = std::min(low, forced);
-        high = std::max(high, forced);
-        split.rest[k] -= forced;
+        const Row forced = basis.at(k, samples_[k].angle_el_rad).transpose() * found;
+        low = low.cwiseMin(forced);
+        high = high.cwiseMax(forced);
+        for (std::size_t n = 0; n < SIGNALS; n++) {
+            splits[n].rest[k] -= forced[static_cast<Eigen::Index>(n)];
+        }
     }
-    split.amplitude = (high - low) / 2;
-    return split;
+    for (std::size_t n = 0; n < SIGNALS; n++) {
+        const auto column = static_cast<Eigen::Index>(n);
+        splits[n].amplitude = (high[column] - low[column]) / 2;
+    }
+    return splits;
 }
 
 } // namespace nf

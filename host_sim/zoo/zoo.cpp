@@ -33,7 +33,7 @@ constexpr double HANDOVER_S = 0.2;
 // of a period of the speed loop.
 constexpr double REST_LOOPS = 3;
 constexpr double REST_S = 0.3;
-// And at the lowest speed for ripple and swings to be told apart.
+// And at the last and lowest speed, a share of the rated one, until ripple and swings can be told apart.
 constexpr double LAST_SPEED = 0.1;
 constexpr double LAST_TURNS = 2.5; // electrical
 constexpr double LAST_SETTLED_S = 0.2;
@@ -172,7 +172,7 @@ std::string exact_file(const Reference &reference, const Names &names)
            entry("command", times.started, "speed_pct", 55) +
            entry("command", times.full, "speed_pct", 100) +
            entry("command", times.stopped, "speed_pct", 0) +
-           entry("command", times.reversed, "speed_pct", -10) +
+           entry("command", times.reversed, "speed_pct", -100 * LAST_SPEED) +
            entry("load", times.loaded, "torque_pct", 50) +
            entry("load", times.unloaded, "torque_pct", 0) +
            "\n[accept.any]\nlocked = true\nlimit_cycle = false\n";

@@ -190,8 +190,8 @@ void test_speed_errors_of_command_and_load_steps_are_told_apart()
     check(1.5, m.speed_error_load_pct);
 }
 
-// A sine of 10 Hz; half a sample from its top it has fallen by 1 − cos(π/100).
-MetricValues with_swing(double speed_rpm, double current_a, bool moving)
+// A sine of 10 Hz; half a sample from its top it has fallen by 1 − cos(π/100). The rotor makes so many electrical turns in a second.
+MetricValues with_swing(double speed_rpm, double current_a, bool moving, double turns = 0)
 {
     constexpr double pi = 3.14159265358979323846;
     Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
@@ -199,6 +199,7 @@ MetricValues with_swing(double speed_rpm, double current_a, bool moving)
         const double sine = std::sin(2 * pi * 10 * k * PERIOD_S);
         Instant now = perfect(RATED_RPM + speed_rpm * sine);
         now.i_q_a = current_a * sine;
+        now.angle_el_rad = std::remainder(2 * pi * turns * k * PERIOD_S, 2 * pi);
         now.reference_moving = moving && k % 100 == 0;
         return now;
     });
@@ -222,31 +223,17 @@ void test_a_swing_of_speed_or_current_is_a_limit_cycle()
     TEST_ASSERT_FALSE(ripple.swing_hz.has_value());
 }
 
-// The same swing of a rotor that makes so many electrical turns in a second.
-MetricValues with_swing_of_a_rotor(double turns)
-{
-    constexpr double pi = 3.14159265358979323846;
-    Metrics metrics(DriveMode::speed, PERIOD_S, RATED_RPM, RATED_A);
-    run(metrics, 1000, [&](int k) {
-        const double sine = std::sin(2 * pi * 12 * k * PERIOD_S);
-        Instant now = perfect(RATED_RPM + 100 * sine);
-        now.i_q_a = 5 * sine;
-        now.angle_el_rad = std::remainder(2 * pi * turns * k * PERIOD_S, 2 * pi);
-        return now;
-    });
-    return metrics.finish();
-}
-
-// With three turns in the settled part a swing at order 3.4 lies four periods and more from the orders 2 and 6.
+// With three turns in the settled part a swing at order 2.8 lies two periods and more from the orders 2 and 6.
 void test_a_ripple_that_the_rotor_forces_is_no_limit_cycle()
 {
-    constexpr double top = 0.001; // half a sample from it a sine has fallen by 1 − cos(π/83)
-    const MetricValues m = with_swing_of_a_rotor(6); // of order 2
+    constexpr double top = 0.0005;
+    const MetricValues m = with_swing(100, 5, false, 5); // of order 2
     TEST_ASSERT_FALSE(m.limit_cycle);
     check_within(top * 5, 5, m.ripple_speed_pct);
     check_within(top * 50, 50, m.ripple_current_pct);
-    TEST_ASSERT_TRUE(with_swing_of_a_rotor(12.0 / 3.4).limit_cycle);
-    const MetricValues slow = with_swing_of_a_rotor(2); // less than two turns once it has settled
+    TEST_ASSERT_TRUE(with_swing(100, 5, false, 10.0 / 2.8).limit_cycle);
+    const MetricValues slow =
+        with_swing(100, 5, false, 2); // less than two turns once it has settled
     TEST_ASSERT_TRUE(slow.limit_cycle);
     TEST_ASSERT_FALSE(slow.ripple_speed_pct.has_value());
     TEST_ASSERT_FALSE(slow.ripple_current_pct.has_value());

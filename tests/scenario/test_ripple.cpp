@@ -32,15 +32,35 @@ double uneven(double share, double turns)
     return angle_at(share, turns) + 0.1 * std::sin(angle_at(share, 2 * turns));
 }
 
+void add_to(nf::Ripple &ripple, double angle_el_rad, double value)
+{
+    ripple.add(angle_el_rad, {value, -3 * value});
+}
+
+// Of the first signal. The second is −3 times the first, and so is what is left of it.
+nf::Ripple::Split split_of(const nf::Ripple &ripple, std::size_t settled)
+{
+    const auto [first, second] = ripple.split(settled);
+    TEST_ASSERT_EQUAL_size_t(first.rest.size(), second.rest.size());
+    for (std::size_t k = 0; k < first.rest.size(); k++) {
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, -3 * first.rest[k], second.rest[k]);
+    }
+    TEST_ASSERT_EQUAL(first.amplitude.has_value(), second.amplitude.has_value());
+    if (first.amplitude) {
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 3 * *first.amplitude, *second.amplitude);
+    }
+    return first;
+}
+
 nf::Ripple::Split split_of(const Signal &signal, double turns = TURNS, std::size_t settled = 0)
 {
     nf::Ripple ripple;
     for (std::size_t k = 0; k < TICKS; k++) {
         const double share = static_cast<double>(k) / TICKS;
         const double wrapped = std::remainder(uneven(share, turns), 2 * PI);
-        ripple.add(wrapped, signal(share));
+        add_to(ripple, wrapped, signal(share));
     }
-    return ripple.split(settled);
+    return split_of(ripple, settled);
 }
 
 void check_amplitude(double share, double expected, const nf::Ripple::Split &found)
@@ -123,9 +143,9 @@ void test_an_order_that_the_samples_do_not_show_adds_nothing()
     double angle = 0;
     for (int k = 0; k < 400; k++) {
         angle += 2 * PI / (k < 100 ? 50 : 18);
-        ripple.add(std::remainder(angle, 2 * PI), signal(angle));
+        add_to(ripple, std::remainder(angle, 2 * PI), signal(angle));
     }
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, height(ripple.split(100).rest));
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0, height(split_of(ripple, 100).rest));
 }
 
 // A jump at its beginning turns no ripple up, and is left.
@@ -146,11 +166,11 @@ void test_only_the_settled_part_is_fitted()
 void test_nothing_and_what_has_not_settled_is_left_as_it_is()
 {
     nf::Ripple ripple;
-    TEST_ASSERT_EQUAL_size_t(0, ripple.split(0).rest.size());
-    ripple.add(1, 7);
-    TEST_ASSERT_EQUAL_DOUBLE(7, ripple.split(5).rest.front());
+    TEST_ASSERT_EQUAL_size_t(0, split_of(ripple, 0).rest.size());
+    add_to(ripple, 1, 7);
+    TEST_ASSERT_EQUAL_DOUBLE(7, split_of(ripple, 5).rest.front());
     ripple.clear();
-    TEST_ASSERT_EQUAL_size_t(0, ripple.split(0).rest.size());
+    TEST_ASSERT_EQUAL_size_t(0, split_of(ripple, 0).rest.size());
 }
 
 } // namespace
