@@ -101,6 +101,22 @@ bool has_load(const Config &config)
                        [](const TimedValue &step) { return step.value != 0; });
 }
 
+bool has_no_model_dead_time(const Config &config)
+{
+    return config.origins.count("model.dead_time_s") == 0;
+}
+
+bool has_measured_dead_time(const Config &config)
+{
+    return config.measured.dead_time_s > 0 &&
+           config.origins.count("model.output_capacitance_f") == 0;
+}
+
+bool has_no_measured_knee(const Config &config)
+{
+    return config.measured.dead_time_s <= 0 || config.measured.knee_a < 0;
+}
+
 void note_idle(const std::vector<const Layer *> &layers, Config &config)
 {
     std::set<const Field *> written;

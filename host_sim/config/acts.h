@@ -14,6 +14,7 @@ struct Layer;
 struct Acting {
     const char *when = ""; // "only …", for a person; "": everywhere
     bool (*in)(const Config &config) = nullptr;
+    bool is_record = false; // somebody's finding, kept for a reader: nothing has to follow from it
 
     bool holds(const Config &config) const
     {
@@ -38,6 +39,9 @@ bool has_elastic_shaft(const Config &config);
 bool has_leg_loss(const Config &config);
 bool has_capacitor(const Config &config);
 bool has_load(const Config &config);
+bool has_no_model_dead_time(const Config &config);
+bool has_measured_dead_time(const Config &config);
+bool has_no_measured_knee(const Config &config);
 
 constexpr Acting WITH_OBSERVER = {"only with drive.angle_source = \"observer\"", has_observer};
 constexpr Acting WITH_STARTUP = {
@@ -70,6 +74,15 @@ constexpr Acting WITH_LEG_LOSS = {
     has_leg_loss};
 constexpr Acting WITH_CAPACITOR = {"only with plant.bus_capacitance_f above 0", has_capacitor};
 constexpr Acting WITH_LOAD = {"only with a load other than 0", has_load};
+
+constexpr Acting RECORD = {"", nullptr, true};
+constexpr Acting WITHOUT_MODEL_DEAD_TIME = {"only without model.dead_time_s",
+                                            has_no_model_dead_time};
+constexpr Acting WITH_MEASURED_DEAD_TIME = {
+    "only with measured.dead_time_s above 0 and without model.output_capacitance_f",
+    has_measured_dead_time};
+constexpr Acting WITHOUT_MEASURED_KNEE = {
+    "only without a measured.knee_a beside measured.dead_time_s above 0", has_no_measured_knee};
 
 // Notes a line in config.scenario.notes for each key of these layers that is in force and does not act.
 void note_idle(const std::vector<const Layer *> &layers, Config &config);

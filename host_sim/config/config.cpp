@@ -6,6 +6,7 @@
 #include "layer.h"
 #include "low_speed_units.h"
 #include "numbers.h"
+#include "plate.h"
 #include "ratings.h"
 #include "refusal.h"
 #include "scenario_file.h"
@@ -29,6 +30,7 @@ namespace
 const Origin COMMAND_LINE = {"command line", 0};
 const Origin WITH = {"--with", 0};
 constexpr std::size_t INCLUDE_DEPTH = 8;
+constexpr const char *PLATE_TUNING = "any"; // its gains follow from the motor
 
 // A reference to a file: what was written, where, and what relative paths start from.
 struct Reference {
@@ -118,6 +120,7 @@ void read_chain(const Chain &chain, const Reference &reference, const std::strin
 // Everything that a configuration is made of.
 struct Sources {
     std::map<FileKind, Reference> parts; // motor, board, tuning
+    bool is_plate_enough = false;        // of the motor
     std::vector<Layer> scenario;         // what it is based on first; or none
     std::vector<Layer> imperfections;
     std::vector<Layer> overrides;
@@ -145,16 +148,8 @@ void read_overrides(const std::vector<std::string> &set, Sources &sources)
     }
 }
 
-// One line for all that is missing in a file; the place is the table of the first.
-[[noreturn]] void missing(const std::vector<const Field *> &fields, const Layer &home)
-{
-    const auto table = home.tables.find(fields.front()->section);
-    const Origin origin = table == home.tables.end() ? Origin{home.file, 1} : table->second;
-    refuse_missing(origin, fields);
-}
-
-// Every required setting of the sections that `home` is there for has to be known by now.
-void check_complete(FileKind kind, const Layer &home, const Config &config)
+// The required settings of the sections that a kind of file is there for, and that no layer has.
+std::vector<const Field *> lacking_of(FileKind kind, const Config &config)
 {
     std::vector<const Field *> lacking;
     for (const Field &field : schema()) {
@@ -163,8 +158,103 @@ void check_complete(FileKind kind, const Layer &home, const Config &config)
             lacking.push_back(&field);
         }
     }
+    return lacking;
+}
+
+std::vector<std::string> names_of(const std::vector<const Field *> &fields)
+{
+    std::vector<std::string> names;
+    names.reserve(fields.size());
+    for (const Field *field : fields) {
+        names.push_back(field->name());
+    }
+    return names;
+}
+
+// Whether a motor has none of what a name plate does not say; the friction, the last of it, counts neither way.
+bool lacks_what_a_plate_lacks(const std::vector<const Field *> &lacking)
+{
+    const std::vector<std::string> names = names_of(lacking);
+    const std::vector<std::string> &unknown = unknown_of_plate();
+    return std::all_of(unknown.begin(), unknown.end() - 1, [&](const std::string &key) {
+        return std::count(names.begin(), names.end(), key) != 0;
+    });
+}
+
+bool is_unknown_of_plate(const Field &field)
+{
+    const std::vector<std::string> &unknown = unknown_of_plate();
+    return std::count(unknown.begin(), unknown.end(), field.name()) != 0;
+}
+
+Origin table_of(const Layer &home, const std::string &section)
+{
+    const auto table = home.tables.find(section);
+    return table == home.tables.end() ? Origin{home.file, 1} : table->second;
+}
+
+// Every required setting of the sections that `home` is there for has to be known by now. One line for all that is
+// missing; the place is the table of the first.
+void check_complete(FileKind kind, const Layer &home, const Config &config)
+{
+    const std::vector<const Field *> lacking = lacking_of(kind, config);
+    if (lacking.empty()) {
+        return;
+    }
+    const Origin place = table_of(home, lacking.front()->section);
+    const bool is_plate = kind == FileKind::motor && lacks_what_a_plate_lacks(lacking) &&
+                          std::all_of(lacking.begin(), lacking.end(), [](const Field *field) {
+                              return is_unknown_of_plate(*field);
+                          });
+    if (is_plate) {
+        fail(place, fmt::format("{}", fmt::join(names_of(lacking), ", ")), "",
+             "are missing: this is a name plate, motorsim identify measures them", "");
+    }
+    refuse_missing(place, lacking);
+}
+
+// A name plate has all that it is asked for. A motor file is complete or a name plate, and nothing between.
+void check_plate(const Layer &home, const Config &config)
+{
+    std::vector<const Field *> lacking = lacking_of(FileKind::motor, config);
+    if (lacking.empty()) {
+        return;
+    }
+    const Origin place = table_of(home, "motor");
+    if (!lacks_what_a_plate_lacks(lacking)) {
+        refuse_missing(place, lacking);
+    }
+    const std::string current = "motor.continuous_current_a";
+    const auto written = config.origins.find(current);
+    lacking.erase(std::remove_if(lacking.begin(), lacking.end(),
+                                 [](const Field *field) { return is_unknown_of_plate(*field); }),
+                  lacking.end());
+    if (written == config.origins.end()) {
+        lacking.push_back(find_field(current));
+    }
     if (!lacking.empty()) {
-        missing(lacking, home);
+        refuse_missing(place, lacking, ", and a name plate needs ");
+    }
+    if (config.motor.continuous_current_a <= 0) {
+        fail(written->second, current, fmt::format("{}", config.motor.continuous_current_a),
+             "is the current of rated torque, and a name plate does not say that torque",
+             fmt::format("above 0, to {} A", find_field(current)->max));
+    }
+}
+
+// What the drive is to measure is as if nobody had said it. The continuous current is from where the rated torque was.
+void forget_measured(Config &config)
+{
+    config.motor = plate_of(config.motor);
+    if (config.origins.count("motor.rated_torque_nm") != 0) {
+        config.origins.insert(
+            {"motor.continuous_current_a", config.origins.at("motor.rated_torque_nm")});
+    }
+    config.measured = MeasuredSettings();
+    for (const Field &field : schema()) {
+        if (is_unknown_of_plate(field) || std::string(field.section) == "measured") {
+            config.origins.erase(field.name());
+        }
     }
 }
 
@@ -284,8 +374,15 @@ void take(const Layer &layer, Config &config)
     }
 }
 
+// What charges between the rails in the measured dead time at the current of the knee: C = i_k·t_d/U.
+double measured_capacitance_f(const Config &config)
+{
+    const MeasuredSettings &m = config.measured;
+    return m.knee_a * m.dead_time_s / (m.bus_v > 0 ? m.bus_v : config.board.bus_nominal_v);
+}
+
 // The plant's dead time and drop are the board's, the model's are the plant's, unless they are written; −1 is as
-// if nothing were.
+// if nothing were. Where the legs' loss was measured, the model has that one, and the plant what it had.
 void pass_on_dead_time(Config &config)
 {
     const auto take_over = [&](const char *key, double &value, double from) {
@@ -294,12 +391,17 @@ void pass_on_dead_time(Config &config)
             config.origins.erase(key);
         }
     };
+    MeasuredSettings &measured = config.measured;
+    take_over("measured.dead_time_s", measured.dead_time_s, NOT_MEASURED);
+    take_over("measured.knee_a", measured.knee_a, NOT_MEASURED);
     take_over("plant.dead_time_s", config.plant.dead_time_s, config.board.dead_time_s);
     take_over("plant.device_drop_v", config.plant.device_drop_v, config.board.device_drop_v);
-    take_over("model.dead_time_s", config.model.dead_time_s, config.plant.dead_time_s);
+    take_over("model.dead_time_s", config.model.dead_time_s,
+              measured.dead_time_s >= 0 ? measured.dead_time_s : config.plant.dead_time_s);
     take_over("model.device_drop_v", config.model.device_drop_v, config.plant.device_drop_v);
     take_over("model.output_capacitance_f", config.model.output_capacitance_f,
-              config.board.output_capacitance_f);
+              has_no_measured_knee(config) ? config.board.output_capacitance_f
+                                           : measured_capacitance_f(config));
 }
 
 // Those that can hold what a scenario is made of.
@@ -348,7 +450,12 @@ Config assemble(const Sources &sources)
         }
     }
     for (const auto &[kind, home] : homes) {
-        check_complete(kind, home, config);
+        if (kind == FileKind::motor && sources.is_plate_enough) {
+            check_plate(home, config);
+            forget_measured(config);
+        } else {
+            check_complete(kind, home, config);
+        }
     }
     if (!sources.scenario.empty()) {
         check_complete(FileKind::scenario, sources.scenario.back(), config);
@@ -360,7 +467,9 @@ Config assemble(const Sources &sources)
     check_orders(config);
     check_temperature(config);
     pass_on_dead_time(config);
-    note_ratings(config);
+    if (!sources.is_plate_enough) {
+        note_ratings(config);
+    }
     note_idle(own_layers(sources, homes), config);
     return config;
 }
@@ -418,6 +527,17 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
     sources.parts[FileKind::motor] = {motor, COMMAND_LINE, ""};
     sources.parts[FileKind::board] = {board, COMMAND_LINE, ""};
     sources.parts[FileKind::tuning] = {tuning, COMMAND_LINE, ""};
+    return finish(sources, with, set);
+}
+
+Config load_plate(const std::string &motor, const std::string &board,
+                  const std::vector<std::string> &with, const std::vector<std::string> &set)
+{
+    Sources sources;
+    sources.parts[FileKind::motor] = {motor, COMMAND_LINE, ""};
+    sources.parts[FileKind::board] = {board, COMMAND_LINE, ""};
+    sources.parts[FileKind::tuning] = {PLATE_TUNING, COMMAND_LINE, ""};
+    sources.is_plate_enough = true;
     return finish(sources, with, set);
 }
 

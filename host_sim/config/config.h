@@ -5,7 +5,8 @@
 //     motor, board and tuning file; the scenario's own tables; imperfection sets in the order
 //     given; `--set section.key=value` in the order given.
 // Every value is checked on its own in its layer, so a wrong line is named even if it is overridden.
-// Every function here throws ConfigError, and nothing else, for whatever the files hold.
+// Every function here throws ConfigError, and nothing else, for whatever the files hold. A name plate (plate.h) is refused
+// by all but load_plate().
 #pragma once
 
 #include "hal_settings.h"
@@ -132,6 +133,7 @@ struct SourceFiles {
 
 struct Config {
     MotorSettings motor;
+    MeasuredSettings measured; // at its defaults without [measured]
     BoardSettings board;
     HalSettings hal; // empty without [hal]
     TuningSettings tuning;
@@ -155,6 +157,15 @@ Config load_scenario(const std::string &id_or_path, const std::vector<std::strin
 
 // Motor, board and tuning alone, each by name or path.
 Config load_parts(const std::string &motor, const std::string &board, const std::string &tuning,
+                  const std::vector<std::string> &with = {},
+                  const std::vector<std::string> &set = {});
+
+// A motor of which only the name plate is known, with a board and the tuning `any`. The motor file is a name plate: [motor]
+// has name, pole_pairs, max_speed_rpm, max_current_a and continuous_current_a, and no value that has to be measured; these
+// are 0 in `motor`, and typical() of plate.h fills them in. Of a complete motor file the name plate alone is taken: what it
+// says of R, L, φ, J, friction, rated torque and rated speed, and its [measured], are ignored. Overrides as those of
+// load_parts(). Refuses a file that is neither, and one without a continuous current.
+Config load_plate(const std::string &motor, const std::string &board,
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});
 

@@ -85,7 +85,7 @@ std::string written_key(const Config &config, const std::string &key)
 {
     const std::string model = "model.";
     if (key.rfind(model, 0) == 0 && config.origins.count(key) == 0) {
-        for (const char *from : {"plant.", "board."}) {
+        for (const char *from : {"measured.", "plant.", "board."}) {
             const std::string name = from + key.substr(model.size());
             if (config.origins.count(name) != 0) {
                 return name;

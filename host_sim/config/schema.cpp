@@ -25,6 +25,7 @@ template <auto Part, auto Member> Target at(Config &config)
 }
 
 template <auto Member> constexpr auto motor = at<&Config::motor, Member>;
+template <auto Member> constexpr auto measured = at<&Config::measured, Member>;
 template <auto Member> constexpr auto board = at<&Config::board, Member>;
 template <auto Member> constexpr auto hal = at<&Config::hal, Member>;
 template <auto Member> constexpr auto tuning = at<&Config::tuning, Member>;
@@ -33,6 +34,7 @@ template <auto Member> constexpr auto plant = at<&Config::plant, Member>;
 template <auto Member> constexpr auto scenario = at<&Config::scenario, Member>;
 
 using M = MotorSettings;
+using E = MeasuredSettings;
 using B = BoardSettings;
 using H = HalSettings;
 using T = TuningSettings;
@@ -41,6 +43,7 @@ using P = PlantSettings;
 
 constexpr double NAME_MAX = 80;        // characters
 constexpr std::size_t POINTS_MAX = 16; // of a sensor's line
+constexpr double PCT_MAX = 1000;       // of a bar: a value that is not known at all
 constexpr double SEED_MAX = 4294967295.0;
 constexpr bool NEEDED = true;
 constexpr bool OPTIONAL = false;
@@ -64,6 +67,31 @@ const std::vector<Field> FIELDS = {
     {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
     {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
 
+    {"measured", "resistance_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::resistance_std_pct>, "standard deviation of motor.resistance_ohm; 0: not stated", RECORD},
+    {"measured", "resistance_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::resistance_bound_pct>, "systematic error of motor.resistance_ohm, at most; 0: not stated", RECORD},
+    {"measured", "inductance_d_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inductance_d_std_pct>, "standard deviation of motor.inductance_d_h; 0: not stated", RECORD},
+    {"measured", "inductance_d_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inductance_d_bound_pct>, "systematic error of motor.inductance_d_h, at most; 0: not stated", RECORD},
+    {"measured", "inductance_q_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inductance_q_std_pct>, "standard deviation of motor.inductance_q_h; 0: not stated", RECORD},
+    {"measured", "inductance_q_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inductance_q_bound_pct>, "systematic error of motor.inductance_q_h, at most; 0: not stated", RECORD},
+    {"measured", "flux_linkage_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::flux_linkage_std_pct>, "standard deviation of motor.flux_linkage_wb; 0: not stated", RECORD},
+    {"measured", "flux_linkage_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::flux_linkage_bound_pct>, "systematic error of motor.flux_linkage_wb, at most; 0: not stated", RECORD},
+    {"measured", "inertia_std_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inertia_std_pct>, "standard deviation of motor.inertia_kg_m2; 0: not stated", RECORD},
+    {"measured", "inertia_bound_pct", "%", 0, PCT_MAX, OPTIONAL, measured<&E::inertia_bound_pct>, "systematic error of motor.inertia_kg_m2, at most; 0: not stated", RECORD},
+    {"measured", "viscous_friction_bar_nm_s", "N·m·s", 0, 100, OPTIONAL, measured<&E::viscous_friction_bar_nm_s>, "error of motor.viscous_friction_nm_s, at most; 0: not stated", RECORD},
+    {"measured", "coulomb_friction_nm", "N·m", 0, 1e4, OPTIONAL, measured<&E::coulomb_friction_nm>, "friction torque that does not depend on the speed", RECORD},
+    {"measured", "coulomb_friction_bar_nm", "N·m", 0, 1e4, OPTIONAL, measured<&E::coulomb_friction_bar_nm>, "its error, at most; 0: not stated", RECORD},
+    {"measured", "dead_time_s", "s", -1, 1e-5, OPTIONAL, measured<&E::dead_time_s>, "what a leg loses at a large current, a period, of the bus: the drive's model.dead_time_s; -1: not measured", WITHOUT_MODEL_DEAD_TIME},
+    {"measured", "dead_time_bar_s", "s", 0, 1e-5, OPTIONAL, measured<&E::dead_time_bar_s>, "its error, at most; 0: not stated", RECORD},
+    {"measured", "knee_a", "A", -1, 1000, OPTIONAL, measured<&E::knee_a>, "current at which a leg loses half of that: gives the drive's model.output_capacitance_f; -1: not measured", WITH_MEASURED_DEAD_TIME},
+    {"measured", "knee_bar_a", "A", 0, 1000, OPTIONAL, measured<&E::knee_bar_a>, "its error, at most; 0: not stated", RECORD},
+    {"measured", "temperature_c", "°C", -100, 300, OPTIONAL, measured<&E::temperature_c>, "temperature of the winding at which R and φ are stated", RECORD},
+    {"measured", "bus_v", "V", 0, 1500, OPTIONAL, measured<&E::bus_v>, "bus voltage at which the knee is stated; 0: board.bus_nominal_v", RECORD},
+    {"measured", "current_a", "A", 0, 1000, OPTIONAL, measured<&E::current_a>, "peak current of the q axis at which L_q is stated; 0: not stated", RECORD},
+    {"measured", "speed_rpm", "rpm", 0, 200000, OPTIONAL, measured<&E::speed_rpm>, "highest speed of the measurement; 0: not stated", RECORD},
+    {"measured", "current_noise_lsb", "LSB", 0, 1000, OPTIONAL, measured<&E::current_noise_lsb>, "noise of the current sensors, rms; 0: not stated", RECORD},
+    {"measured", "gain_mismatch_pct", "%", -50, 50, OPTIONAL, measured<&E::gain_mismatch_pct>, "gain of current sensor a over that of b, less one", RECORD},
+    {"measured", "gain_mismatch_bar_pct", "%", 0, 50, OPTIONAL, measured<&E::gain_mismatch_bar_pct>, "its error, at most, in % of the gain; 0: not stated", RECORD},
+
     {"board", "name", "", 1, NAME_MAX, NEEDED, board<&B::name>, "what it is called in reports"},
     {"board", "pwm_frequency_hz", "Hz", 2000, 100000, NEEDED, board<&B::pwm_frequency_hz>, "PWM frequency and control rate"},
     {"board", "timer_clock_hz", "Hz", 1e6, 1e9, NEEDED, board<&B::timer_clock_hz>, "clock of the PWM timer, centre-aligned"},
@@ -83,7 +111,7 @@ const std::vector<Field> FIELDS = {
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
     {"board", "device_drop_v", "V", 0, 10, OPTIONAL, board<&B::device_drop_v>, "voltage across a conducting switch or diode, whatever the current"},
-    {"board", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, board<&B::output_capacitance_f>, "of a leg's output with its motor cable: small currents charge it only in part within the dead time; 0: none; -1: typical for bus and current"},
+    {"board", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, board<&B::output_capacitance_f>, "of a leg's output with its motor cable: small currents charge it only in part within the dead time; 0: none; -1: typical for bus and current", WITHOUT_MEASURED_KNEE},
     {"board", "bootstrap_charge_s", "s", 0, 0.1, OPTIONAL, board<&B::bootstrap_charge_s>, "start-up of a standing rotor: all low sides on for so long before the first high side", WITH_STARTUP},
     {"board", "offset_samples_log2", "", 0, 12, NEEDED, board<&B::offset_samples_log2>, "calibration averages 2^n samples"},
     {"board", "temperature_points_c", "°C", -250, 250, OPTIONAL, board<&B::temperature_points_c>, "temperatures of the power stage, rising, at which its sensor's reading is known; linear in between"},
@@ -162,8 +190,8 @@ const std::vector<Field> FIELDS = {
     {"model", "flux", "", 0.1, 10, OPTIONAL, model<&ModelScales::flux>, "controller's belief / motor file"},
     {"model", "inertia", "", 0.01, 100, OPTIONAL, model<&ModelScales::inertia>, "controller's belief / motor file"},
 
-    {"model", "dead_time_s", "s", -1, 1e-5, OPTIONAL, model<&ModelScales::dead_time_s>, "dead time that the drive compensates; -1: plant.dead_time_s"},
-    {"model", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, model<&ModelScales::output_capacitance_f>, "capacitance of a leg's output that the drive reckons with; -1: board.output_capacitance_f"},
+    {"model", "dead_time_s", "s", -1, 1e-5, OPTIONAL, model<&ModelScales::dead_time_s>, "dead time that the drive compensates; -1: measured.dead_time_s, else plant.dead_time_s"},
+    {"model", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, model<&ModelScales::output_capacitance_f>, "capacitance of a leg's output that the drive reckons with; -1: by measured.knee_a, else board.output_capacitance_f"},
     {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v"},
 
     {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
@@ -216,6 +244,7 @@ struct Section {
 
 const std::vector<Section> SECTIONS = {
     {"motor", {FileKind::motor}},
+    {"measured", {FileKind::motor}},
     {"board", {FileKind::board, FileKind::imperfection}},
     {"hal", {FileKind::board}},
     {"tuning", {FileKind::tuning}},

@@ -31,6 +31,42 @@ struct MotorSettings {
     double viscous_friction_nm_s = 0;
 };
 
+// No value: nothing was measured.
+constexpr double NOT_MEASURED = -1;
+
+// [measured] What an identification found out beside the values of [motor]: how far each may be wrong, what the legs lose,
+// and in which conditions. `…_std_pct` is a standard deviation and `…_bound_pct` a systematic bound, both in % of the
+// value; `…_bar_…` is both together, in the value's own unit. A bar of 0 is one that nobody states.
+struct MeasuredSettings {
+    double resistance_std_pct = 0;
+    double resistance_bound_pct = 0;
+    double inductance_d_std_pct = 0;
+    double inductance_d_bound_pct = 0;
+    double inductance_q_std_pct = 0;
+    double inductance_q_bound_pct = 0;
+    double flux_linkage_std_pct = 0;
+    double flux_linkage_bound_pct = 0;
+    double inertia_std_pct = 0;
+    double inertia_bound_pct = 0;
+    double viscous_friction_bar_nm_s =
+        0;                          // friction may be near zero, where a share of it says nothing
+    double coulomb_friction_nm = 0; // torque that turns against the motion, whatever the speed
+    double coulomb_friction_bar_nm = 0;
+    // What a leg loses in a period, with its current the other way: dead_time_s · bus for a large current, half of it at
+    // the current knee_a (host_sim/plant/knee.h). The drive believes both.
+    double dead_time_s = NOT_MEASURED;
+    double dead_time_bar_s = 0;
+    double knee_a = NOT_MEASURED;
+    double knee_bar_a = 0;
+    double temperature_c = 25;    // of the winding
+    double bus_v = 0;             // 0: board.bus_nominal_v
+    double current_a = 0;         // of the q axis, peak: where L_q is stated
+    double speed_rpm = 0;         // highest
+    double current_noise_lsb = 0; // rms
+    double gain_mismatch_pct = 0; // of current sensor a over b, less one
+    double gain_mismatch_bar_pct = 0;
+};
+
 // [board] Power stage and sensing.
 struct BoardSettings {
     std::string name;
@@ -148,7 +184,7 @@ struct TuningSettings {
 };
 
 // Dead time and device drop are one value unless a file tells them apart: the real board has what its file
-// says, and the drive believes what is real. Complete once a configuration is loaded.
+// says, and the drive believes what was measured, else what is real. Complete once a configuration is loaded.
 constexpr double AS_BOARD = -1;
 constexpr double AS_PLANT = -1;
 
@@ -158,9 +194,11 @@ struct ModelScales {
     double inductance = 1;
     double flux = 1;
     double inertia = 1;
-    double dead_time_s = AS_PLANT;   // compensated by the drive
+    double dead_time_s =
+        AS_PLANT; // compensated by the drive; by default that of [measured], if there is one
     double device_drop_v = AS_PLANT; // likewise
-    double output_capacitance_f = AS_BOARD;
+    double output_capacitance_f =
+        AS_BOARD; // by default what the knee of [measured] says, if there is one
 };
 
 // [plant] How the real machine differs from the motor file, and what disturbs it.

@@ -68,7 +68,7 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "
          "plant.adc_gain_error_pct, plant.sensor_bandwidth_hz, plant.angle_counts"},
         {"motors/m.toml", "[motor]", "xyz = 1\n[motor]",
-         "motors/m.toml:1: xyz = 1: unknown key; allowed: motor"},
+         "motors/m.toml:1: xyz = 1: unknown key; allowed: motor, measured"},
     };
     expect_all(cases);
 }
@@ -78,7 +78,7 @@ void an_unknown_table_is_named_with_those_of_the_file()
     const Case cases[] = {
         {"motors/m.toml", "[motor]", "[moter]",
          "motors/m.toml:1: [moter]: no table of motor files, did you mean [motor]?; allowed: "
-         "[motor]"},
+         "[motor], [measured]"},
         {"imperfections/warm.toml", "[plant]", "[motor]",
          "imperfections/warm.toml:1: [motor]: no table of imperfection files; allowed: "
          "[board], [model], [plant]"},

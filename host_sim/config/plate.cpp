@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "plate.h"
+
+#include "numbers.h"
+#include "schema.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf
+{
+namespace
+{
+
+// Within what the zoo draws: host_sim/zoo/specimen.cpp.
+constexpr double EMF_SHARE = 0.6; // at the highest speed, of bus/√3
+constexpr double REACTANCE = 0.13;
+constexpr double COPPER_LOSS = 0.15;
+constexpr double COPPER_POWER_W = 100;
+constexpr double COPPER_EXPONENT = -0.35;
+constexpr double ACCELERATION_S = 0.1;
+constexpr double FRICTION = 0.02;
+
+double within_range(const char *key, double value)
+{
+    const Field &field = *find_field(key);
+    return std::clamp(value, field.min, field.max);
+}
+
+} // namespace
+
+const std::vector<std::string> &unknown_of_plate()
+{
+    static const std::vector<std::string> keys = {
+        "motor.resistance_ohm",  "motor.inductance_d_h",       "motor.inductance_q_h",
+        "motor.flux_linkage_wb", "motor.rated_torque_nm",      "motor.rated_speed_rpm",
+        "motor.inertia_kg_m2",   "motor.viscous_friction_nm_s"};
+    return keys;
+}
+
+bool is_plate(const MotorSettings &motor)
+{
+    const double unknown[] = {motor.resistance_ohm,  motor.inductance_d_h,  motor.inductance_q_h,
+                              motor.flux_linkage_wb, motor.rated_torque_nm, motor.rated_speed_rpm,
+                              motor.inertia_kg_m2};
+    return std::all_of(std::begin(unknown), std::end(unknown),
+                       [](double value) { return value <= 0; });
+}
+
+MotorSettings plate_of(const MotorSettings &motor)
+{
+    MotorSettings plate;
+    plate.name = motor.name;
+    plate.pole_pairs = motor.pole_pairs;
+    plate.max_speed_rpm = motor.max_speed_rpm;
+    plate.max_current_a = motor.max_current_a;
+    plate.continuous_current_a = is_plate(motor)
+                                     ? std::min(motor.continuous_current_a, motor.max_current_a)
+                                     : continuous_current(motor);
+    plate.thermal_time_constant_s = motor.thermal_time_constant_s;
+    return plate;
+}
+
+MotorSettings typical(const MotorSettings &plate, const BoardSettings &board)
+{
+    const double speed_mech = rad_s_from_rpm(plate.max_speed_rpm);
+    const double speed_el = speed_mech * plate.pole_pairs;
+    const double current_a = plate.continuous_current_a;
+    MotorSettings motor = plate;
+    motor.rated_speed_rpm = plate.max_speed_rpm;
+    motor.flux_linkage_wb = within_range("motor.flux_linkage_wb", EMF_SHARE * board.bus_nominal_v /
+                                                                      std::sqrt(3.0) / speed_el);
+    const double emf_v = motor.flux_linkage_wb * speed_el;
+    const double copper_loss =
+        COPPER_LOSS * std::pow(1.5 * emf_v * current_a / COPPER_POWER_W, COPPER_EXPONENT);
+    motor.resistance_ohm = within_range("motor.resistance_ohm", copper_loss * emf_v / current_a);
+    motor.inductance_d_h =
+        within_range("motor.inductance_d_h", REACTANCE * emf_v / (speed_el * current_a));
+    motor.inductance_q_h = motor.inductance_d_h;
+    motor.rated_torque_nm = within_range(
+        "motor.rated_torque_nm", 1.5 * plate.pole_pairs * motor.flux_linkage_wb * current_a);
+    motor.inertia_kg_m2 =
+        within_range("motor.inertia_kg_m2", motor.rated_torque_nm * ACCELERATION_S / speed_mech);
+    motor.viscous_friction_nm_s =
+        within_range("motor.viscous_friction_nm_s", FRICTION * motor.rated_torque_nm / speed_mech);
+    return motor;
+}
+
+Config with_typical(const Config &plate)
+{
+    Config config = plate;
+    config.motor = typical(plate.motor, plate.board);
+    // Whoever wrote a line of the plate is rather to blame than who assumed a value.
+    const Origin assumed = {plate.origins.at("motor.name").file + " (typical value)", 0,
+                            Author::tuning};
+    for (const std::string &key : unknown_of_plate()) {
+        config.origins[key] = assumed;
+    }
+    return config;
+}
+
+} // namespace nf
