@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "describe.h"
 
+#include "acts.h"
+#include "bars.h"
 #include "cfg_rows.h"
 
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,6 +14,28 @@ namespace nf
 {
 namespace
 {
+
+// How far a row's value may be wrong, where the motor file says so.
+std::string bar_text(const Config &config, const std::string &path)
+{
+    static const std::map<std::string, std::pair<const char *, double MotorSettings::*>> values = {
+        {"current_loop.resistance_q13", {"motor.resistance_ohm", &MotorSettings::resistance_ohm}},
+        {"current_loop.reactance_d_q13", {"motor.inductance_d_h", &MotorSettings::inductance_d_h}},
+        {"current_loop.reactance_q_q13", {"motor.inductance_q_h", &MotorSettings::inductance_q_h}},
+        {"current_loop.emf_q13", {"motor.flux_linkage_wb", &MotorSettings::flux_linkage_wb}},
+    };
+    const auto value = values.find(path);
+    double bar = 0;
+    double of = 0;
+    if (value != values.end()) {
+        bar = bar_of(config.motor, config.measured, value->second.first);
+        of = config.motor.*value->second.second;
+    } else if (path == "modulator.dead_time_q15" && has_no_model_dead_time(config)) {
+        bar = bar_of(config.motor, config.measured, "measured.dead_time_s");
+        of = config.measured.dead_time_s;
+    }
+    return bar > 0 && of > 0 ? fmt::format(", measured ± {} %", two_digits(100 * bar / of)) : "";
+}
 
 // What the files say that the number was made of.
 std::map<std::string, std::string> sources(const Config &config)
@@ -52,6 +77,7 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
         if (const auto from = made_of.find(row.path); from != made_of.end()) {
             meaning += ", " + from->second;
         }
+        meaning += bar_text(config, row.path);
         rows.push_back({row.path, raw, row.is_unsigned, sizeof(std::int32_t), meaning});
     }
     return rows;

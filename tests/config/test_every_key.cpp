@@ -52,11 +52,17 @@ locked = true
 )";
 
 // What the keys of [plant] act on, where it is not ideal.
-const Lines ROUGH = {"plant.saturation_d_pct=10",     "plant.saturation_q_pct=10",
-                     "plant.cogging_pct=1",           "plant.shaft_resonance_hz=100",
-                     "plant.adc_noise_lsb=1",         "plant.bus_ripple_pct=1",
-                     "plant.bus_capacitance_f=0.001", "plant.bus_source_resistance_ohm=1",
-                     "plant.angle_counts=4096"};
+const Lines ROUGH = {"plant.saturation_d_pct=10",
+                     "plant.saturation_q_pct=10",
+                     "plant.cogging_pct=1",
+                     "plant.shaft_resonance_hz=100",
+                     "plant.adc_noise_lsb=1",
+                     "plant.bus_ripple_pct=1",
+                     "plant.bus_capacitance_f=0.001",
+                     "plant.bus_source_resistance_ohm=1",
+                     "plant.angle_counts=4096",
+                     "measured.dead_time_s=1e-6",
+                     "measured.knee_a=0.5"};
 
 struct Mode {
     std::string file; // of the scenario
@@ -275,9 +281,12 @@ std::string other_word(const nf::Field &field, const nf::Target &target)
     return allowed.substr(quote + 1, allowed.find('"', quote + 1) - quote - 1);
 }
 
-// Other values of a key than the one in force; of a label, which nothing follows from, none.
+// Other values of a key than the one in force; of a label and a record, which nothing follows from, none.
 Rungs others(const nf::Field &field, const nf::Config &config)
 {
+    if (field.acting.is_record) {
+        return {};
+    }
     nf::Config copy = config;
     const nf::Target target = field.target(copy);
     if (const auto *number = std::get_if<double *>(&target)) {
