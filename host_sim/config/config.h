@@ -164,7 +164,7 @@ Config load_parts(const std::string &motor, const std::string &board, const std:
 // has name, pole_pairs, max_speed_rpm, max_current_a and continuous_current_a, and no value that has to be measured; these
 // are 0 in `motor`, and typical() of plate.h fills them in. Of a complete motor file the name plate alone is taken: what it
 // says of R, L, φ, J, friction, rated torque and rated speed, and its [measured], are ignored. Overrides as those of
-// load_parts(). Refuses a file that is neither, and one without a continuous current.
+// load_parts(), also "tuning=NAME". Refuses a file that is neither, and one without a continuous current.
 Config load_plate(const std::string &motor, const std::string &board,
                   const std::vector<std::string> &with = {},
                   const std::vector<std::string> &set = {});

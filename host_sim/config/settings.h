@@ -48,8 +48,8 @@ struct MeasuredSettings {
     double flux_linkage_bound_pct = 0;
     double inertia_std_pct = 0;
     double inertia_bound_pct = 0;
-    double viscous_friction_bar_nm_s =
-        0;                          // friction may be near zero, where a share of it says nothing
+    // Friction may be near zero, where a share of it says nothing.
+    double viscous_friction_bar_nm_s = 0;
     double coulomb_friction_nm = 0; // torque that turns against the motion, whatever the speed
     double coulomb_friction_bar_nm = 0;
     // What a leg loses in a period, with its current the other way: dead_time_s · bus for a large current, half of it at

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+// Whether the files of a configuration say all that they have to. All throw ConfigError with one line for all that is
+// missing, at the table of the first.
+#pragma once
+
+#include "config.h"
+#include "layer.h"
+
+namespace nf
+{
+
+// Every required setting of the sections that `home`, a file of this kind, is there for has to be in the configuration.
+// Of a motor file that is a name plate the line says so.
+void check_complete(FileKind kind, const Layer &home, const Config &config);
+
+// The motor file `home` has to be complete, or a name plate (plate.h) with all that it is asked for.
+void check_plate(const Layer &home, const Config &config);
+
+// Leaves the name plate of the configuration's motor, and no [measured]: what the drive is to measure is as if nobody had
+// said it. A continuous current that follows from the rated torque has the place of that.
+void forget_measured(Config &config);
+
+} // namespace nf
