@@ -92,6 +92,12 @@ public:
         return {plant_, hal_.faults, cfg_, app_.drive};
     }
 
+    // For the background that runs on it.
+    app_t &app()
+    {
+        return app_;
+    }
+
     const drive_t &drive() const
     {
         return app_.drive;
