@@ -218,7 +218,8 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
 
 static uint32_t window_ticks(const probe_t *probe)
 {
-    return (uint32_t)fx_clamp((int32_t)((uint32_t)probe->window & (uint32_t)TICKS_MASK), 1, PROBE_WINDOW_MAX);
+    return (uint32_t)fx_clamp((int32_t)((uint32_t)probe->window & (uint32_t)TICKS_MASK), 1,
+                              PROBE_WINDOW_MAX);
 }
 
 /* The sign of the pulses in tick k of the window, 0 beyond it. */
@@ -252,7 +253,8 @@ static void note_change(probe_t *probe, dq_t current)
     const bool along = probe->pulse.d > 0;
     const int32_t both = along ? (current.d + before.d) : (current.q + before.q);
 
-    plus_dq(&probe->sums.change, (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
+    plus_dq(&probe->sums.change,
+            (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
     probe->sums.carried = plus(probe->sums.carried, sign * both);
 }
 
@@ -300,7 +302,8 @@ void probe_note(probe_t *probe, const probe_sample_t *sample)
             note_means(probe, sample);
         }
         note_change(probe, sample->current);
-        probe->sums.turn_q16 = fx_signed(fx_unsigned(sample->turns_q16) - fx_unsigned(probe->start_q16));
+        probe->sums.turn_q16 =
+            fx_signed(fx_unsigned(sample->turns_q16) - fx_unsigned(probe->start_q16));
         probe->tick = (probe->tick < (ticks + DELAY_TICKS)) ? (probe->tick + 1U) : 0U;
     }
     probe->before = (dq_t){sample->phase_a, sample->phase_b};

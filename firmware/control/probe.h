@@ -32,39 +32,42 @@ typedef enum {
     PROBE_CURRENT = 16, /* i_d*, 0…16383 */
     PROBE_ANGLE,        /* of a vector at rest: any angle_t, as a signed word */
     PROBE_RATE,         /* it turns there by so much in a tick at most, 0…2^29 */
-    PROBE_GAIN_D,       /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
-    PROBE_GAIN_Q,       /* across */
-    PROBE_INTEGRAL_D,   /* K_i·T likewise, its shift less 11 */
+    PROBE_GAIN_D, /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
+    PROBE_GAIN_Q,     /* across */
+    PROBE_INTEGRAL_D, /* K_i·T likewise, its shift less 11 */
     PROBE_INTEGRAL_Q,
-    PROBE_RESISTANCE,   /* R in the EMF, Q13 of U_b/I_b, 0…32767 */
-    PROBE_REACTANCE,    /* Ω_b·L likewise */
-    PROBE_LOSS,         /* what the legs lose along the current: no part of the EMF, 0…32767 */
-    PROBE_EMF,          /* a smaller EMF counts less, 1…32767 */
-    PROBE_DAMPING,      /* 2·K in steps per tick, 0…2^29 */
-    PROBE_TRACKING,     /* 2·k likewise */
-    PROBE_PULSE_D,      /* V along the current, 0…32767 */
-    PROBE_PULSE_Q,      /* V across the current, 0…32767 */
-    PROBE_PULSE_TICKS,  /* of a quarter, 1…64 */
-    PROBE_RAMP,         /* change of the speed in a tick, 0…2^29 */
-    PROBE_SPEED,        /* of the vector, ±2^29; 0: it goes to its angle */
-    PROBE_WINDOW,       /* of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows apart */
-    PROBE_WORDS         /* number behind the last */
+    PROBE_RESISTANCE,  /* R in the EMF, Q13 of U_b/I_b, 0…32767 */
+    PROBE_REACTANCE,   /* Ω_b·L likewise */
+    PROBE_LOSS,        /* what the legs lose along the current: no part of the EMF, 0…32767 */
+    PROBE_EMF,         /* a smaller EMF counts less, 1…32767 */
+    PROBE_DAMPING,     /* 2·K in steps per tick, 0…2^29 */
+    PROBE_TRACKING,    /* 2·k likewise */
+    PROBE_PULSE_D,     /* V along the current, 0…32767 */
+    PROBE_PULSE_Q,     /* V across the current, 0…32767 */
+    PROBE_PULSE_TICKS, /* of a quarter, 1…64 */
+    PROBE_RAMP,        /* change of the speed in a tick, 0…2^29 */
+    PROBE_SPEED,       /* of the vector, ±2^29; 0: it goes to its angle */
+    PROBE_WINDOW, /* of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows apart */
+    PROBE_WORDS   /* number behind the last */
 } probe_word_t;
 
+#define PROBE_WINDOW_BITS (20U) /* of the ticks in the word of a window */
 #define PROBE_WINDOW_MAX (131071)
 
 /* Sums over a window. Each saturates short of 32 bits, which no window reaches that is as long as allowed. */
 typedef struct {
-    dq_t voltage; /* demanded */
-    dq_t current; /* measured */
-    int32_t bus;  /* a quarter of it */
+    dq_t voltage;    /* demanded */
+    dq_t current;    /* measured */
+    int32_t bus;     /* a quarter of it */
     int32_t noise_a; /* |change of i_a| from sample to sample */
     int32_t noise_b;
-    dq_t change;      /* of the current by the pulses, each with the sign of its pulse */
-    int32_t carried;  /* twice the mean current along the pulse in each of its ticks, with its sign */
+    dq_t change; /* of the current by the pulses, each with the sign of its pulse */
+    int32_t
+        carried; /* twice the mean current along the pulse in each of its ticks, with its sign */
     int32_t turn_q16; /* by which the vector has turned, Q16 turns; wraps */
     int32_t across;   /* largest |i_q| */
-    int32_t pull;     /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
+    int32_t
+        pull; /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
 } probe_sums_t;
 
 typedef struct {
@@ -85,13 +88,13 @@ typedef struct {
     /* and what becomes of them */
     uint32_t tick; /* of the window, 1…; 0: none is open */
     probe_sums_t sums;
-    step_t own_speed;      /* of the vector before damping */
-    int32_t lag_q15;       /* sin δ */
-    int32_t mean_lag_q27;  /* its mean */
-    dq_t held;             /* voltage on which the pulses ride */
-    dq_t before;           /* currents of phases a and b at the last sample, in d and q */
-    dq_t current_before;   /* in the frame */
-    int32_t start_q16;     /* angle of the vector at the start of the window */
+    step_t own_speed;     /* of the vector before damping */
+    int32_t lag_q15;      /* sin δ */
+    int32_t mean_lag_q27; /* its mean */
+    dq_t held;            /* voltage on which the pulses ride */
+    dq_t before;          /* currents of phases a and b at the last sample, in d and q */
+    dq_t current_before;  /* in the frame */
+    int32_t start_q16;    /* angle of the vector at the start of the window */
 } probe_t;
 
 /* No current, at rest at angle 0, gains of zero, no window. */

@@ -234,7 +234,8 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
 static void obey(drive_t *drive, const drive_in_t *in)
 {
     const bool run = (in->command.request & DRIVE_REQUEST_RUN) != 0U;
-    const uint8_t level = (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
+    const uint8_t level =
+        (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
     const bool goes_on = (in->command.request & level) != 0U;
 
     if (!drive_is_driving(drive->state)) {

@@ -64,8 +64,8 @@ static dq_t demand(drive_t *drive)
     } else {
         current_loop_plan(loop, &drive->probe.loop, s->current_ref,
                           drive_speed_q15(drive, drive->vector.step));
-        voltage = current_loop_step(loop, &drive->probe.loop, s->current_ref, s->current_frame,
-                                    limit);
+        voltage =
+            current_loop_step(loop, &drive->probe.loop, s->current_ref, s->current_frame, limit);
     }
     return voltage;
 }

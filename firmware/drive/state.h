@@ -49,7 +49,7 @@ typedef enum {
     DRIVE_EVENT_CALIBRATED, /* the zeros of the current sensors are known */
     DRIVE_EVENT_STOP,       /* the user no longer asks to run */
     DRIVE_EVENT_SEARCH,     /* a start begins, the first or one more */
-    DRIVE_EVENT_PROBE,   /* the user asks to measure the motor */
+    DRIVE_EVENT_PROBE,      /* the user asks to measure the motor */
     DRIVE_EVENT_STANDS,  /* an alignment begins: the rotor is slow, or R and L are not measured */
     DRIVE_EVENT_HELD,    /* the imposed vector is at rest */
     DRIVE_EVENT_DRAGGED, /* the imposed vector turns, more slowly than handover_speed */

@@ -16,21 +16,29 @@ Measurement measure(Simulation &sim, const std::function<void(const Simulation &
     Measurement found;
     about_t about{};
     about.rotation.pole_pairs = static_cast<uint32_t>(sim.bases().pole_pairs);
-    about.current_full_scale_ua = static_cast<uint32_t>(std::lround(sim.bases().current_a / 2 * 1e6));
+    about.current_full_scale_ua =
+        static_cast<uint32_t>(std::lround(sim.bases().current_a / 2 * 1e6));
     about.bus_full_scale_uv = static_cast<uint32_t>(std::lround(sim.bases().voltage_v * 1e6));
-    about.rotation.tick_ps = static_cast<uint32_t>(std::lround(sim.bases().control_period_s * 1e12));
+    about.rotation.tick_ps =
+        static_cast<uint32_t>(std::lround(sim.bases().control_period_s * 1e12));
     identify_t identify;
     identify_init(&identify, &sim.app(), &about);
     const auto longest = static_cast<int64_t>(LONGEST_S / sim.bases().control_period_s);
     bool started = false;
     for (int64_t tick = 0; tick < longest; tick++) {
         sim.control();
-        if (each) { each(sim); }
+        if (each) {
+            each(sim);
+        }
         sim.advance();
         text_t text{};
         if (!started && sim.drive().state == DRIVE_STATE_READY) {
-            (void)identify_start(&identify);
+            const char *const why = identify_start(&identify);
             started = true;
+            if (why != nullptr) {
+                found.refusal = why;
+                break;
+            }
         }
         identify_step(&identify, &text);
         if (text.length > 0) {
@@ -39,9 +47,8 @@ Measurement measure(Simulation &sim, const std::function<void(const Simulation &
         found.duration_s = static_cast<double>(tick) * sim.bases().control_period_s;
         if (identify.why != nullptr) {
             found.refusal = identify.why;
-            break;
         }
-        if (started && identify.phase == IDENTIFY_IDLE) {
+        if (started && !identify_is_busy(&identify)) {
             break;
         }
     }
