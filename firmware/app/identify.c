@@ -1,80 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-#include "identify_plan.h"
+#include "identify.h"
 
 #include "commander.h"
+#include "identify_aim.h"
+#include "identify_rest.h"
+#include "identify_turn.h"
 
 #include <stddef.h>
 
 #define MS_PS (1000000000U)
-#define LOOP_SHARE (8U)     /* bandwidth of the current control: 1/8 a tick */
-#define INTEGRAL_SHARE (5U) /* its integral is 5 times slower */
-#define SOFT_SHARE (256U)   /* and across a current at rest another 256 times */
-#define SOFT_GAIN (0x10000) /* K_p = 0, with a shift of 1 */
-#define INTEGRAL_BITS (11U) /* by which the integral is finer, pi.h */
+#define WINDOW_NUMBERS (0x7FFU)
 #define CURRENT_LEAST \
     (192) /* 24 counts of a converter of 12 bits: a quarter of it is still above its noise */
 #define CURRENT_ONE (32768) /* I_b in Q15 */
 #define NOISE_SHARE (16)    /* of the continuous current, mean change from sample to sample */
 
-/* ---- what plans ask for ---- */
-
-void identify_aim_current(identify_t *identify, int32_t current)
-{
-    *identify_word(identify, PROBE_CURRENT) = current;
-    *identify_word(identify, PROBE_PULSE_D) = 0;
-    *identify_word(identify, PROBE_PULSE_Q) = 0;
-}
-
-void identify_aim_window(identify_t *identify, const char *kind, uint32_t settle, uint32_t ticks)
-{
-    identify->aim.kind = kind;
-    identify->aim.settle = settle;
-    identify->aim.ticks = ticks;
-}
-
-/* A gain in Q32 as a word of PROBE_GAIN_D. */
-static int32_t gain_word(uint64_t gain_q32)
-{
-    uint64_t mantissa = gain_q32;
-    uint32_t shift = 32U;
-
-    while ((mantissa > (uint64_t)FX_Q15_MAX) || (shift > 30U)) {
-        mantissa >>= 1U;
-        shift--;
-    }
-    return (int32_t)((shift << 16U) | (uint32_t)mantissa);
-}
-
-void identify_aim_gains(identify_t *identify, bool soft)
-{
-    const uint64_t kp_q32 =
-        ((uint64_t)(uint32_t)identify->rest.inductance_q16 << 16U) / (uint64_t)LOOP_SHARE;
-    const uint64_t ki_q32 = (kp_q32 << INTEGRAL_BITS) / (uint64_t)(LOOP_SHARE * INTEGRAL_SHARE);
-
-    *identify_word(identify, PROBE_GAIN_D) = gain_word(kp_q32);
-    *identify_word(identify, PROBE_INTEGRAL_D) = gain_word(ki_q32);
-    *identify_word(identify, PROBE_GAIN_Q) = soft ? SOFT_GAIN : gain_word(kp_q32);
-    *identify_word(identify, PROBE_INTEGRAL_Q) =
-        gain_word(soft ? (ki_q32 / (uint64_t)SOFT_SHARE) : ki_q32);
-}
-
-void identify_next_phase(identify_t *identify, identify_phase_t phase)
-{
-    identify->phase = phase;
-    identify->step = 0U;
-}
-
-void identify_refuse(identify_t *identify, const char *why)
-{
-    identify->why = why;
-    identify_next_phase(identify, IDENTIFY_ENDS);
-}
-
 /* ---- the words of an experiment ---- */
 
-static uint32_t passed(const identify_t *identify)
+static uint32_t ticks_passed(const identify_t *identify)
 {
     return identify->app->drive.tick - identify->since;
+}
+
+static bool has_settled(const identify_t *identify)
+{
+    return ticks_passed(identify) >= fx_unsigned(identify->aim.settle);
 }
 
 static void wait_for(identify_t *identify, identify_wait_t wait)
@@ -96,7 +46,7 @@ static void post(identify_t *identify, uint32_t which)
 }
 
 /* The word that was posted last has reached the drive. */
-static bool is_taken(const identify_t *identify)
+static bool word_is_taken(const identify_t *identify)
 {
     const drive_command_t asked = command_mailbox_take(&identify->app->mailbox);
     const drive_command_t *const now = &identify->app->in.command;
@@ -108,31 +58,31 @@ static bool is_taken(const identify_t *identify)
 /* Posts the next word that is not in force, the window's left out. Returns whether all are. */
 static bool ask(identify_t *identify)
 {
-    bool all = true;
+    bool complete = true;
 
-    for (uint32_t k = 0U; (k < (IDENTIFY_WORDS - 1U)) && all; k++) {
+    for (uint32_t k = 0U; (k < (IDENTIFY_WORDS - 1U)) && complete; k++) {
         if (identify->aim.words[k] != identify->in_force[k]) {
             post(identify, k);
-            all = false;
+            complete = false;
         }
     }
-    return all;
+    return complete;
 }
 
 /* Its word differs from those of the windows before. */
-static void open_window(identify_t *identify)
+static void ask_for_window(identify_t *identify)
 {
-    const uint32_t number = identify->windows & 0x7FFU;
+    const uint32_t number = identify->windows & WINDOW_NUMBERS;
+    const uint32_t window = (number << PROBE_WINDOW_BITS) | fx_unsigned(identify->aim.ticks);
 
     identify->windows++;
-    *identify_word(identify, PROBE_WINDOW) =
-        (int32_t)((number << PROBE_WINDOW_BITS) | identify->aim.ticks);
+    *identify_aim_word(identify, PROBE_WINDOW) = fx_signed(window);
     post(identify, IDENTIFY_WORDS - 1U);
 }
 
 static bool is_measured(const identify_t *identify)
 {
-    return is_taken(identify) &&
+    return word_is_taken(identify) &&
            probe_is_done(&identify->app->drive.probe, identify->in_force[IDENTIFY_WORDS - 1U]);
 }
 
@@ -149,16 +99,16 @@ static bool has_arrived(const identify_t *identify)
 
 /* ---- lines ---- */
 
-static void add(text_t *text, int32_t value)
+static void add_word(text_t *text, int32_t value)
 {
     text_add(text, " ");
     text_number(text, value, 0U);
 }
 
-static void add_dq(text_t *text, dq_t value)
+static void add_words(text_t *text, dq_t value)
 {
-    add(text, value.d);
-    add(text, value.q);
+    add_word(text, value.d);
+    add_word(text, value.q);
 }
 
 static void say_scales(const identify_t *identify, text_t *text)
@@ -166,11 +116,11 @@ static void say_scales(const identify_t *identify, text_t *text)
     const about_t *const about = identify->about;
 
     text_add(text, "identify 1");
-    add(text, (int32_t)about->rotation.tick_ps);
-    add(text, (int32_t)about->current_full_scale_ua);
-    add(text, (int32_t)about->bus_full_scale_uv);
-    add(text, (int32_t)about->rotation.pole_pairs);
-    add(text, (int32_t)identify->app->drive.cfg->speed_shift);
+    add_word(text, (int32_t)about->rotation.tick_ps);
+    add_word(text, (int32_t)about->current_full_scale_ua);
+    add_word(text, (int32_t)about->bus_full_scale_uv);
+    add_word(text, (int32_t)about->rotation.pole_pairs);
+    add_word(text, (int32_t)identify->app->drive.cfg->speed_shift);
     text_end_line(text);
 }
 
@@ -178,29 +128,29 @@ static void say_record(const identify_t *identify, text_t *text)
 {
     static const probe_word_t shown[] = {PROBE_CURRENT, PROBE_SPEED, PROBE_PULSE_D, PROBE_PULSE_Q,
                                          PROBE_PULSE_TICKS};
-    const probe_sums_t *const sums = identify_sums(identify);
+    const probe_sums_t *const sums = identify_aim_sums(identify);
 
     text_add(text, "= ");
     text_add(text, identify->aim.kind);
-    add(text, (int32_t)identify->rest.axis);
+    add_word(text, (int32_t)identify->rest.axis);
     for (uint32_t k = 0U; k < (uint32_t)(sizeof(shown) / sizeof(shown[0])); k++) {
-        add(text, identify->aim.words[(uint32_t)shown[k] - (uint32_t)PROBE_CURRENT]);
+        add_word(text, identify->aim.words[(uint32_t)shown[k] - (uint32_t)PROBE_CURRENT]);
     }
-    add(text, (int32_t)identify->aim.ticks);
-    add_dq(text, sums->voltage);
-    add_dq(text, sums->current);
-    add(text, sums->bus);
-    add(text, sums->noise_a);
-    add(text, sums->noise_b);
-    add_dq(text, sums->change);
-    add(text, sums->carried);
-    add(text, sums->turn_q16);
-    add(text, sums->across);
-    add(text, sums->pull);
+    add_word(text, identify->aim.ticks);
+    add_words(text, sums->voltage);
+    add_words(text, sums->current);
+    add_word(text, sums->bus);
+    add_word(text, sums->noise_a);
+    add_word(text, sums->noise_b);
+    add_words(text, sums->change);
+    add_word(text, sums->carried);
+    add_word(text, sums->turn_q16);
+    add_word(text, sums->across);
+    add_word(text, sums->torque);
     text_end_line(text);
 }
 
-static void add_current(const identify_t *identify, text_t *text, int32_t current)
+static void add_amperes(const identify_t *identify, text_t *text, int32_t current)
 {
     const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
 
@@ -211,26 +161,26 @@ static void add_current(const identify_t *identify, text_t *text, int32_t curren
 /* Before each phase: what it will do, with which current and speed. */
 static void say_phase(const identify_t *identify, text_t *text)
 {
-    const int32_t current = identify_continuous(identify);
+    const int32_t current = identify_aim_continuous(identify);
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
         text_add(text, "pulses on each phase, the shaft rests, up to ");
-        add_current(identify, text, current);
+        add_amperes(identify, text, current);
         break;
     case IDENTIFY_CATCH:
         text_add(text, "the shaft turns by up to one electrical turn, with ");
-        add_current(identify, text, current);
+        add_amperes(identify, text, current);
         break;
     case IDENTIFY_STILL:
         text_add(text, "the shaft goes to three angles, up to ");
-        add_current(identify, text, identify_largest_still(identify));
+        add_amperes(identify, text, identify_rest_largest(identify));
         break;
     case IDENTIFY_SPIN:
         text_add(text, "the shaft turns, up to ");
-        text_number(text, units_rpm(&identify->about->rotation, identify_top_speed(identify)), 0U);
+        text_number(text, units_rpm(&identify->about->rotation, identify_turn_speed(identify)), 0U);
         text_add(text, " rpm, with ");
-        add_current(identify, text, identify_spin_current(identify));
+        add_amperes(identify, text, identify_turn_current(identify));
         break;
     case IDENTIFY_RAMP:
         text_add(text, "between half of that speed and the whole");
@@ -254,22 +204,22 @@ static bool plan_in_phase(identify_t *identify)
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
-        aims = identify_plan_pulse(identify);
+        aims = identify_rest_plan_pulse(identify);
         break;
     case IDENTIFY_CATCH:
-        aims = identify_plan_catch(identify);
+        aims = identify_rest_plan_catch(identify);
         break;
     case IDENTIFY_STILL:
-        aims = identify_plan_still(identify);
+        aims = identify_rest_plan_still(identify);
         break;
     case IDENTIFY_SPIN:
-        aims = identify_plan_spin(identify);
+        aims = identify_turn_plan_spin(identify);
         break;
     case IDENTIFY_RAMP:
-        aims = identify_plan_ramp(identify);
+        aims = identify_turn_plan_ramp(identify);
         break;
     case IDENTIFY_COAST:
-        aims = identify_plan_coast(identify);
+        aims = identify_turn_plan_coast(identify);
         break;
     default: /* it ends */
         break;
@@ -277,13 +227,13 @@ static bool plan_in_phase(identify_t *identify)
     return aims;
 }
 
-static void plan(identify_t *identify)
+static void plan_next(identify_t *identify)
 {
     while (!plan_in_phase(identify)) {
         /* the next phase plans */
     }
     if (identify->aim.leads) {
-        open_window(identify);
+        ask_for_window(identify);
         wait_for(identify, IDENTIFY_LEADING);
     } else {
         wait_for(identify, IDENTIFY_ASKING);
@@ -293,14 +243,14 @@ static void plan(identify_t *identify)
 /* Largest mean change of a sensor from sample to sample that leaves a result, Q15 of I_b. */
 static int32_t noise_most(const identify_t *identify)
 {
-    return identify_continuous(identify) / NOISE_SHARE;
+    return identify_aim_continuous(identify) / NOISE_SHARE;
 }
 
 /* Pulses and what turns change the current themselves. */
 static bool is_noisy(const identify_t *identify)
 {
-    const probe_sums_t *const sums = identify_sums(identify);
-    const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / (int32_t)identify->aim.ticks;
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
 
     return (identify->phase == IDENTIFY_CATCH) && (noise > noise_most(identify));
 }
@@ -309,10 +259,10 @@ static void end_experiment(identify_t *identify, text_t *text)
 {
     say_record(identify, text);
     if (is_noisy(identify)) {
-        identify_refuse(identify,
-                        "the noise of the current sensors is too large for the continuous current");
+        identify_aim_refusal(
+            identify, "the noise of the current sensors is too large for the continuous current");
     } else {
-        plan(identify);
+        plan_next(identify);
     }
 }
 
@@ -320,23 +270,23 @@ static void go_on(identify_t *identify, text_t *text)
 {
     switch (identify->wait) {
     case IDENTIFY_LEADING:
-        if (passed(identify) >= identify->aim.settle) {
+        if (has_settled(identify)) {
             wait_for(identify, IDENTIFY_ASKING);
         }
         break;
     case IDENTIFY_ASKING:
-        if (is_taken(identify) && ask(identify)) {
+        if (word_is_taken(identify) && ask(identify)) {
             wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
         }
         break;
     case IDENTIFY_MOVING:
-        if ((passed(identify) > 2U) && has_arrived(identify)) {
+        if ((ticks_passed(identify) > 2U) && has_arrived(identify)) {
             wait_for(identify, IDENTIFY_SETTLING);
         }
         break;
     case IDENTIFY_SETTLING:
-        if (passed(identify) >= identify->aim.settle) {
-            open_window(identify);
+        if (has_settled(identify)) {
+            ask_for_window(identify);
             wait_for(identify, IDENTIFY_MEASURING);
         }
         break;
@@ -354,18 +304,18 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
 }
 
 /* The words that probe_reset() leaves. */
-static void begin(identify_t *identify)
+static void begin_identifying(identify_t *identify)
 {
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
     const uint32_t pulse_ticks = (uint32_t)PROBE_PULSE_TICKS - (uint32_t)PROBE_CURRENT;
     const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
 
     identify_init(identify, identify->app, identify->about);
-    identify->ms_ticks = (ticks > 0U) ? ticks : 1U;
+    identify->ms_ticks = fx_max((int32_t)ticks, 1);
     identify->in_force[pulse_ticks] = 1;
     identify->in_force[emf] = 1;
     identify->aim.words[emf] = 1;
-    identify_next_phase(identify, IDENTIFY_BEGINS);
+    identify_aim_phase(identify, IDENTIFY_BEGINS);
 }
 
 const char *identify_start(identify_t *identify)
@@ -374,11 +324,11 @@ const char *identify_start(identify_t *identify)
 
     if (identify->app->drive.state != DRIVE_STATE_READY) {
         why = "the drive is not READY";
-    } else if (identify_continuous(identify) < CURRENT_LEAST) {
+    } else if (identify_aim_continuous(identify) < CURRENT_LEAST) {
         why =
             "the continuous current is below 1.2 % of the converter's range: nothing would be seen";
     } else {
-        begin(identify);
+        begin_identifying(identify);
     }
     return why;
 }
@@ -396,12 +346,12 @@ void identify_stop(identify_t *identify)
     }
 }
 
-/* The scales, then the first plan: its words are for a drive in PROBE. */
+/* The scales, then the first plan_next: its words are for a drive in PROBE. */
 static void start_probing(identify_t *identify, text_t *text)
 {
     say_scales(identify, text);
-    identify_next_phase(identify, IDENTIFY_PULSE);
-    plan(identify);
+    identify_aim_phase(identify, IDENTIFY_PULSE);
+    plan_next(identify);
     post(identify, 0U);
 }
 
@@ -430,7 +380,7 @@ void identify_step(identify_t *identify, text_t *text)
     } else if (state == DRIVE_STATE_PROBE) {
         say_or_go_on(identify, text);
     } else if (state == DRIVE_STATE_FAULT) {
-        identify_refuse(identify, "a fault has ended it");
+        identify_aim_refusal(identify, "a fault has ended it");
         say_or_go_on(identify, text);
     } else {
         /* READY: the first word has not been taken yet */

@@ -1,29 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Experiments on a rotor that does not turn: PULSE, CATCH, STILL. */
-#include "identify_plan.h"
+#include "identify_rest.h"
+
+#include "identify_aim.h"
 
 #include <stddef.h>
 
 #define THIRD_TURN (0x55555555U)
 #define HALF_TURN (0x80000000U)
-#define QUARTERS (4U)
+#define ONE_Q16 (65536)
+#define QUARTERS (4)
 
 /* ---- PULSE ---- */
 
-#define PULSE_PATTERNS (16U)
-#define PULSE_TICKS_MOST (64U)
+#define PULSE_PATTERNS (16)
+#define PULSE_TICKS_MOST (64)
 /* An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of another at least. */
 #define OPEN_SHARE (8)
+
+static void aim_axis(identify_t *identify)
+{
+    const angle_t angle = identify->rest.axis * THIRD_TURN;
+
+    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
+}
 
 static void aim_pulse(identify_t *identify)
 {
     const identify_rest_t *const rest = &identify->rest;
 
     identify_aim_current(identify, 0);
-    *identify_word(identify, PROBE_RATE) = 0x20000000;
-    *identify_word(identify, PROBE_ANGLE) = (int32_t)(rest->axis * THIRD_TURN);
-    *identify_word(identify, PROBE_PULSE_D) = rest->pulse;
-    *identify_word(identify, PROBE_PULSE_TICKS) = (int32_t)rest->quarter;
+    *identify_aim_word(identify, PROBE_RATE) = 0x20000000;
+    aim_axis(identify);
+    *identify_aim_word(identify, PROBE_PULSE_D) = rest->pulse;
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = rest->quarter;
     identify_aim_window(identify, "pulse", identify->ms_ticks,
                         QUARTERS * rest->quarter * PULSE_PATTERNS);
 }
@@ -31,8 +40,8 @@ static void aim_pulse(identify_t *identify)
 /* The current at the peak of the pulses that have ended. */
 static void note_peak(identify_t *identify)
 {
-    const dq_t change = identify_sums(identify)->change;
-    const int32_t quarters = (int32_t)(QUARTERS * PULSE_PATTERNS);
+    const dq_t change = identify_aim_sums(identify)->change;
+    const int32_t quarters = QUARTERS * PULSE_PATTERNS;
 
     identify->rest.peaks[identify->rest.axis] = (dq_t){change.d / quarters, change.q / quarters};
 }
@@ -42,6 +51,14 @@ static int32_t largest_peak(const identify_rest_t *rest)
     return fx_max(fx_max(rest->peaks[0].d, rest->peaks[1].d), rest->peaks[2].d);
 }
 
+/* At most INT32_MAX. value: 0 and above. */
+static int32_t bounded_word(int64_t value)
+{
+    const int64_t bounded = (value < (int64_t)INT32_MAX) ? value : (int64_t)INT32_MAX;
+
+    return (int32_t)bounded;
+}
+
 /* What the legs lose is the same in two pulses: it cancels in their difference. */
 static void find_inductance(identify_rest_t *rest)
 {
@@ -49,7 +66,7 @@ static void find_inductance(identify_rest_t *rest)
     const int64_t volts = ((int64_t)rest->pulse * (int64_t)rest->quarter) / 5;
     const int64_t ratio = (volts * 65536) / more;
 
-    rest->inductance_q16 = (int32_t)((ratio < INT32_MAX) ? ratio : INT32_MAX);
+    rest->inductance_q16 = bounded_word(ratio);
     rest->along_q16 = rest->inductance_q16;
     rest->across_q16 = rest->inductance_q16;
 }
@@ -63,14 +80,14 @@ static void enlarge_pulse(identify_t *identify)
     const int32_t more = rest->pulse + (rest->pulse / 4);
 
     rest->before = peak;
-    rest->fine = (peak >= (identify_continuous(identify) / 16)) && (more <= most);
+    rest->fine = (peak >= (identify_aim_continuous(identify) / 16)) && (more <= most);
     if (rest->fine) {
         rest->pulse = more;
     } else if ((2 * rest->pulse) <= most) {
         rest->pulse *= 2;
     } else {
         rest->pulse = (rest->pulse * 5) / 8;
-        rest->quarter *= 2U;
+        rest->quarter *= 2;
     }
 }
 
@@ -107,31 +124,32 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
 static bool judge_pulses(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
-    const bool enough = rest->fine && (largest_peak(rest) >= (identify_continuous(identify) / 4));
+    const bool enough =
+        rest->fine && (largest_peak(rest) >= (identify_aim_continuous(identify) / 4));
     const char *const why = enough ? find_wrong_phase(rest) : NULL;
 
     if (why != NULL) {
-        identify_refuse(identify, why);
+        identify_aim_refusal(identify, why);
     } else if (enough) {
         find_inductance(rest);
-        identify_next_phase(identify, IDENTIFY_CATCH);
+        identify_aim_phase(identify, IDENTIFY_CATCH);
     } else {
         enlarge_pulse(identify);
         if (rest->quarter > PULSE_TICKS_MOST) {
-            identify_refuse(identify, "no current flows: is the motor connected?");
+            identify_aim_refusal(identify, "no current flows: is the motor connected?");
         }
     }
     return identify->phase == IDENTIFY_PULSE;
 }
 
-bool identify_plan_pulse(identify_t *identify)
+bool identify_rest_plan_pulse(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
     bool aims = true;
 
     if (identify->step == 0U) {
         rest->pulse = fx_max(fx_asr(identify->app->drive.signals.bus, 8U), 1);
-        rest->quarter = 1U;
+        rest->quarter = 1;
     } else {
         note_peak(identify);
         rest->axis = (rest->axis + 1U) % IDENTIFY_AXES;
@@ -148,19 +166,20 @@ bool identify_plan_pulse(identify_t *identify)
 
 #define CATCH_RISES (8U)
 #define CATCH_TURNS (2U)
-#define CATCH_LOOKS (40U) /* of 100 ms each: 4 s for a swing to calm down */
-#define CATCH_LOOK_MS (100U)
+#define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
+#define CATCH_TURN_MS (400) /* half a turn */
+#define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
 
-static step_t turn_rate(const identify_t *identify, uint32_t half_turn_ms)
+static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 {
-    return (step_t)(HALF_TURN / (half_turn_ms * identify->ms_ticks));
+    return INT32_MAX / (half_turn_ms * identify->ms_ticks);
 }
 
 /* |i_q| of a rotor that swings or slips. */
-static bool is_calm(const identify_t *identify)
+static bool swings_no_more(const identify_t *identify)
 {
-    return identify_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
+    return identify_aim_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
 }
 
 /* The current rises opposite to where the rotor is to be; then the vector turns there in two quarters. */
@@ -169,30 +188,31 @@ static void aim_catch(identify_t *identify)
     const int32_t rises = fx_min((int32_t)identify->step + 1, (int32_t)CATCH_RISES);
     const uint32_t turns =
         (identify->step < CATCH_RISES) ? 0U : ((identify->step - CATCH_RISES) + 1U);
+    const angle_t angle = (turns >= CATCH_TURNS) ? 0U : (HALF_TURN >> turns);
 
-    identify_aim_current(identify, (identify_continuous(identify) * rises) / (int32_t)CATCH_RISES);
+    identify_aim_current(identify,
+                         (identify_aim_continuous(identify) * rises) / (int32_t)CATCH_RISES);
     identify_aim_gains(identify, true);
     if (turns > 0U) {
-        *identify_word(identify, PROBE_RATE) = turn_rate(identify, 400U);
+        *identify_aim_word(identify, PROBE_RATE) = turn_rate(identify, CATCH_TURN_MS);
     }
-    *identify_word(identify, PROBE_ANGLE) =
-        (int32_t)((turns >= CATCH_TURNS) ? 0U : (HALF_TURN >> turns));
+    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
     if (turns > CATCH_TURNS) {
-        identify_aim_window(identify, "catch", 0U, CATCH_LOOK_MS * identify->ms_ticks);
+        identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
     } else {
-        identify_aim_window(identify, "catch", 5U * identify->ms_ticks, identify->ms_ticks);
+        identify_aim_window(identify, "catch", 5 * identify->ms_ticks, identify->ms_ticks);
     }
 }
 
-bool identify_plan_catch(identify_t *identify)
+bool identify_rest_plan_catch(identify_t *identify)
 {
     const bool looked = identify->step > (CATCH_RISES + CATCH_TURNS);
 
-    if (looked && is_calm(identify)) {
-        identify_next_phase(identify, IDENTIFY_STILL);
+    if (looked && swings_no_more(identify)) {
+        identify_aim_phase(identify, IDENTIFY_STILL);
     } else if (identify->step > (CATCH_RISES + CATCH_TURNS + CATCH_LOOKS)) {
-        identify_refuse(identify,
-                        "the rotor does not come to rest on the current: does a load turn it?");
+        identify_aim_refusal(
+            identify, "the rotor does not come to rest on the current: does a load turn it?");
     } else {
         aim_catch(identify);
         identify->step++;
@@ -204,19 +224,19 @@ bool identify_plan_catch(identify_t *identify)
 
 #define LEVELS (14U)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
-#define LEVEL_SETTLE_MS (20U)
-#define AXIS_SETTLE_MS (200U)
+#define LEVEL_SETTLE_MS (20)
+#define AXIS_SETTLE_MS (200)
 #define BURSTS (7U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
 #define UNLIKE_SHARE \
     (4) /* R of an axis may be 1/4 off that of the first: mismatch of sensors, unlike wires */
 
-int32_t identify_largest_still(const identify_t *identify)
+int32_t identify_rest_largest(const identify_t *identify)
 {
     const int32_t most = (identify->app->drive.cfg->derating.current_max * 9) / 10;
 
-    return fx_min(most, 2 * identify_continuous(identify));
+    return fx_min(most, 2 * identify_aim_continuous(identify));
 }
 
 /* Down, and up again in between: so a winding that gets warm shows. */
@@ -226,9 +246,9 @@ static void aim_level(identify_t *identify)
                                            54,  43,  34,  27,  54,  105, 205};
     const int32_t share = (int32_t)shares[identify->step];
 
-    identify_aim_current(identify, (identify_largest_still(identify) * share) / 256);
+    identify_aim_current(identify, (identify_rest_largest(identify) * share) / 256);
     identify_aim_window(identify, "still", LEVEL_SETTLE_MS * identify->ms_ticks,
-                        IDENTIFY_WINDOW_MS * identify->ms_ticks);
+                        IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
 }
 
 typedef struct {
@@ -245,45 +265,46 @@ static void aim_burst(identify_t *identify)
     const identify_rest_t *const rest = &identify->rest;
     const burst_t *const burst = &bursts[(identify->step - LEVELS) % BURSTS];
     const bool along = burst->along > 0U;
-    const int64_t current = ((int64_t)identify_continuous(identify) *
+    const int64_t current = ((int64_t)identify_aim_continuous(identify) *
                              ((int64_t)burst->along + (int64_t)burst->across)) /
                             16;
-    const int64_t volts = (current * (along ? rest->along_q16 : rest->across_q16)) >> 16U;
+    const int64_t volts = (current * (along ? rest->along_q16 : rest->across_q16)) / ONE_Q16;
     const int64_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
-    const int32_t quarter = (int32_t)((volts >= (63 * most)) ? 64 : (1 + (volts / most)));
+    const int64_t needed = 1 + (volts / most);
+    const int32_t quarter = fx_min(bounded_word(needed), PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;
-    const uint32_t patterns = (uint32_t)fx_max(BURST_TICKS / ((int32_t)QUARTERS * quarter), 1);
+    const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
 
-    identify_aim_current(identify, (identify_continuous(identify) * (int32_t)burst->bias) / 16);
-    *identify_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
-        (int32_t)((each < most) ? each : most);
-    *identify_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_current(identify, (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16);
+    *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
+        bounded_word((each < most) ? each : most);
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
     identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
-                        patterns * QUARTERS * (uint32_t)quarter);
+                        patterns * QUARTERS * quarter);
 }
 
 /* L of the pulses that have ended: it falls with the current. */
 static void note_burst(identify_t *identify)
 {
-    const probe_sums_t *const sums = identify_sums(identify);
+    const probe_sums_t *const sums = identify_aim_sums(identify);
     const int64_t ticks_q16 = (int64_t)identify->aim.ticks * 65536;
-    const int32_t along = *identify_word(identify, PROBE_PULSE_D);
-    const int32_t across = *identify_word(identify, PROBE_PULSE_Q);
+    const int32_t along = *identify_aim_word(identify, PROBE_PULSE_D);
+    const int32_t across = *identify_aim_word(identify, PROBE_PULSE_Q);
 
     if ((along > 0) && (sums->change.d > 0)) {
-        identify->rest.along_q16 = (int32_t)((ticks_q16 * along) / sums->change.d);
+        identify->rest.along_q16 = bounded_word((ticks_q16 * along) / sums->change.d);
     }
     if ((across > 0) && (sums->change.q > 0)) {
-        identify->rest.across_q16 = (int32_t)((ticks_q16 * across) / sums->change.q);
+        identify->rest.across_q16 = bounded_word((ticks_q16 * across) / sums->change.q);
     }
 }
 
 static void note_level(identify_t *identify)
 {
     identify_rest_t *const rest = &identify->rest;
-    const int32_t ticks = (int32_t)identify->aim.ticks;
-    const int32_t voltage = identify_sums(identify)->voltage.d / ticks;
-    const int32_t current = identify_sums(identify)->current.d / ticks;
+    const int32_t ticks = identify->aim.ticks;
+    const int32_t voltage = identify_aim_sums(identify)->voltage.d / ticks;
+    const int32_t current = identify_aim_sums(identify)->current.d / ticks;
 
     if (identify->step == 1U) {
         rest->high_voltage = voltage;
@@ -327,21 +348,21 @@ static bool leave_axis(identify_t *identify)
     if ((rest->axis + 1U) < IDENTIFY_AXES) {
         rest->axis++;
         identify->step = 0U;
-        identify_aim_current(identify, identify_continuous(identify));
-        *identify_word(identify, PROBE_ANGLE) = (int32_t)(rest->axis * THIRD_TURN);
+        identify_aim_current(identify, identify_aim_continuous(identify));
+        aim_axis(identify);
         identify_aim_window(identify, "catch", AXIS_SETTLE_MS * identify->ms_ticks,
                             identify->ms_ticks);
     } else if (is_alike(rest)) {
-        identify_next_phase(identify, IDENTIFY_SPIN);
+        identify_aim_phase(identify, IDENTIFY_SPIN);
     } else {
-        identify_refuse(
+        identify_aim_refusal(
             identify,
             "the resistances of the three phases differ: is a winding shorted, or a contact bad?");
     }
     return identify->phase == IDENTIFY_STILL;
 }
 
-bool identify_plan_still(identify_t *identify)
+bool identify_rest_plan_still(identify_t *identify)
 {
     bool aims = true;
 

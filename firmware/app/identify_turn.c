@@ -1,85 +1,99 @@
 /* SPDX-License-Identifier: MIT */
-/* Experiments on a rotor that turns: SPIN, RAMP, COAST. */
-#include "identify_plan.h"
+#include "identify_turn.h"
 
+#include "identify_aim.h"
 #include "trig.h"
 
 #define ONE_Q14 (16384)
+#define ONE_Q16 (65536)
+#define ONE_Q20 (1048576)
+#define TWO_PI_Q16 (411775)
+#define STEPS_PER_RADIAN (683565276) /* 2^32/(2π) */
+#define STEPS_PER_Q16 (65536)        /* of a turn: steps in 2^-16 of it */
+#define SWING_TICKS_LEAST (8)
 #define SPEED_SHARE (2) /* of the highest speed of the name plate */
 
 /* ---- ramps ---- */
 
-#define RAMP_MS_FIRST (1250U) /* from half of the speed to the whole: a second and a quarter */
-#define RAMP_MS_ALL (3000U)   /* of all pairs of ramps */
+#define RAMP_MS_FIRST (1250) /* from half of the speed to the whole: a second and a quarter */
+#define RAMP_MS_ALL (3000)   /* of all pairs of ramps */
 #define RAMP_TICKS_LEAST (64)
 #define RAMP_TICKS_MOST (50000)
 #define EDGE_TICKS (2048) /* before and behind a ramp in its window, at least */
 #define EDGE_TICKS_MOST (8192)
 #define EDGE_SWINGS (6) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
-    (41000000)             /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
-#define PULL_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
+    (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+#define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
 
-int32_t identify_spin_current(const identify_t *identify)
+int32_t identify_turn_current(const identify_t *identify)
 {
-    return (identify_continuous(identify) * 3) / 4;
+    return (identify_aim_continuous(identify) * 3) / 4;
 }
 
-step_t identify_top_speed(const identify_t *identify)
+step_t identify_turn_speed(const identify_t *identify)
 {
     return identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE;
 }
 
 static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
 {
-    *identify_word(identify, PROBE_SPEED) = speed;
-    *identify_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
+    *identify_aim_word(identify, PROBE_SPEED) = speed;
+    *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
 }
 
 static int32_t edge_ticks(const identify_t *identify)
 {
-    return fx_clamp(EDGE_SWINGS * (int32_t)identify->turn.swing_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
+    return fx_clamp(EDGE_SWINGS * identify->turn.swing_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
 }
 
 /* The window begins before the ramp and ends behind it, at a constant speed. */
 static void aim_ramp(identify_t *identify, bool down)
 {
     const step_t half = identify->turn.top / 2;
-    const uint32_t ramp = identify->turn.ramp_ticks;
-    const uint32_t edge = (uint32_t)edge_ticks(identify);
+    const int32_t ramp = identify->turn.ramp_ticks;
+    const int32_t edge = edge_ticks(identify);
 
-    aim_speed(identify, down ? half : identify->turn.top, half / (step_t)ramp);
-    identify_aim_window(identify, "ramp", (ramp / 2U) + edge, 2U * (ramp + edge));
+    aim_speed(identify, down ? half : identify->turn.top, half / ramp);
+    identify_aim_window(identify, "ramp", (ramp / 2) + edge, 2 * (ramp + edge));
     identify->aim.leads = true;
 }
 
 static void aim_hold(identify_t *identify)
 {
-    identify_aim_window(identify, "hold", 0U, 2U * IDENTIFY_WINDOW_MS * identify->ms_ticks);
+    identify_aim_window(identify, "hold", 0, 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
     identify->aim.leads = false;
+}
+
+/* Steps in one of Q15 of Ω_b. */
+static int64_t one_of_q15(const identify_t *identify)
+{
+    const uint32_t one = 1UL << identify->app->drive.cfg->speed_shift;
+
+    return (int64_t)one;
 }
 
 /* |e|/ω of the window that has ended as far as it lies across the current, with ωL·i in it, Q14 of U_b/Ω_b, at least 1. */
 static int32_t flux_q14(const identify_t *identify)
 {
-    const probe_sums_t *const sums = identify_sums(identify);
-    const uint32_t shift = identify->app->drive.cfg->speed_shift;
-    const int64_t speed_q15 =
-        (int64_t)(((uint64_t)(uint32_t)fx_max(sums->turn_q16, 1) << 16U) >> shift);
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int64_t one_step = one_of_q15(identify);
+    const int64_t speed_q15 = ((int64_t)fx_max(sums->turn_q16, 1) * STEPS_PER_Q16) / one_step;
     const int64_t flux = ((int64_t)sums->voltage.q * ONE_Q14) / ((speed_q15 > 0) ? speed_q15 : 1);
+    const int64_t positive = (flux < 1) ? 1 : flux;
 
-    return (int32_t)((flux < 1) ? 1 : flux);
+    return (int32_t)positive;
 }
 
 /* Mean torque of a window over that which the current can pull, Q14, as much larger as the window is longer than the ramp. */
-static int32_t mean_pull(const identify_t *identify)
+static int32_t mean_torque(const identify_t *identify)
 {
-    const probe_sums_t *const sums = identify_sums(identify);
-    const int64_t current = fx_max(sums->current.d / (int32_t)identify->aim.ticks, 1);
-    const int64_t each =
-        (((int64_t)sums->pull * ONE_Q14) / current) / (int64_t)identify->turn.ramp_ticks;
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int64_t current = fx_max(sums->current.d / identify->aim.ticks, 1);
+    const int64_t each = (((int64_t)sums->torque * ONE_Q14) / current) / identify->turn.ramp_ticks;
+    const int64_t share = (each * ONE_Q14) / flux_q14(identify);
 
-    return (int32_t)((each * ONE_Q14) / flux_q14(identify));
+    return (int32_t)share;
 }
 
 /*
@@ -90,33 +104,39 @@ static int32_t shortest_ramp(const identify_t *identify)
 {
     const int32_t each = fx_max(identify->aim.words[0] / 8, 1);
 
-    return fx_max(fx_abs(identify_sums(identify)->current.q) / each, RAMP_TICKS_LEAST);
+    return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, RAMP_TICKS_LEAST);
+}
+
+/* √square, which saturates at 32 bits. square: 0 and above. */
+static int32_t root_of(int64_t square)
+{
+    const int64_t bounded = (square < (int64_t)UINT32_MAX) ? square : (int64_t)UINT32_MAX;
+
+    return (int32_t)trig_sqrt((uint32_t)bounded);
 }
 
 /*
- * The next ramps are as steep as lets the rotor lag by PULL_ENOUGH. The frame damps the rotor's swing, of ω_n² = α/sin δ,
+ * The next ramps are as steep as lets the rotor lag by TORQUE_ENOUGH. The frame damps the rotor's swing, of ω_n² = α/sin δ,
  * with K = ω_n: more would hold the speed of the frame back by the lag.
  */
-static void steepen(identify_t *identify, int32_t pull)
+static void steepen(identify_t *identify, int32_t torque)
 {
     identify_turn_t *const turn = &identify->turn;
-    const int32_t shown = fx_max(pull, PULL_ENOUGH / 4);
-    const uint64_t pulled = ((uint64_t)turn->ramp_ticks * (uint64_t)(uint32_t)shown) >> 14U;
-    /* 2^32/(2π) steps are a radian */
-    const uint64_t square = (pulled * 683565276U) / (uint64_t)(uint32_t)fx_max(turn->top / 2, 1);
-    const int32_t ramp = ((int32_t)turn->ramp_ticks * (shown / 16)) / (PULL_ENOUGH / 16);
+    const int32_t shown = fx_max(torque, TORQUE_ENOUGH / 4);
+    const int64_t lagging = ((int64_t)turn->ramp_ticks * shown) / ONE_Q14;
+    const int64_t square = (lagging * STEPS_PER_RADIAN) / fx_max(turn->top / 2, 1);
+    const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
 
-    turn->swing_ticks = (uint32_t)fx_max(
-        (int32_t)trig_sqrt((square < 0xFFFFFFFFU) ? (uint32_t)square : 0xFFFFFFFFU), 8);
-    *identify_word(identify, PROBE_DAMPING) =
-        fx_min((int32_t)(1367130551U / turn->swing_ticks), DAMPING_MOST);
-    turn->ramp_ticks = (uint32_t)fx_clamp(ramp, shortest_ramp(identify), RAMP_TICKS_MOST);
+    turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
+    *identify_aim_word(identify, PROBE_DAMPING) =
+        fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST);
+    turn->ramp_ticks = fx_clamp(ramp, shortest_ramp(identify), RAMP_TICKS_MOST);
 }
 
 /* ---- SPIN ---- */
 
-#define SPIN_MS (2500U) /* from rest to the highest speed */
-#define SPIN_SETTLE_MS (150U)
+#define SPIN_MS (2500) /* from rest to the highest speed */
+#define SPIN_SETTLE_MS (150)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
 #define SPEED_SHARE_LEAST (16)
 #define FLUX_SHARE_LEAST \
@@ -125,33 +145,33 @@ static void steepen(identify_t *identify, int32_t pull)
 /* Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times 2π/2^32 of a radian times 2^speed_shift. */
 static int32_t reactance_q13(const identify_t *identify)
 {
-    const uint32_t shift = identify->app->drive.cfg->speed_shift;
-    const int64_t per_radian =
-        ((int64_t)identify->rest.inductance_q16 * 411775) >> 16U; /* 2π, Q16 */
-    const int64_t reactance = (int64_t)(((uint64_t)per_radian << shift) >> 20U);
+    const int64_t one_step = one_of_q15(identify);
+    const int64_t per_radian = ((int64_t)identify->rest.inductance_q16 * TWO_PI_Q16) / ONE_Q16;
+    const int64_t reactance = (per_radian * one_step) / ONE_Q20;
+    const int64_t bounded = (reactance < FX_Q15_MAX) ? reactance : FX_Q15_MAX;
 
-    return (int32_t)((reactance < FX_Q15_MAX) ? reactance : FX_Q15_MAX);
+    return (int32_t)bounded;
 }
 
 static void begin_spin(identify_t *identify)
 {
     const identify_rest_t *const rest = &identify->rest;
-    const int32_t current = identify_spin_current(identify);
+    const int32_t current = identify_turn_current(identify);
     const int32_t resistive = (rest->resistance_q13[2] * current) / 8192;
 
-    identify->turn.top = identify_top_speed(identify);
-    *identify_word(identify, PROBE_RESISTANCE) = rest->resistance_q13[2];
-    *identify_word(identify, PROBE_REACTANCE) = reactance_q13(identify);
-    *identify_word(identify, PROBE_LOSS) = rest->loss;
-    *identify_word(identify, PROBE_EMF) = fx_max(2 * rest->loss, resistive / 2);
-    *identify_word(identify, PROBE_DAMPING) = DAMPING_MOST;
+    identify->turn.top = identify_turn_speed(identify);
+    *identify_aim_word(identify, PROBE_RESISTANCE) = rest->resistance_q13[2];
+    *identify_aim_word(identify, PROBE_REACTANCE) = reactance_q13(identify);
+    *identify_aim_word(identify, PROBE_LOSS) = rest->loss;
+    *identify_aim_word(identify, PROBE_EMF) = fx_max(2 * rest->loss, resistive / 2);
+    *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
     identify_aim_gains(identify, false);
     identify_aim_current(identify, current);
 }
 
 static step_t spin_ramp(const identify_t *identify)
 {
-    return identify->turn.top / (step_t)(SPIN_MS * identify->ms_ticks);
+    return identify->turn.top / (SPIN_MS * identify->ms_ticks);
 }
 
 /* Largest voltage, Q15 of U_b. */
@@ -179,22 +199,22 @@ static bool turns_along(const identify_t *identify)
 /* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
 static void bound_speed(identify_t *identify)
 {
-    const probe_sums_t *const sums = identify_sums(identify);
-    const int32_t ticks = (int32_t)identify->aim.ticks;
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t ticks = identify->aim.ticks;
     const int32_t limit = (largest_voltage(identify) * VOLTAGE_SHARE) / 16;
     const int32_t along = fx_abs(sums->voltage.d / ticks);
     const int32_t across = fx_max(fx_abs(sums->voltage.q / ticks), 1);
     const int32_t room = fx_max((limit * limit) - (along * along), 0);
     const int64_t quarter = identify->turn.top / 4;
-    const int64_t reached = (quarter * (int64_t)trig_sqrt((uint32_t)room)) / across;
+    const int64_t reached = (quarter * root_of(room)) / across;
     const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
 
     if (!turns_along(identify)) {
-        identify_refuse(
+        identify_aim_refusal(
             identify,
             "the rotor does not turn with the current: is it blocked, braked, or loaded?");
     } else if (reached < least) {
-        identify_refuse(
+        identify_aim_refusal(
             identify, "the bus voltage is too low to turn the motor at 1/16 of its highest speed");
     } else {
         identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
@@ -203,9 +223,8 @@ static void bound_speed(identify_t *identify)
 
 static void begin_ramps(identify_t *identify)
 {
-    identify->turn.ramp_ticks =
-        (uint32_t)fx_min((int32_t)(RAMP_MS_FIRST * identify->ms_ticks), RAMP_TICKS_MOST);
-    identify->turn.swing_ticks = 0U;
+    identify->turn.ramp_ticks = fx_min(RAMP_MS_FIRST * identify->ms_ticks, RAMP_TICKS_MOST);
+    identify->turn.swing_ticks = 0;
     aim_ramp(identify, false);
 }
 
@@ -215,11 +234,11 @@ static void begin_ramps(identify_t *identify)
  */
 static void aim_spin(identify_t *identify)
 {
-    const int32_t pull = (identify->step == 3U) ? mean_pull(identify) : 0;
+    const int32_t torque = (identify->step == 3U) ? mean_torque(identify) : 0;
 
     identify->aim.leads = false;
     identify_aim_window(identify, "spin", SPIN_SETTLE_MS * identify->ms_ticks,
-                        2U * IDENTIFY_WINDOW_MS * identify->ms_ticks);
+                        2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
     switch (identify->step) {
     case 0U:
         begin_spin(identify);
@@ -232,15 +251,15 @@ static void aim_spin(identify_t *identify)
         begin_ramps(identify);
         break;
     case 3U:
-        steepen(identify, pull);
+        steepen(identify, torque);
         break;
     default:
-        identify_aim_current(identify, identify_spin_current(identify) / 2);
+        identify_aim_current(identify, identify_turn_current(identify) / 2);
         break;
     }
 }
 
-bool identify_plan_spin(identify_t *identify)
+bool identify_turn_plan_spin(identify_t *identify)
 {
     if (identify->step == 1U) {
         bound_speed(identify);
@@ -255,8 +274,8 @@ bool identify_plan_spin(identify_t *identify)
         aim_spin(identify);
         identify->step++;
     } else {
-        identify_aim_current(identify, identify_spin_current(identify));
-        identify_next_phase(identify, IDENTIFY_RAMP);
+        identify_aim_current(identify, identify_turn_current(identify));
+        identify_aim_phase(identify, IDENTIFY_RAMP);
     }
     return identify->phase == IDENTIFY_SPIN;
 }
@@ -266,30 +285,28 @@ bool identify_plan_spin(identify_t *identify)
 #define RAMP_PARTS (4U) /* of a pair: down, hold, up, hold */
 
 /* Torque that shows, or ramps that cannot be shorter. */
-static bool is_steep(const identify_t *identify, int32_t pull)
+static bool is_steep(const identify_t *identify, int32_t torque)
 {
-    const bool shortest = (int32_t)identify->turn.ramp_ticks <= ((shortest_ramp(identify) * 5) / 4);
+    const bool shortest = identify->turn.ramp_ticks <= ((shortest_ramp(identify) * 5) / 4);
 
-    return (pull >= ((PULL_ENOUGH * 2) / 3)) || shortest;
+    return (torque >= ((TORQUE_ENOUGH * 2) / 3)) || shortest;
 }
 
 /* What friction and R do is the same up and down. */
 static void judge_pair(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
-    const int32_t pull = (turn->pull_up - turn->pull_down) / 2;
+    const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
 
-    if (turn->pairs_left > 0U) {
+    if (turn->pairs_left > 0) {
         turn->pairs_left--;
-    } else if (is_steep(identify, pull)) {
-        const uint32_t hold = 2U * IDENTIFY_WINDOW_MS * identify->ms_ticks;
-        const uint32_t pair =
-            2U * ((2U * (turn->ramp_ticks + (uint32_t)edge_ticks(identify))) + hold);
+    } else if (is_steep(identify, torque)) {
+        const int32_t hold = 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks;
+        const int32_t pair = 2 * ((2 * (turn->ramp_ticks + edge_ticks(identify))) + hold);
 
-        turn->pairs_left =
-            (uint32_t)fx_clamp((int32_t)((RAMP_MS_ALL * identify->ms_ticks) / pair), 2, 9);
+        turn->pairs_left = fx_clamp((RAMP_MS_ALL * identify->ms_ticks) / pair, 2, 9);
     } else {
-        steepen(identify, pull);
+        steepen(identify, torque);
     }
 }
 
@@ -302,27 +319,27 @@ static bool is_lost(const identify_t *identify)
 static void note_ramp(identify_t *identify, uint32_t part)
 {
     if (part == 1U) {
-        identify->turn.pull_down = mean_pull(identify);
+        identify->turn.torque_down = mean_torque(identify);
     } else if (part == 3U) {
-        identify->turn.pull_up = mean_pull(identify);
+        identify->turn.torque_up = mean_torque(identify);
         judge_pair(identify);
     } else if ((identify->step > 0U) && is_lost(identify)) {
-        identify_refuse(identify, "the rotor has fallen out of step: does its load change?");
+        identify_aim_refusal(identify, "the rotor has fallen out of step: does its load change?");
     } else {
         /* nothing is measured yet */
     }
 }
 
-bool identify_plan_ramp(identify_t *identify)
+bool identify_turn_plan_ramp(identify_t *identify)
 {
     const uint32_t part = identify->step % RAMP_PARTS;
 
     note_ramp(identify, part);
     if (identify->phase != IDENTIFY_RAMP) {
         /* refused */
-    } else if ((part == 0U) && (identify->turn.pairs_left == 1U)) {
+    } else if ((part == 0U) && (identify->turn.pairs_left == 1)) {
         identify->aim.leads = false;
-        identify_next_phase(identify, IDENTIFY_COAST);
+        identify_aim_phase(identify, IDENTIFY_COAST);
     } else if ((part % 2U) == 0U) {
         aim_ramp(identify, part == 0U);
         identify->step++;
@@ -336,34 +353,35 @@ bool identify_plan_ramp(identify_t *identify)
 /* ---- COAST ---- */
 
 #define COAST_WINDOWS (24U)
-#define COAST_SETTLE_TICKS (60U) /* the current falls in 8 of them */
-#define COAST_MS_FIRST (5U)
-#define COAST_MS_MOST (80U)
+#define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
+#define COAST_MS_FIRST (5)
+#define COAST_MS_MOST (80)
 #define COAST_TRACKING \
     (300000) /* 2·k: K²/4 is the double pole of the frame that follows the rotor */
 
 /* Speed in 2^-20 turns a tick. */
 static int32_t mean_speed(const identify_t *identify)
 {
-    return (int32_t)(((int64_t)identify_sums(identify)->turn_q16 * 16) /
-                     (int64_t)identify->aim.ticks);
+    const int64_t speed =
+        ((int64_t)identify_aim_sums(identify)->turn_q16 * 16) / identify->aim.ticks;
+
+    return (int32_t)speed;
 }
 
 /* The windows grow while the speed hardly falls. The first one is an electrical turn, and 5 ms at least. */
 static void size_coast(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
-    const int32_t turn_ticks = (int32_t)(0x7FFFFFFFU / (uint32_t)fx_max(turn->top / 2, 1));
+    const int32_t turn_ticks = INT32_MAX / fx_max(turn->top / 2, 1);
+    const int32_t most = COAST_MS_MOST * identify->ms_ticks;
 
     if (identify->step == 0U) {
-        turn->coast_ticks =
-            (uint32_t)fx_clamp(turn_ticks, (int32_t)(COAST_MS_FIRST * identify->ms_ticks),
-                               (int32_t)(COAST_MS_MOST * identify->ms_ticks));
+        turn->coast_ticks = fx_clamp(turn_ticks, COAST_MS_FIRST * identify->ms_ticks, most);
     } else if (identify->step == 2U) {
         turn->coast_speed = mean_speed(identify);
     } else if ((mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64))) &&
-               (turn->coast_ticks < (COAST_MS_MOST * identify->ms_ticks))) {
-        turn->coast_ticks *= 2U;
+               (turn->coast_ticks < most)) {
+        turn->coast_ticks *= 2;
     } else {
         /* as long as before */
     }
@@ -377,16 +395,16 @@ static bool has_coasted(const identify_t *identify)
     return (identify->step > COAST_WINDOWS) || ((identify->step > 2U) && slow);
 }
 
-bool identify_plan_coast(identify_t *identify)
+bool identify_turn_plan_coast(identify_t *identify)
 {
     size_coast(identify);
     if (has_coasted(identify)) {
-        identify_next_phase(identify, IDENTIFY_ENDS);
+        identify_aim_phase(identify, IDENTIFY_ENDS);
     } else {
         identify_aim_current(identify, 0);
-        *identify_word(identify, PROBE_DAMPING) = DAMPING_MOST;
-        *identify_word(identify, PROBE_TRACKING) = COAST_TRACKING;
-        identify_aim_window(identify, "coast", (identify->step == 0U) ? COAST_SETTLE_TICKS : 0U,
+        *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
+        *identify_aim_word(identify, PROBE_TRACKING) = COAST_TRACKING;
+        identify_aim_window(identify, "coast", (identify->step == 0U) ? COAST_SETTLE_TICKS : 0,
                             identify->turn.coast_ticks);
         identify->aim.rushes = true;
         identify->step++;

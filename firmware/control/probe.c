@@ -14,7 +14,7 @@
 #define DELAY_TICKS (2U)
 #define MANTISSA_BITS (16U)
 #define SHIFT_MAX (30)
-#define TICKS_MASK (0xFFFFF)
+#define TICKS_MASK (0xFFFFFU)
 #define MEAN_BITS (10U) /* the mean lag is over 2^10 ticks, and so much finer */
 
 void probe_reset(probe_t *probe)
@@ -26,7 +26,9 @@ void probe_reset(probe_t *probe)
 
 static int32_t mantissa_of(int32_t word)
 {
-    return (int32_t)((uint32_t)word & (uint32_t)FX_Q15_MAX);
+    const uint32_t mantissa = fx_unsigned(word) & (uint32_t)FX_Q15_MAX;
+
+    return fx_signed(mantissa);
 }
 
 static uint32_t shift_of(int32_t word)
@@ -46,7 +48,7 @@ static void set_integral(pi_cfg_t *pi, int32_t word)
     pi->ki_shift = shift_of(word);
 }
 
-static void open_window(probe_t *probe, int32_t word)
+static void begin_window(probe_t *probe, int32_t word)
 {
     if (word != probe->window) {
         probe->window = word;
@@ -146,7 +148,7 @@ static void set_composed(probe_t *probe, uint32_t what, int32_t value)
         probe->loop.reactance_q_q13 = probe->loop.reactance_d_q13;
         break;
     case (uint32_t)PROBE_WINDOW:
-        open_window(probe, value);
+        begin_window(probe, value);
         break;
     default: /* no such word */
         break;
@@ -218,12 +220,13 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
 
 static uint32_t window_ticks(const probe_t *probe)
 {
-    return (uint32_t)fx_clamp((int32_t)((uint32_t)probe->window & (uint32_t)TICKS_MASK), 1,
-                              PROBE_WINDOW_MAX);
+    const uint32_t ticks = fx_unsigned(probe->window) & TICKS_MASK;
+
+    return fx_unsigned(fx_clamp(fx_signed(ticks), 1, PROBE_WINDOW_MAX));
 }
 
 /* The sign of the pulses in tick k of the window, 0 beyond it. */
-static int32_t pulse_sign(const probe_t *probe, uint32_t k)
+static int32_t sign_of_pulse(const probe_t *probe, uint32_t k)
 {
     int32_t sign = 0;
 
@@ -235,27 +238,27 @@ static int32_t pulse_sign(const probe_t *probe, uint32_t k)
     return sign;
 }
 
-static int32_t plus(int32_t sum, int32_t value)
+static int32_t plus_sample(int32_t sum, int32_t value)
 {
     return fx_clamp(sum, -SUM_MAX, SUM_MAX) + value;
 }
 
-static void plus_dq(dq_t *sum, dq_t value)
+static void plus_vector(dq_t *sum, dq_t value)
 {
-    sum->d = plus(sum->d, value.d);
-    sum->q = plus(sum->q, value.q);
+    sum->d = plus_sample(sum->d, value.d);
+    sum->q = plus_sample(sum->q, value.q);
 }
 
 static void note_change(probe_t *probe, dq_t current)
 {
-    const int32_t sign = pulse_sign(probe, probe->tick - 1U - DELAY_TICKS);
+    const int32_t sign = sign_of_pulse(probe, probe->tick - 1U - DELAY_TICKS);
     const dq_t before = probe->current_before;
     const bool along = probe->pulse.d > 0;
     const int32_t both = along ? (current.d + before.d) : (current.q + before.q);
 
-    plus_dq(&probe->sums.change,
-            (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
-    probe->sums.carried = plus(probe->sums.carried, sign * both);
+    plus_vector(&probe->sums.change,
+                (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
+    probe->sums.carried = plus_sample(probe->sums.carried, sign * both);
 }
 
 /* x/y to the nearest, y ≠ 0: what a quotient that is rounded towards zero lacks would not cancel between two directions. */
@@ -267,7 +270,7 @@ static int32_t rounded_ratio(int32_t x, int32_t y)
 }
 
 /* The power of the EMF over the speed. ωL·i is no part of it, whatever L. */
-static int32_t pull_of(const probe_t *probe, const probe_sample_t *sample)
+static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {
     const int32_t along = emf_along(probe, sample->emf.d) * fx_sat15(sample->current.d);
     const int32_t across = fx_sat16(sample->emf.q) * fx_sat15(sample->current.q);
@@ -279,13 +282,13 @@ static void note_means(probe_t *probe, const probe_sample_t *sample)
 {
     probe_sums_t *const sums = &probe->sums;
 
-    plus_dq(&sums->voltage, sample->voltage);
-    plus_dq(&sums->current, sample->current);
-    sums->bus = plus(sums->bus, fx_asr(sample->bus, 2U));
-    sums->noise_a = plus(sums->noise_a, fx_abs(sample->phase_a - probe->before.d));
-    sums->noise_b = plus(sums->noise_b, fx_abs(sample->phase_b - probe->before.q));
+    plus_vector(&sums->voltage, sample->voltage);
+    plus_vector(&sums->current, sample->current);
+    sums->bus = plus_sample(sums->bus, fx_asr(sample->bus, 2U));
+    sums->noise_a = plus_sample(sums->noise_a, fx_abs(sample->phase_a - probe->before.d));
+    sums->noise_b = plus_sample(sums->noise_b, fx_abs(sample->phase_b - probe->before.q));
     if (sample->speed_q15 != 0) {
-        sums->pull = plus(sums->pull, pull_of(probe, sample));
+        sums->torque = plus_sample(sums->torque, torque_of(probe, sample));
     }
     sums->across = fx_max(sums->across, fx_abs(sample->current.q));
 }
@@ -322,7 +325,7 @@ dq_t probe_voltage(probe_t *probe, dq_t steady)
     if (probe->tick == 2U) {
         probe->held = (dq_t){fx_sat16(steady.d), fx_sat16(steady.q)};
     }
-    sign = pulse_sign(probe, probe->tick - 2U);
+    sign = sign_of_pulse(probe, probe->tick - 2U);
     return (dq_t){
         .d = fx_clamp(probe->held.d + (sign * probe->pulse.d), -FX_Q15_MAX, FX_Q15_MAX),
         .q = fx_clamp(probe->held.q + (sign * probe->pulse.q), -FX_Q15_MAX, FX_Q15_MAX),

@@ -67,7 +67,7 @@ typedef struct {
     int32_t turn_q16; /* by which the vector has turned, Q16 turns; wraps */
     int32_t across;   /* largest |i_q| */
     int32_t
-        pull; /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
+        torque; /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
 } probe_sums_t;
 
 typedef struct {

@@ -170,7 +170,7 @@ static drive_event_t begin_calibration(drive_t *drive)
 }
 
 /* Nothing that supervision and monitor have seen counts from now on. */
-static void forget_run(drive_t *drive)
+static void forget_last_run(drive_t *drive)
 {
     drive->attempts = 0U;
     supervision_reset(&drive->supervision);
@@ -181,7 +181,7 @@ static drive_event_t start(drive_t *drive)
 {
     drive_event_t event = DRIVE_EVENT_TRACKED;
 
-    forget_run(drive);
+    forget_last_run(drive);
     speed_loop_restore(&drive->speed_loop);
     if (drive_has_sensor(drive)) {
         run_reset_sensed(drive);
@@ -200,7 +200,7 @@ static drive_event_t obey_when_ready(drive_t *drive, uint8_t request)
     if ((request & DRIVE_REQUEST_RUN) != 0U) {
         event = start(drive);
     } else if ((request & DRIVE_REQUEST_PROBE) != 0U) {
-        forget_run(drive);
+        forget_last_run(drive);
         event = probing_start(drive);
     } else {
         /* stay */

@@ -23,7 +23,7 @@ static int32_t turns_q16(const drive_t *drive)
     return fx_signed((uint32_t)(turns & 0xFFFFFFFFU));
 }
 
-static void note(drive_t *drive, dq_t e)
+static void note_sample(drive_t *drive, dq_t e)
 {
     const drive_signals_t *const s = &drive->signals;
     const probe_sample_t sample = {
@@ -41,7 +41,7 @@ static void note(drive_t *drive, dq_t e)
 }
 
 /* What the current control has demanded, less what R and L need of it. */
-static dq_t emf(const drive_t *drive)
+static dq_t emf_of(const drive_t *drive)
 {
     const drive_signals_t *const s = &drive->signals;
     const dq_t model = current_loop_model(&drive->current_loop, s->current_frame);
@@ -79,9 +79,9 @@ void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out
 
     frame_measure(drive);
     s->current = s->current_frame;
-    e = emf(drive);
+    e = emf_of(drive);
     probe_set(probe, command->mode, command->target);
-    note(drive, e);
+    note_sample(drive, e);
     drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e);
     s->current_ref = (dq_t){.d = probe->current, .q = 0};
     s->voltage = demand(drive);

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: MIT
+/* SPDX-License-Identifier: MIT */
 // The identification as it runs on a board, here on the simulated one: the lines that its console would send.
 #pragma once
 
