@@ -8,6 +8,7 @@
 #define THIRD_TURN (0x55555555U)
 #define HALF_TURN (0x80000000U)
 #define ONE_Q16 (65536)
+#define FASTEST (0x20000000) /* the vector is there in a few ticks */
 #define QUARTERS (4)
 
 /* ---- PULSE ---- */
@@ -29,7 +30,7 @@ static void aim_pulse(identify_t *identify)
     const identify_rest_t *const rest = &identify->rest;
 
     identify_aim_current(identify, 0);
-    *identify_aim_word(identify, PROBE_RATE) = 0x20000000;
+    *identify_aim_word(identify, PROBE_RATE) = FASTEST;
     aim_axis(identify);
     *identify_aim_word(identify, PROBE_PULSE_D) = rest->pulse;
     *identify_aim_word(identify, PROBE_PULSE_TICKS) = rest->quarter;
@@ -193,6 +194,8 @@ static void aim_catch(identify_t *identify)
     identify_aim_current(identify,
                          (identify_aim_continuous(identify) * rises) / (int32_t)CATCH_RISES);
     identify_aim_gains(identify, true);
+    *identify_aim_word(identify, PROBE_RAMP) = FASTEST;
+    *identify_aim_word(identify, PROBE_SPEED) = 0;
     if (turns > 0U) {
         *identify_aim_word(identify, PROBE_RATE) = turn_rate(identify, CATCH_TURN_MS);
     }
@@ -209,7 +212,9 @@ bool identify_rest_plan_catch(identify_t *identify)
     const bool looked = identify->step > (CATCH_RISES + CATCH_TURNS);
 
     if (looked && swings_no_more(identify)) {
-        identify_aim_phase(identify, IDENTIFY_STILL);
+        /* the second time it is for those who turn it */
+        identify_aim_phase(identify,
+                           (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
     } else if (identify->step > (CATCH_RISES + CATCH_TURNS + CATCH_LOOKS)) {
         identify_aim_refusal(
             identify, "the rotor does not come to rest on the current: does a load turn it?");

@@ -63,6 +63,9 @@ typedef struct {
 /* Of SPIN, RAMP and COAST. */
 typedef struct {
     step_t top; /* highest speed */
+    step_t low; /* the ramps' other speed */
+    uint32_t
+        slower; /* times that the rotor was lost, and the ramps begun anew with half of their slope */
     int32_t ramp_ticks;
     int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
     int32_t flux_q14;    /* φ as it showed, U_b/Ω_b */

@@ -15,13 +15,13 @@
 
 /* ---- ramps ---- */
 
-#define RAMP_MS_FIRST (1250) /* from half of the speed to the whole: a second and a quarter */
-#define RAMP_MS_ALL (3000)   /* of all pairs of ramps */
+#define RAMP_MS_FIRST (1200) /* from half of the speed to the whole: a second and a quarter */
+#define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
 #define RAMP_TICKS_LEAST (64)
-#define RAMP_TICKS_MOST (50000)
-#define EDGE_TICKS (2048) /* before and behind a ramp in its window, at least */
-#define EDGE_TICKS_MOST (8192)
-#define EDGE_SWINGS (6) /* 1/ω_n: a swing that the ramp has begun is damped by then */
+#define RAMP_MS_MOST (600) /* a longer one goes less far down */
+#define EDGE_TICKS (2048)  /* before and behind a ramp in its window, at least */
+#define EDGE_MS_MOST (450)
+#define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
     (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
 #define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
@@ -44,18 +44,23 @@ static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
 
 static int32_t edge_ticks(const identify_t *identify)
 {
-    return fx_clamp(EDGE_SWINGS * identify->turn.swing_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
+    const int32_t most = fx_max(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS);
+
+    const int32_t swings = EDGE_SWINGS * identify->turn.swing_ticks;
+
+    return fx_clamp((identify->turn.ramp_ticks / 2) + swings, EDGE_TICKS, most);
 }
 
 /* The window begins before the ramp and ends behind it, at a constant speed. */
 static void aim_ramp(identify_t *identify, bool down)
 {
-    const step_t half = identify->turn.top / 2;
+    const step_t low = identify->turn.low;
+    const step_t top = identify->turn.top;
     const int32_t ramp = identify->turn.ramp_ticks;
     const int32_t edge = edge_ticks(identify);
 
-    aim_speed(identify, down ? half : identify->turn.top, half / ramp);
-    identify_aim_window(identify, "ramp", (ramp / 2) + edge, 2 * (ramp + edge));
+    aim_speed(identify, down ? low : top, (top - low) / ramp);
+    identify_aim_window(identify, "ramp", edge, ramp + (2 * edge));
     identify->aim.leads = true;
 }
 
@@ -124,17 +129,23 @@ static void steepen(identify_t *identify, int32_t torque)
     identify_turn_t *const turn = &identify->turn;
     const int32_t shown = fx_max(torque, TORQUE_ENOUGH / 4);
     const int64_t lagging = ((int64_t)turn->ramp_ticks * shown) / ONE_Q14;
-    const int64_t square = (lagging * STEPS_PER_RADIAN) / fx_max(turn->top / 2, 1);
+    const int64_t square = (lagging * STEPS_PER_RADIAN) / fx_max(turn->top - turn->low, 1);
+    const int32_t longest = RAMP_MS_MOST * identify->ms_ticks;
     const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
 
     turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
     *identify_aim_word(identify, PROBE_DAMPING) =
         fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST);
-    turn->ramp_ticks = fx_clamp(ramp, shortest_ramp(identify), RAMP_TICKS_MOST);
+    turn->ramp_ticks = fx_max(ramp, shortest_ramp(identify));
+    if (turn->ramp_ticks > longest) {
+        turn->low = turn->top - (((turn->top - turn->low) / turn->ramp_ticks) * longest);
+        turn->ramp_ticks = longest;
+    }
 }
 
 /* ---- SPIN ---- */
 
+#define ATTEMPTS (2U)  /* more, after the rotor was lost */
 #define SPIN_MS (2500) /* from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
@@ -169,9 +180,17 @@ static void begin_spin(identify_t *identify)
     identify_aim_current(identify, current);
 }
 
+/* 1, 2, 4: the more often the rotor was lost, the slower the next attempt. */
+static int32_t slowness(const identify_t *identify)
+{
+    const uint32_t factor = 1UL << identify->turn.slower;
+
+    return fx_signed(factor);
+}
+
 static step_t spin_ramp(const identify_t *identify)
 {
-    return identify->turn.top / (SPIN_MS * identify->ms_ticks);
+    return identify->turn.top / (SPIN_MS * identify->ms_ticks * slowness(identify));
 }
 
 /* Largest voltage, Q15 of U_b. */
@@ -221,10 +240,31 @@ static void bound_speed(identify_t *identify)
     }
 }
 
+/* Out of step: the voltage across is ωL·i alone. */
+static bool is_lost(const identify_t *identify)
+{
+    return flux_q14(identify) < (identify->turn.flux_q14 / 2);
+}
+
+/* The rotor has fallen out of step: it is caught again, and goes more slowly. */
+static void catch_again(identify_t *identify)
+{
+    if (identify->turn.slower < ATTEMPTS) {
+        identify->turn.slower++;
+        identify->turn.pairs_left = 0;
+        identify->aim.leads = false;
+        identify_aim_phase(identify, IDENTIFY_CATCH);
+    } else {
+        identify_aim_refusal(
+            identify, "the rotor falls out of step: is the load too large, or does it change?");
+    }
+}
+
 static void begin_ramps(identify_t *identify)
 {
-    identify->turn.ramp_ticks = fx_min(RAMP_MS_FIRST * identify->ms_ticks, RAMP_TICKS_MOST);
+    identify->turn.ramp_ticks = RAMP_MS_FIRST * identify->ms_ticks * slowness(identify);
     identify->turn.swing_ticks = 0;
+    identify->turn.low = identify->turn.top / 2;
     aim_ramp(identify, false);
 }
 
@@ -259,17 +299,25 @@ static void aim_spin(identify_t *identify)
     }
 }
 
-bool identify_turn_plan_spin(identify_t *identify)
+/* φ with ωL·i, as half of the speed shows it. */
+static void note_spin(identify_t *identify)
 {
     if (identify->step == 1U) {
         bound_speed(identify);
-    } else if (identify->step == 4U) {
+    } else if (identify->step == 2U) {
         identify->turn.flux_q14 = flux_q14(identify);
+    } else if ((identify->step == 4U) && is_lost(identify)) {
+        catch_again(identify);
     } else {
         /* for the record only */
     }
+}
+
+bool identify_turn_plan_spin(identify_t *identify)
+{
+    note_spin(identify);
     if (identify->phase != IDENTIFY_SPIN) {
-        /* refused */
+        /* refused, or lost */
     } else if (identify->step < 5U) {
         aim_spin(identify);
         identify->step++;
@@ -310,12 +358,6 @@ static void judge_pair(identify_t *identify)
     }
 }
 
-/* Out of step: the voltage across is ωL·i alone. */
-static bool is_lost(const identify_t *identify)
-{
-    return flux_q14(identify) < (identify->turn.flux_q14 / 2);
-}
-
 static void note_ramp(identify_t *identify, uint32_t part)
 {
     if (part == 1U) {
@@ -324,7 +366,7 @@ static void note_ramp(identify_t *identify, uint32_t part)
         identify->turn.torque_up = mean_torque(identify);
         judge_pair(identify);
     } else if ((identify->step > 0U) && is_lost(identify)) {
-        identify_aim_refusal(identify, "the rotor has fallen out of step: does its load change?");
+        catch_again(identify);
     } else {
         /* nothing is measured yet */
     }
@@ -352,7 +394,7 @@ bool identify_turn_plan_ramp(identify_t *identify)
 
 /* ---- COAST ---- */
 
-#define COAST_WINDOWS (24U)
+#define COAST_WINDOWS (18U)
 #define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
 #define COAST_MS_FIRST (5)
 #define COAST_MS_MOST (80)
