@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "identify_aim.h"
 
-#define LOOP_SHARE (8U)     /* bandwidth of the current control: 1/8 a tick */
-#define SLOW_SHARE (40U)    /* its integral is 5 times slower */
-#define SOFT_SHARE (256U)   /* and across a current at rest another 256 times */
-#define SOFT_GAIN (0x10000) /* K_p = 0, with a shift of 1 */
-#define INTEGRAL_BITS (11U) /* by which the integral is finer, pi.h */
+#define LOOP_SHARE (8U)       /* bandwidth of the current control: 1/8 a tick */
+#define SLOW_SHARE (40U)      /* its integral is 5 times slower */
+#define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
+#define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
+#define INTEGRAL_BITS (11U)   /* by which the integral is finer, pi.h */
 
 void identify_aim_current(identify_t *identify, int32_t current)
 {
@@ -44,7 +44,8 @@ void identify_aim_gains(identify_t *identify, bool soft)
 
     *identify_aim_word(identify, PROBE_GAIN_D) = gain_word(kp_q32);
     *identify_aim_word(identify, PROBE_INTEGRAL_D) = gain_word(ki_q32);
-    *identify_aim_word(identify, PROBE_GAIN_Q) = soft ? SOFT_GAIN : gain_word(kp_q32);
+    *identify_aim_word(identify, PROBE_GAIN_Q) =
+        gain_word(soft ? (kp_q32 / (uint64_t)SOFT_GAIN_SHARE) : kp_q32);
     *identify_aim_word(identify, PROBE_INTEGRAL_Q) =
         gain_word(soft ? (ki_q32 / (uint64_t)SOFT_SHARE) : ki_q32);
 }

@@ -168,6 +168,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define CATCH_RISES (8U)
 #define CATCH_TURNS (2U)
 #define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
+#define CATCH_RISE_MS (30)  /* each: a rotor that falls into the field does so at a small current */
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
@@ -203,7 +204,8 @@ static void aim_catch(identify_t *identify)
     if (turns > CATCH_TURNS) {
         identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
     } else {
-        identify_aim_window(identify, "catch", 5 * identify->ms_ticks, identify->ms_ticks);
+        identify_aim_window(identify, "catch", CATCH_RISE_MS * identify->ms_ticks,
+                            identify->ms_ticks);
     }
 }
 
