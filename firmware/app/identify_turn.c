@@ -268,6 +268,12 @@ static void begin_ramps(identify_t *identify)
     aim_ramp(identify, false);
 }
 
+/* A change of the current lets the rotor swing too. */
+static int32_t spin_settle(const identify_t *identify)
+{
+    return (SPIN_SETTLE_MS * identify->ms_ticks) + (EDGE_SWINGS * identify->turn.swing_ticks);
+}
+
 /*
  * The way from half of the speed to the whole is a first ramp: its torque, with that of friction, says how steep the next
  * ones may be. At the whole speed half of the current follows: L·i takes another part of the voltage then.
@@ -277,7 +283,7 @@ static void aim_spin(identify_t *identify)
     const int32_t torque = (identify->step == 3U) ? mean_torque(identify) : 0;
 
     identify->aim.leads = false;
-    identify_aim_window(identify, "spin", SPIN_SETTLE_MS * identify->ms_ticks,
+    identify_aim_window(identify, "spin", spin_settle(identify),
                         2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
     switch (identify->step) {
     case 0U:
@@ -292,6 +298,7 @@ static void aim_spin(identify_t *identify)
         break;
     case 3U:
         steepen(identify, torque);
+        identify->aim.settle = spin_settle(identify);
         break;
     default:
         identify_aim_current(identify, identify_turn_current(identify) / 2);

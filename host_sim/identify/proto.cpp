@@ -1,53 +1,50 @@
 // SPDX-License-Identifier: MIT
-#include "found_fault.h"
-#include "machine.h"
+#include "evaluate.h"
 #include "measure.h"
+#include "numbers.h"
+#include "plate.h"
+#include "truth.h"
 #include <cstdio>
-#include <cstring>
+#include <fmt/format.h>
 using namespace nf;
+using namespace nf::identify;
 int main(int argc, char **argv)
 {
     std::vector<std::string> set(argv + 2, argv + argc);
     const Config c = load_scenario(argv[1], {}, set);
-    Simulation sim(c);
-    const Bases &b = sim.bases();
-    plant_cfg_t p = make_plant_cfg(c, sim.cfg());
-    FILE *trace = nullptr;
-    if (const char *t = getenv("TRACE")) {
-        trace = fopen(t, "w");
+    Config plate = c;
+    plate.motor = plate_of(c.motor);
+    plate.model.resistance = plate.model.inductance = plate.model.flux = plate.model.inertia = 1;
+    const Config believed = with_typical(plate);
+    Simulation sim(c, believed);
+    const Measurement m = measure(sim);
+    if (!m.refusal.empty()) {
+        fmt::print("{} REFUSED {} {:.2f} fault {}\n", argv[1], m.refusal, m.duration_s,
+                   (int)sim.drive().fault.id);
+        return 1;
     }
-    long n = 0;
-    int every = 10;
-    double imax = 0;
-    auto m = identify::measure(sim, [&](const Simulation &s) {
-        plant_view_t v;
-        plant_view(&s.plant(), &v);
-        for (double i : v.i_abc_a) {
-            imax = std::max(imax, std::abs(i));
-        }
-        if (trace && n++ % every == 0) {
-            const drive_t &d = s.drive();
-            fprintf(trace, "%.5f,%.4f,%.4f,%.4f,%.4f,%d,%d,%d,%d,%d,%d,%d\n", v.time_s,
-                    v.theta_el_rad, v.omega_mech_rad_s, v.i_d_a, v.i_q_a,
-                    (int)d.signals.current_frame.d, (int)d.signals.current_frame.q,
-                    (int)d.signals.voltage.d, (int)d.signals.voltage.q, (int)d.vector.step,
-                    (int)(d.vector.position.turns_q32 >> 8), (int)d.probe.lag_q15);
-        }
-    });
-    printf(
-        "truth P %d R %.9g Ld %.9g Lq %.9g phi %.9g J %.9g B %.9g C %.9g td %.9g drop %.9g knee %.9g bus %.9g T %.9g Icont %.9g Imax %.9g sat %g %g %g %g ga %g gb %g\n",
-        (int)p.motor.pole_pairs, p.motor.resistance_ohm, p.motor.inductance_d_h,
-        p.motor.inductance_q_h, p.motor.flux_linkage_wb, p.motor.inertia_kg_m2,
-        p.motor.viscous_friction_nm_s, p.motor.coulomb_friction_nm, c.plant.dead_time_s,
-        c.plant.device_drop_v, p.supply.commutation_knee_a, c.board.bus_nominal_v,
-        b.control_period_s, c.motor.continuous_current_a, c.motor.max_current_a,
-        p.motor.saturation_d, p.motor.saturation_q, p.motor.saturation_shared, p.motor.saturation_a,
-        c.plant.adc_gain_error_pct[0], c.plant.adc_gain_error_pct[1]);
-    printf("bases Ib %.9g Ub %.9g wmax %.9g shift %d\n", 2 * c.board.current_full_scale_a,
-           c.board.bus_full_scale_v, c.motor.max_speed_rpm, (int)sim.cfg().speed_shift);
-    for (auto &l : m.lines) {
-        printf("%s\n", l.c_str());
+    const Truth t = truth_of(c);
+    const Result r = evaluate(read_records(m.lines, argv[1]), plate, 25);
+    const MeasuredSettings &b = r.measured;
+    auto one = [&](const char *n, double v, double tr, double s, double bo) {
+        fmt::print(" {} {:.3f} {:.3f} {:.3f}", n, 100 * (v / tr - 1), s, bo);
+    };
+    fmt::print("{} {:.2f}", argv[1], m.duration_s);
+    one("R", r.motor.resistance_ohm, t.resistance_ohm, b.resistance_std_pct,
+        b.resistance_bound_pct);
+    one("Ld", r.motor.inductance_d_h, t.inductance_d_h, b.inductance_d_std_pct,
+        b.inductance_d_bound_pct);
+    one("Lq", r.motor.inductance_q_h, t.inductance_q_h, b.inductance_q_std_pct,
+        b.inductance_q_bound_pct);
+    one("phi", r.motor.flux_linkage_wb, t.flux_linkage_wb, b.flux_linkage_std_pct,
+        b.flux_linkage_bound_pct);
+    one("J", r.motor.inertia_kg_m2, t.inertia_kg_m2, b.inertia_std_pct, b.inertia_bound_pct);
+    const double ic = continuous_current(c.motor);
+    fmt::print(" td {:.1f} {:.1f} 0 ",
+               (r.lost_time_s - lost_time_s(t.dead_time_s, t.knee_a, ic)) * 1e9,
+               r.lost_time_bar_s * 1e9);
+    for (auto &x : r.remarks) {
+        fmt::print(" | {}", x);
     }
-    printf("end %s state %d fault %d duration %.3f imax %.3f oc %.3f\n", m.refusal.c_str(),
-           sim.drive().state, sim.drive().fault.id, m.duration_s, imax, c.board.overcurrent_a);
+    fmt::print("\n");
 }
