@@ -267,7 +267,7 @@ typedef struct {
 /* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. */
 static void aim_burst(identify_t *identify)
 {
-    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {8, 6, 0},  {16, 6, 0}, {5, 4, 0},
+    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0}, {3, 2, 0},
                                            {2, 0, 6}, {2, 0, 11}, {2, 0, 16}};
     const identify_rest_t *const rest = &identify->rest;
     const burst_t *const burst = &bursts[(identify->step - LEVELS) % BURSTS];

@@ -18,7 +18,8 @@ constexpr int SEARCHES = 30;
 constexpr double FOUND = 1e-6;
 constexpr double QUARTERS = 4;
 // What L of the loss is not known: the current ripples, and the edges of the pulses see another current than the mean.
-constexpr double LOSS_UNSURE = 0.05;
+constexpr double LOSS_UNSURE = 0.02;
+constexpr double INDUCTANCE_SCALE = 2e-3; // voltage and ripple of the current
 
 struct Burst {
     bool across = false;
@@ -95,14 +96,16 @@ Burst burst_of(const Record &r, const Legs &legs)
     return burst;
 }
 
-// 1/L over the regressors, and the scatter.
-Fit fit_inverse(const std::vector<Burst> &bursts, double (*regressor)(const Burst &))
+// 1/L over the powers of a regressor up to `order`, and the scatter.
+Fit fit_inverse(const std::vector<Burst> &bursts, int order, double (*regressor)(const Burst &))
 {
-    Eigen::MatrixXd rows(static_cast<Eigen::Index>(bursts.size()), 2);
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(bursts.size()), order + 1);
     Eigen::VectorXd inverse(rows.rows());
     for (Eigen::Index k = 0; k < rows.rows(); k++) {
         const Burst &burst = bursts[static_cast<std::size_t>(k)];
-        rows.row(k) << 1, regressor(burst);
+        for (int power = 0; power <= order; power++) {
+            rows(k, power) = std::pow(regressor(burst), power);
+        }
         inverse[k] = 1 / burst.inductance_h;
     }
     return fit_linear(rows, inverse);
@@ -130,8 +133,8 @@ double mean_lost(const std::vector<Burst> &bursts)
 Value value_of(const Fit &fit, double inverse, double lost_share)
 {
     const double inductance = 1 / inverse;
-    return {inductance, inductance * fit.std[0] / inverse,
-            inductance * (fit.rms / inverse / 2 + LOSS_UNSURE * lost_share * lost_share)};
+    return {inductance, inductance * fit.std[0] / inverse / 2,
+            inductance * (INDUCTANCE_SCALE + LOSS_UNSURE * lost_share)};
 }
 
 } // namespace
@@ -150,8 +153,8 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
         throw ConfigError(
             "the records have too few pulses at rest: the identification did not come that far");
     }
-    const Fit d = fit_inverse(along, [](const Burst &b) { return b.bias_a; });
-    const Fit q = fit_inverse(across, [](const Burst &b) { return b.peak_a * b.peak_a; });
+    const Fit d = fit_inverse(along, 2, [](const Burst &b) { return b.bias_a; });
+    const Fit q = fit_inverse(across, 1, [](const Burst &b) { return b.peak_a * b.peak_a; });
     Inductances found;
     found.current_a = std::min(current_a, largest(across, &Burst::peak_a));
     found.quarter_s = largest(across, &Burst::quarter_s);

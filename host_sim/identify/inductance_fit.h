@@ -17,7 +17,7 @@ struct Inductances {
 };
 
 // Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d over
-// the bias is a line, 1/L_q over the pulse's current a parabola, as iron saturates. The sensors' mismatch cancels in the
+// the bias and 1/L_q over the pulse's current are parabolas, as iron saturates. The sensors' mismatch cancels in the
 // mean of the three axes. current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there are too few bursts.
 Inductances fit_inductances(const Records &records, const Legs &legs, double current_a);
 

@@ -9,48 +9,58 @@ extern "C" {
 
 namespace nf::identify
 {
-
-Measurement measure(Simulation &sim, const std::function<void(const Simulation &)> &each)
+namespace
 {
-    constexpr double LONGEST_S = 60;
-    Measurement found;
+
+constexpr double LONGEST_S = 60;
+constexpr std::size_t LINE_END = 2; // CR, LF
+
+about_t about_of(const Bases &bases)
+{
+    constexpr double pico = 1e12;
+    constexpr double micro = 1e6;
+    const auto whole = [](double value) { return static_cast<uint32_t>(std::lround(value)); };
     about_t about{};
-    about.rotation.pole_pairs = static_cast<uint32_t>(sim.bases().pole_pairs);
-    about.current_full_scale_ua =
-        static_cast<uint32_t>(std::lround(sim.bases().current_a / 2 * 1e6));
-    about.bus_full_scale_uv = static_cast<uint32_t>(std::lround(sim.bases().voltage_v * 1e6));
-    about.rotation.tick_ps =
-        static_cast<uint32_t>(std::lround(sim.bases().control_period_s * 1e12));
+    about.rotation.tick_ps = whole(bases.control_period_s * pico);
+    about.rotation.pole_pairs = static_cast<uint32_t>(bases.pole_pairs);
+    about.current_full_scale_ua = whole(bases.current_a / 2 * micro);
+    about.bus_full_scale_uv = whole(bases.voltage_v * micro);
+    return about;
+}
+
+} // namespace
+
+Measurement measure(Simulation &sim, const Listener &listener, const Event &event)
+{
+    const about_t about = about_of(sim.bases());
+    const double tick_s = sim.bases().control_period_s;
+    Measurement found;
     identify_t identify;
     identify_init(&identify, &sim.app(), &about);
-    const auto longest = static_cast<int64_t>(LONGEST_S / sim.bases().control_period_s);
     bool started = false;
-    for (int64_t tick = 0; tick < longest; tick++) {
-        sim.control();
-        if (each) {
-            each(sim);
+    for (; found.duration_s < LONGEST_S && !(started && !identify_is_busy(&identify));
+         found.duration_s += tick_s) {
+        if (event) {
+            event(sim);
         }
+        sim.control();
         sim.advance();
-        text_t text{};
         if (!started && sim.drive().state == DRIVE_STATE_READY) {
             const char *const why = identify_start(&identify);
+            found.refusal = why == nullptr ? "" : why;
             started = true;
-            if (why != nullptr) {
-                found.refusal = why;
-                break;
+        }
+        text_t text{};
+        identify_step(&identify, &text);
+        if (text.length > LINE_END) {
+            found.lines.emplace_back(text.characters, text.length - LINE_END);
+            if (listener) {
+                listener(found.lines.back());
             }
         }
-        identify_step(&identify, &text);
-        if (text.length > 0) {
-            found.lines.emplace_back(text.characters, text.length - 2);
-        }
-        found.duration_s = static_cast<double>(tick) * sim.bases().control_period_s;
-        if (identify.why != nullptr) {
-            found.refusal = identify.why;
-        }
-        if (started && !identify_is_busy(&identify)) {
-            break;
-        }
+    }
+    if (identify.why != nullptr) {
+        found.refusal = identify.why;
     }
     return found;
 }

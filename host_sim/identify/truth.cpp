@@ -41,6 +41,7 @@ Truth truth_of(const Config &config)
     truth.coulomb_friction_nm = motor.coulomb_friction_nm;
     truth.dead_time_s = config.plant.dead_time_s +
                         config.plant.device_drop_v / config.board.bus_nominal_v * period_s;
+    truth.current_a = continuous_current(config.motor);
     truth.knee_a = plant.supply.commutation_knee_a;
     return truth;
 }

@@ -17,6 +17,7 @@ struct Truth {
     double coulomb_friction_nm = 0;
     double dead_time_s = 0; // with the device drop as dead time
     double knee_a = 0;      // 0: legs commutate at once
+    double current_a = 0;   // the continuous one
 };
 
 // Of the machine of a configuration: its motor times the scales of [plant], its board, saturated iron. Throws ConfigError

@@ -16,9 +16,12 @@ constexpr double COAST_OFF =
     0.1; // of φ: such a coasting window is of a rotor that was lost or stands
 constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are slower
 constexpr double TORQUE_FACTOR = 1.5;
+constexpr double TWO_WAYS = 0.03; // apart: then the one with current counts
 constexpr double SAME_SPEED = 0.1;
 constexpr double HALF_CURRENT = 1.4; // times it is more than half
-constexpr double FLUX_SCALE = 2e-3;  // voltage and speed are known to
+constexpr double INERTIA_SCALE = 2e-3;
+constexpr double TORQUE_UNSURE = 6e-4; // of what the current can pull: angle of the voltage, delays
+constexpr double FLUX_SCALE = 3e-3;    // voltage and speed are known to
 
 double sinc(double x)
 {
@@ -104,7 +107,7 @@ Value turning_flux(const Records &records, const Legs &legs, const Inductances &
     const double at_whole = median_of(whole);
     const double ratio = std::abs(half.i_a) / std::abs(turning[turning.size() - 2].i_a);
     const double change = (at_whole - at_half) * ratio / (1 - ratio);
-    return {at_half - change, std::abs(change) / 2 + scatter_of(whole), FLUX_SCALE * at_half};
+    return {at_half - change, std::abs(change) / 3 + scatter_of(whole), FLUX_SCALE * at_half};
 }
 
 // Small currents flow as the control lets them, and the legs lose by them.
@@ -133,7 +136,7 @@ Value combined(const Value &a, const Value &b)
     const double share = bar_b / (bar_a + bar_b);
     Value both;
     both.value = share * a.value + (1 - share) * b.value;
-    both.std = std::abs(a.value - b.value) / 2;
+    both.std = std::abs(a.value - b.value) / 3;
     both.bound = share * a.bound + (1 - share) * b.bound;
     return both;
 }
@@ -190,7 +193,7 @@ Value inertia_of(const std::vector<Pair> &pairs, const Scales &scales)
                         change);
     }
     const double inertia = mean_of(found);
-    return {inertia, scatter_of(found), 0.01 * inertia};
+    return {inertia, scatter_of(found), INERTIA_SCALE * inertia};
 }
 
 // The torque of the motor over that which the current can pull: small where the rotor is light, and then errors of the
@@ -247,7 +250,9 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
     if (flux.has_coasted) {
         const double middle = median_of(coasting);
         flux.coasting_wb = {middle, scatter_of(coasting), FLUX_SCALE * middle};
-        flux.wb = combined(flux.turning_wb, flux.coasting_wb);
+        // a rotor that stops fast leaves a current that the control has not followed
+        const double apart = std::abs(flux.coasting_wb.value / flux.turning_wb.value - 1);
+        flux.wb = apart < TWO_WAYS ? combined(flux.turning_wb, flux.coasting_wb) : flux.turning_wb;
     }
     for (const Record &r : records.all) {
         flux.speed_el_rad_s = std::max(flux.speed_el_rad_s, r.speed_el_rad_s);
@@ -264,7 +269,7 @@ Shaft fit_shaft(const Records &records, const Flux &flux)
     Shaft shaft;
     shaft.inertia_kg_m2 = inertia_of(pairs, records.scales);
     const double share = std::max(pulled_share(pairs, flux), 1e-3);
-    shaft.inertia_kg_m2.bound += 4e-4 / share * shaft.inertia_kg_m2.value;
+    shaft.inertia_kg_m2.bound += TORQUE_UNSURE / share * shaft.inertia_kg_m2.value;
     add_friction(records, flux, shaft);
     return shaft;
 }
