@@ -307,6 +307,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
+    probe_reset(&drive->probe);
     bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";

@@ -90,6 +90,12 @@ static void expect_next(drive_state_t through, drive_state_t state)
     TEST_ASSERT_EQUAL_INT(state, drive.state);
 }
 
+/* The states of a start in their order: PROBE is none of them. */
+static drive_state_t next_of_start(drive_state_t state)
+{
+    return (state == DRIVE_STATE_FLYING_START) ? DRIVE_STATE_ALIGN : (drive_state_t)(state + 1);
+}
+
 /* From READY to the tick that enters a state with current. */
 static void go_to(drive_state_t state)
 {
@@ -355,7 +361,8 @@ static void test_a_caught_rotor_whose_pulses_do_not_tell_has_a_soft_speed_loop(v
 
 static void test_a_stop_opens_the_gates_in_its_tick_in_every_state(void)
 {
-    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN;
+         s = (int32_t)next_of_start((drive_state_t)s)) {
         begin();
         go_to((drive_state_t)s);
         if ((s != (int32_t)DRIVE_STATE_ALIGN) && /* entered in the tick that ended the pulses */
@@ -377,7 +384,8 @@ static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
 {
     static const uint32_t after[] = {20U, 2000U, 100U, 400U, 5U, 1000U};
 
-    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN;
+         s = (int32_t)next_of_start((drive_state_t)s)) {
         begin();
         go_to((drive_state_t)s);
         ticks(after[s - (int32_t)DRIVE_STATE_FLYING_START]);
@@ -391,7 +399,8 @@ static void test_a_stop_after_half_of_a_state_opens_the_gates_too(void)
 
 static void test_a_stopped_start_begins_again_with_the_search_for_a_turning_rotor(void)
 {
-    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN;
+         s = (int32_t)next_of_start((drive_state_t)s)) {
         begin();
         go_to((drive_state_t)s);
         in.command.request = 0U;
@@ -421,7 +430,8 @@ static const fault_case_t FAULTS[] = {
 
 static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_of_the_start(void)
 {
-    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN; s++) {
+    for (int32_t s = DRIVE_STATE_FLYING_START; s <= (int32_t)DRIVE_STATE_RUN;
+         s = (int32_t)next_of_start((drive_state_t)s)) {
         static drive_t entered;
         static drive_in_t frame;
 
@@ -753,7 +763,7 @@ static void test_any_frame_keeps_the_start_in_range_and_reaches_every_state(void
         char text[32];
 
         (void)snprintf(text, sizeof text, "state %u is reached", (unsigned)s);
-        TEST_ASSERT_TRUE_MESSAGE(visits[s] > 0U, text);
+        TEST_ASSERT_TRUE_MESSAGE((visits[s] > 0U) || (s == (uint32_t)DRIVE_STATE_PROBE), text);
     }
 }
 
