@@ -3,8 +3,6 @@
 
 #include "trig.h"
 
-#include <stddef.h>
-
 #define SPEED_MAX (0x20000000)
 #define CURRENT_MAX (16383)
 #define PULSE_TICKS_MAX (64)
@@ -57,73 +55,6 @@ static void begin_window(probe_t *probe, int32_t word)
     }
 }
 
-/* A word that is stored as it is, and the range to which it is limited. */
-typedef struct {
-    int32_t *field;
-    int32_t lowest;
-    int32_t highest;
-} setting_t;
-
-/* Of what moves the vector. */
-static setting_t motion_setting(probe_t *probe, uint32_t what)
-{
-    setting_t setting = {NULL, 0, SPEED_MAX};
-
-    switch (what) {
-    case (uint32_t)PROBE_RATE:
-        setting.field = &probe->rate;
-        break;
-    case (uint32_t)PROBE_DAMPING:
-        setting.field = &probe->damping;
-        break;
-    case (uint32_t)PROBE_TRACKING:
-        setting.field = &probe->tracking;
-        break;
-    case (uint32_t)PROBE_RAMP:
-        setting.field = &probe->ramp;
-        break;
-    case (uint32_t)PROBE_SPEED:
-        setting = (setting_t){&probe->speed, -SPEED_MAX, SPEED_MAX};
-        break;
-    default: /* no such word */
-        break;
-    }
-    return setting;
-}
-
-static setting_t setting_of(probe_t *probe, uint32_t what)
-{
-    setting_t setting = {NULL, 0, FX_Q15_MAX};
-
-    switch (what) {
-    case (uint32_t)PROBE_CURRENT:
-        setting = (setting_t){&probe->current, 0, CURRENT_MAX};
-        break;
-    case (uint32_t)PROBE_RESISTANCE:
-        setting.field = &probe->loop.resistance_q13;
-        break;
-    case (uint32_t)PROBE_LOSS:
-        setting.field = &probe->loss;
-        break;
-    case (uint32_t)PROBE_EMF:
-        setting = (setting_t){&probe->emf_full, 1, FX_Q15_MAX};
-        break;
-    case (uint32_t)PROBE_PULSE_D:
-        setting.field = &probe->pulse.d;
-        break;
-    case (uint32_t)PROBE_PULSE_Q:
-        setting.field = &probe->pulse.q;
-        break;
-    case (uint32_t)PROBE_PULSE_TICKS:
-        setting = (setting_t){&probe->pulse_ticks, 1, PULSE_TICKS_MAX};
-        break;
-    default:
-        setting = motion_setting(probe, what);
-        break;
-    }
-    return setting;
-}
-
 /* Words that are stored in parts, or that begin something. */
 static void set_composed(probe_t *probe, uint32_t what, int32_t value)
 {
@@ -155,14 +86,58 @@ static void set_composed(probe_t *probe, uint32_t what, int32_t value)
     }
 }
 
+/* Words of what moves the vector. */
+static void set_motion(probe_t *probe, uint32_t what, int32_t value)
+{
+    switch (what) {
+    case (uint32_t)PROBE_RATE:
+        probe->rate = fx_clamp(value, 0, SPEED_MAX);
+        break;
+    case (uint32_t)PROBE_DAMPING:
+        probe->damping = fx_clamp(value, 0, SPEED_MAX);
+        break;
+    case (uint32_t)PROBE_TRACKING:
+        probe->tracking = fx_clamp(value, 0, SPEED_MAX);
+        break;
+    case (uint32_t)PROBE_RAMP:
+        probe->ramp = fx_clamp(value, 0, SPEED_MAX);
+        break;
+    case (uint32_t)PROBE_SPEED:
+        probe->speed = fx_clamp(value, -SPEED_MAX, SPEED_MAX);
+        break;
+    default:
+        set_composed(probe, what, value);
+        break;
+    }
+}
+
 void probe_set(probe_t *probe, uint32_t what, int32_t value)
 {
-    const setting_t setting = setting_of(probe, what);
-
-    if (setting.field != NULL) {
-        *setting.field = fx_clamp(value, setting.lowest, setting.highest);
-    } else {
-        set_composed(probe, what, value);
+    switch (what) {
+    case (uint32_t)PROBE_CURRENT:
+        probe->current = fx_clamp(value, 0, CURRENT_MAX);
+        break;
+    case (uint32_t)PROBE_RESISTANCE:
+        probe->loop.resistance_q13 = fx_usat15(value);
+        break;
+    case (uint32_t)PROBE_LOSS:
+        probe->loss = fx_usat15(value);
+        break;
+    case (uint32_t)PROBE_EMF:
+        probe->emf_full = fx_clamp(value, 1, FX_Q15_MAX);
+        break;
+    case (uint32_t)PROBE_PULSE_D:
+        probe->pulse.d = fx_usat15(value);
+        break;
+    case (uint32_t)PROBE_PULSE_Q:
+        probe->pulse.q = fx_usat15(value);
+        break;
+    case (uint32_t)PROBE_PULSE_TICKS:
+        probe->pulse_ticks = fx_clamp(value, 1, PULSE_TICKS_MAX);
+        break;
+    default:
+        set_motion(probe, what, value);
+        break;
     }
 }
 
@@ -177,7 +152,7 @@ static int32_t lag_of(const probe_t *probe, dq_t emf, step_t speed)
 {
     const dq_t e = {emf_along(probe, emf.d), fx_sat16(emf.q)};
     const int32_t size = fx_max((int32_t)trig_sqrt(transforms_square(e)), probe->emf_full);
-    const int32_t lag = fx_sat16((e.d * FX_Q15_MAX) / size);
+    const int32_t lag = fx_clamp((e.d * FX_Q15_MAX) / size, -FX_Q15_MAX, FX_Q15_MAX);
 
     return (speed < 0) ? -lag : lag;
 }
@@ -261,21 +236,24 @@ static void note_change(probe_t *probe, dq_t current)
     probe->sums.carried = plus_sample(probe->sums.carried, sign * both);
 }
 
-/* x/y to the nearest, y ≠ 0: what a quotient that is rounded towards zero lacks would not cancel between two directions. */
+/* x/y to the nearest, y > 0: what a quotient that is rounded towards zero lacks would not cancel between two directions. */
 static int32_t rounded_ratio(int32_t x, int32_t y)
 {
-    const int32_t half = fx_abs(y) / 2;
+    const int32_t half = y / 2;
 
     return ((x < 0) ? (x - half) : (x + half)) / y;
 }
 
-/* The power of the EMF over the speed. ωL·i is no part of it, whatever L. */
+/* The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. */
 static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {
     const int32_t along = emf_along(probe, sample->emf.d) * fx_sat15(sample->current.d);
     const int32_t across = fx_sat16(sample->emf.q) * fx_sat15(sample->current.q);
+    const int32_t power = along + across;
+    const int32_t speed = fx_abs(sample->speed_q15);
+    const int32_t onwards = (sample->speed_q15 < 0) ? -power : power;
 
-    return fx_sat16(rounded_ratio(along + across, sample->speed_q15));
+    return (speed > 0) ? fx_sat16(rounded_ratio(onwards, speed)) : 0;
 }
 
 static void note_means(probe_t *probe, const probe_sample_t *sample)
@@ -287,9 +265,7 @@ static void note_means(probe_t *probe, const probe_sample_t *sample)
     sums->bus = plus_sample(sums->bus, fx_asr(sample->bus, 2U));
     sums->noise_a = plus_sample(sums->noise_a, fx_abs(sample->phase_a - probe->before.d));
     sums->noise_b = plus_sample(sums->noise_b, fx_abs(sample->phase_b - probe->before.q));
-    if (sample->speed_q15 != 0) {
-        sums->torque = plus_sample(sums->torque, torque_of(probe, sample));
-    }
+    sums->torque = plus_sample(sums->torque, torque_of(probe, sample));
     sums->across = fx_max(sums->across, fx_abs(sample->current.q));
 }
 

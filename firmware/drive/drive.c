@@ -302,6 +302,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
     speed_loop_init(&drive->speed_loop);
+    probe_reset(&drive->probe);
     drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);

@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define SAID_MAX (4096U)
-#define HELP "error: the commands are run, stop, clear, speed RPM, status, dump, record\r\n"
+#define HELP \
+    "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
