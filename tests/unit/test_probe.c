@@ -665,15 +665,26 @@ static void test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_
     static const struct {
         dq_t emf;
         int32_t lag;
-    } words[] = {{{3000, 4000}, 19660},  {{-3000, 4000}, -19660}, {{3000, -4000}, 19660},
-                 {{2000, 4000}, 14654},  {{0, 4000}, 0},          {{0, 0}, 0},
-                 {{1, 0}, 32767},        {{-1, 0}, -32767},       {{100000, 0}, 32767},
-                 {{-100000, 0}, -32767}, {{3000, 100000}, 2987},  {{3000, -100000}, 2987}};
+    } words[] = {{{3000, 4000}, 19660},
+                 {{-3000, 4000}, -19660},
+                 {{3000, -4000}, 19660},
+                 {{4000, 3000}, 26213},
+                 {{2000, 4000}, 14654},
+                 {{0, 4000}, 0},
+                 {{0, 0}, 0},
+                 {{1, 0}, 32767},
+                 {{-1, 0}, -32767},
+                 {{100000, 0}, 32767},
+                 {{-100000, 0}, -32767},
+                 {{3000, 100000}, 2987},
+                 {{3000, -100000}, 2987}};
 
     for (uint32_t k = 0U; k < COUNT(words); k++) {
         begin_to_turn(1000);
         TEST_ASSERT_EQUAL_INT32(words[k].lag, lag(words[k].emf));
         begin_to_turn(-1000);
+        TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
+        begin_to_turn(-1);
         TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
     }
 }
