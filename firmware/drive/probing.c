@@ -10,6 +10,7 @@ drive_event_t probing_start(drive_t *drive)
     rotor_position_reset(&drive->vector.position, 0U);
     drive->vector.step = 0;
     drive->vector.current_mean = (dq_t){0, 0};
+    drive->voltage_drive.active = false;
     drive->signals.current_ref = (dq_t){0, 0};
     drive->signals.voltage = (dq_t){0, 0};
     drive->signals.ratio_ab = (ab_t){0, 0};
