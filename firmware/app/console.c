@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#define MEASURING "the motor is being measured; stop ends that"
+
 void console_say(console_t *console, const char *line)
 {
     text_add(&console->out, line);
@@ -43,7 +45,9 @@ static void set_speed(console_t *console, const char *argument)
     int32_t rpm = 0;
     const bool good = text_to_number(argument, &rpm);
 
-    if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
+    if (identify_is_busy(&console->identify)) {
+        answer(console, MEASURING); /* the command's target is a word of the probe */
+    } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
         commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
         answer(console, NULL);
     } else {
@@ -156,8 +160,7 @@ static bool same(const char *line, const char *command)
 
 static const char *run(console_t *console)
 {
-    return identify_is_busy(&console->identify) ? "the motor is being measured; stop ends that"
-                                                : commander_run(console->app);
+    return identify_is_busy(&console->identify) ? MEASURING : commander_run(console->app);
 }
 
 static void stop(console_t *console)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "identify.h"
 
-#include "commander.h"
 #include "identify_aim.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
@@ -311,6 +310,8 @@ static void begin_identifying(identify_t *identify)
     const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
 
     identify_init(identify, identify->app, identify->about);
+    identify->before = command_mailbox_take(&identify->app->mailbox);
+    identify->before.request = 0U;
     identify->ms_ticks = fx_max((int32_t)ticks, 1);
     identify->in_force[pulse_ticks] = 1;
     identify->in_force[emf] = 1;
@@ -318,11 +319,18 @@ static void begin_identifying(identify_t *identify)
     identify_aim_phase(identify, IDENTIFY_BEGINS);
 }
 
+bool identify_is_busy(const identify_t *identify)
+{
+    return identify->phase != IDENTIFY_IDLE;
+}
+
 const char *identify_start(identify_t *identify)
 {
     const char *why = NULL;
 
-    if (identify->app->drive.state != DRIVE_STATE_READY) {
+    if (identify_is_busy(identify)) {
+        why = "it is under way";
+    } else if (identify->app->drive.state != DRIVE_STATE_READY) {
         why = "the drive is not READY";
     } else if (identify_aim_continuous(identify) < CURRENT_LEAST) {
         why =
@@ -333,15 +341,10 @@ const char *identify_start(identify_t *identify)
     return why;
 }
 
-bool identify_is_busy(const identify_t *identify)
-{
-    return identify->phase != IDENTIFY_IDLE;
-}
-
 void identify_stop(identify_t *identify)
 {
     if (identify_is_busy(identify)) {
-        commander_stop(identify->app);
+        command_mailbox_post(&identify->app->mailbox, &identify->before);
         identify->phase = IDENTIFY_IDLE;
     }
 }

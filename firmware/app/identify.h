@@ -19,7 +19,7 @@
  * of the current control, which follows the measured L. The highest speed is half of that of the name plate, and less where
  * the bus does not reach that.
  *
- * Records. `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
+ * Records. `= KIND` and 20 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
  * probe_sums_t in their order. KIND: pulse, catch, still, burst (pulses on a current), spin, ramp, hold (the speed after a
  * ramp), coast. A first line gives their scales: `identify 1`, tick in ps, full scale of the current in µA and of the bus in
  * µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift).
@@ -36,13 +36,13 @@
 
 void identify_init(identify_t *identify, app_t *app, const about_t *about);
 
-/* Begin. Returns NULL, or why it is refused: the drive is not READY. */
+/* Begin. Returns NULL, or why it is refused: it has begun, or the drive is not READY, or the continuous current is too small. */
 const char *identify_start(identify_t *identify);
 
 /* Whether it has begun and not ended. */
 bool identify_is_busy(const identify_t *identify);
 
-/* End it: the gates open. Nothing happens when it is not busy. */
+/* End it: the gates open, and the speed that was asked for before is so again. Nothing happens when it is not busy. */
 void identify_stop(identify_t *identify);
 
 /* One pass of the background, once a tick or less often. Appends at most one line to `text`, which has room for it. */
