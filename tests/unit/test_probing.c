@@ -354,6 +354,42 @@ static void test_the_samples_of_a_window_are_what_the_drive_has_measured(void)
     }
 }
 
+/* Without an error it would demand its integrals and R·i*. */
+static void test_pulses_ride_on_what_the_control_demands_without_an_error(void)
+{
+    begin();
+    word(PROBE_PULSE_D, 3000);
+    pi_reset(&drive.current_loop.pi_d, 1000);
+    pi_reset(&drive.current_loop.pi_q, -300);
+    drive.current_loop.constant = (dq_t){200, -50};
+    word(PROBE_WINDOW, 8);
+    TEST_ASSERT_EQUAL_INT32(1000 + 200 + 3000, drive.signals.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(-300 - 50, drive.signals.voltage.q);
+}
+
+/* The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque: e·i over the speed. */
+static void test_the_emf_is_the_demand_less_what_the_model_needs(void)
+{
+    dq_t i;
+    int32_t speed;
+
+    begin();
+    tick();
+    word(PROBE_RAMP, SPEED_MAX);
+    word(PROBE_SPEED, 3000000);
+    speed = 3000000 / 2048;
+    in.adc_ia = MID_COUNTS + 300U;
+    in.adc_ib = MID_COUNTS - 20U;
+    in.command.mode = (uint8_t)PROBE_WINDOW;
+    in.command.target = 1;
+    drive.signals.voltage = (dq_t){2000, -3000};
+    drive.current_loop.constant = (dq_t){300, 400};
+    drive_step(&drive, &in, &out);
+    i = drive.signals.current_frame;
+    TEST_ASSERT_TRUE((i.d != 0) && (i.q != 0));
+    TEST_ASSERT_INT32_WITHIN(1, ((1700 * i.d) - (3400 * i.q)) / speed, drive.probe.sums.torque);
+}
+
 /* ---- the vector ---- */
 
 static void test_the_vector_turns_with_its_speed_and_is_the_position(void)
@@ -556,5 +592,7 @@ int main(void)
     RUN_TEST(test_control_pauses_while_pulses_ride_on_its_voltage);
     RUN_TEST(test_a_load_shows_as_lag_and_torque_in_both_directions);
     RUN_TEST(test_any_words_and_samples_leave_each_field_in_its_range);
+    RUN_TEST(test_pulses_ride_on_what_the_control_demands_without_an_error);
+    RUN_TEST(test_the_emf_is_the_demand_less_what_the_model_needs);
     return UNITY_END();
 }
