@@ -27,11 +27,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* What a word sets. The first is beyond the modes of the motion loops. */
+/*
+ * What a word sets. The first is beyond the modes of the motion loops. Who asks for several does so in this order: what says
+ * how the vector moves comes before what moves it.
+ */
 typedef enum {
     PROBE_CURRENT = 16, /* i_d*, 0…16383 */
-    PROBE_ANGLE,        /* of a vector at rest: any angle_t, as a signed word */
-    PROBE_RATE,         /* it turns there by so much in a tick at most, 0…2^29 */
+    PROBE_RATE,   /* a vector at rest turns to its angle by so much in a tick at most, 0…2^29 */
+    PROBE_ANGLE,  /* that angle: any angle_t, as a signed word */
     PROBE_GAIN_D, /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
     PROBE_GAIN_Q,     /* across */
     PROBE_INTEGRAL_D, /* K_i·T likewise, its shift less 11 */
@@ -54,7 +57,10 @@ typedef enum {
 #define PROBE_WINDOW_BITS (20U) /* of the ticks in the word of a window */
 #define PROBE_WINDOW_MAX (131071)
 
-/* Sums over a window. Each saturates short of 32 bits, which no window reaches that is as long as allowed. */
+/*
+ * Sums over a window. Each saturates short of 32 bits: in the longest one beyond a mean of 0.5, which no current has and no
+ * voltage with a bus below 0.9 of its full scale.
+ */
 typedef struct {
     dq_t voltage;    /* demanded */
     dq_t current;    /* measured */

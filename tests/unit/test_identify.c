@@ -5,6 +5,7 @@
  */
 #include "identify.h"
 
+#include "commander.h"
 #include "example_app.h"
 #include "identify_aim.h"
 #include "identify_rest.h"
@@ -160,6 +161,35 @@ static void test_it_can_be_started_again(void)
     TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
 }
 
+/* Before the drive has taken it. */
+static void test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end(void)
+{
+    (void)commander_run(&app);
+    start();
+    identify_stop(&identify);
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+}
+
+static void assert_says_of(identify_phase_t phase, const char *line)
+{
+    identify_aim_phase(&identify, phase);
+    TEST_ASSERT_EQUAL_STRING(line, pass());
+}
+
+/* 6.71875 A, 1.8 and 3/4 of it, and half of 2000 rpm: before each phase a person knows what the shaft will do. */
+static void test_each_phase_is_told_before_it_begins(void)
+{
+    begin();
+    assert_says_of(IDENTIFY_CATCH,
+                   "the shaft turns by up to one electrical turn, with 6.718 A\r\n");
+    assert_says_of(IDENTIFY_STILL, "the shaft goes to three angles, up to 8.999 A\r\n");
+    assert_says_of(IDENTIFY_SPIN, "the shaft turns, up to 1000 rpm, with 5.039 A\r\n");
+    assert_says_of(IDENTIFY_RAMP, "between half of that speed and the whole\r\n");
+    assert_says_of(IDENTIFY_COAST, "no current, the shaft coasts\r\n");
+    assert_says_of(IDENTIFY_ENDS, "identify done\r\n");
+    assert_ended();
+}
+
 /* ---- words and records ---- */
 
 static bool are_equal(const drive_command_t *a, const drive_command_t *b)
@@ -259,6 +289,92 @@ static void test_each_window_has_a_word_of_its_own(void)
         TEST_ASSERT_NOT_EQUAL_INT32(before, app.drive.probe.window);
         before = app.drive.probe.window;
     }
+}
+
+#define SETTLE (50)
+#define WINDOW (30)
+
+/* An experiment of the test's own: all words but these are in force already. */
+static void experiment(step_t speed, step_t ramp)
+{
+    begin();
+    (void)next_record();
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
+    *identify_aim_word(&identify, PROBE_SPEED) = speed;
+    *identify_aim_word(&identify, PROBE_RAMP) = ramp;
+    identify_aim_window(&identify, "spin", SETTLE, WINDOW);
+}
+
+static uint32_t ticks_to(identify_wait_t wait)
+{
+    uint32_t count = 0U;
+
+    while ((identify.wait != wait) && (count < 10000U)) {
+        tick(1U);
+        (void)pass();
+        count++;
+    }
+    return count;
+}
+
+/* 100 ticks of the ramp. */
+static void test_a_window_opens_once_the_vector_has_arrived_and_settled(void)
+{
+    experiment(100000, 1000);
+    (void)ticks_to(IDENTIFY_MOVING);
+    TEST_ASSERT_TRUE(ticks_to(IDENTIFY_SETTLING) >= 90U);
+    TEST_ASSERT_EQUAL_INT32(100000, app.drive.probe.own_speed);
+    TEST_ASSERT_EQUAL_UINT32((uint32_t)SETTLE, ticks_to(IDENTIFY_MEASURING));
+    TEST_ASSERT_EQUAL_UINT32(0U, app.drive.probe.tick);
+    tick_period();
+    TEST_ASSERT_TRUE(app.drive.probe.tick > 0U);
+    TEST_ASSERT_EQUAL_INT32(WINDOW, app.drive.probe.window & 0xFFFFF);
+}
+
+static void test_a_window_that_rushes_waits_for_no_vector(void)
+{
+    experiment(100000, 1);
+    identify.aim.rushes = true;
+    (void)ticks_to(IDENTIFY_MOVING);
+    TEST_ASSERT_EQUAL_UINT32(3U, ticks_to(IDENTIFY_SETTLING));
+}
+
+static void test_a_vector_at_rest_has_arrived_at_its_angle_only(void)
+{
+    experiment(0, 1);
+    *identify_aim_word(&identify, PROBE_RATE) = 0x100000;
+    *identify_aim_word(&identify, PROBE_ANGLE) = 0x10000000; /* 256 ticks away */
+    (void)ticks_to(IDENTIFY_MOVING);
+    TEST_ASSERT_TRUE(ticks_to(IDENTIFY_SETTLING) >=
+                     200U); /* its last words are asked for on the way */
+    TEST_ASSERT_EQUAL_UINT32(0x10000000U, rotor_position_angle(&app.drive.vector.position));
+}
+
+/* In PROBE, with a window that has ended: the plan of the first ramp down. */
+static void begin_ramps_in_probe(void)
+{
+    begin();
+    (void)next_record();
+    identify_aim_phase(&identify, IDENTIFY_RAMP);
+    identify.said = IDENTIFY_RAMP;
+    identify.turn.top = 1000000;
+    identify.turn.ramp_ticks = 100;
+    (void)ticks_to(IDENTIFY_MEASURING);
+    (void)next_line();
+}
+
+/* A ramp lies within its window. */
+static void test_a_window_that_leads_opens_before_its_words_are_asked_for(void)
+{
+    begin_ramps_in_probe();
+    TEST_ASSERT_EQUAL(IDENTIFY_LEADING, identify.wait);
+    tick_period();
+    TEST_ASSERT_TRUE(app.drive.probe.tick > 0U);
+    TEST_ASSERT_TRUE(ticks_to(IDENTIFY_ASKING) >= (fx_unsigned(identify.aim.settle) - 20U));
+    TEST_ASSERT_NOT_EQUAL_INT32(identify.turn.top / 2, app.drive.probe.speed);
+    (void)ticks_to(IDENTIFY_MEASURING);
+    tick_period();
+    TEST_ASSERT_EQUAL_INT32(identify.turn.top / 2, app.drive.probe.speed);
 }
 
 /* Nothing flows in the binding of memory. */
@@ -716,10 +832,16 @@ int main(void)
     RUN_TEST(test_a_stop_without_an_identification_leaves_the_command);
     RUN_TEST(test_a_fault_ends_it_with_a_line);
     RUN_TEST(test_it_can_be_started_again);
+    RUN_TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end);
+    RUN_TEST(test_each_phase_is_told_before_it_begins);
     RUN_TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before);
     RUN_TEST(test_the_drive_has_all_words_of_an_experiment_when_its_window_opens);
     RUN_TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order);
     RUN_TEST(test_each_window_has_a_word_of_its_own);
+    RUN_TEST(test_a_window_opens_once_the_vector_has_arrived_and_settled);
+    RUN_TEST(test_a_window_that_rushes_waits_for_no_vector);
+    RUN_TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only);
+    RUN_TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for);
     RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
     RUN_TEST(test_sensors_that_are_too_noisy_are_refused);
     RUN_TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added);
