@@ -68,7 +68,7 @@ static void aim_hold(identify_t *identify)
 /* Steps in one of Q15 of Ω_b. */
 static int64_t one_of_q15(const identify_t *identify)
 {
-    const uint32_t one = 1UL << identify->app->drive.cfg->speed_shift;
+    const uint32_t one = (uint32_t)1U << identify->app->drive.cfg->speed_shift;
 
     return (int64_t)one;
 }

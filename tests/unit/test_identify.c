@@ -798,6 +798,7 @@ static uint32_t coast(double fall)
     setUp();
     begin_phase(IDENTIFY_COAST);
     identify.turn.top = TOP;
+    identify_aim_window(&identify, "ramp", 0, 400); /* the last before */
     answer_spin(0, 0, TOP);
     while (identify_turn_plan_coast(&identify) && (windows < 100U)) {
         TEST_ASSERT_EQUAL_INT32(0, *identify_aim_word(&identify, PROBE_CURRENT));
