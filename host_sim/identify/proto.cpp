@@ -1,12 +1,65 @@
 // SPDX-License-Identifier: MIT
+#include "evaluate.h"
+#include "flux_fit.h"
+#include "inertia_fit.h"
 #include "measure.h"
 #include "machine.h"
 #include "found_fault.h"
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 using namespace nf;
+static void print(const char *name, double value, double std, double bound)
+{
+    printf("%s %.9g %.9g %.9g\n", name, value, std, bound);
+}
+static void print(const char *name, const identify::Estimate &e)
+{
+    print(name, e.value, e.std, e.bound);
+}
+// The values of a text of records.
+static int evaluate_file(const char *path)
+{
+    std::ifstream file(path);
+    std::stringstream text;
+    text << file.rdbuf();
+    try {
+        const auto records = identify::parse_records(text.str(), path);
+        const auto legs = identify::fit_legs(records);
+        identify::Known known;
+        const auto r = identify::evaluate(records, known, path);
+        const auto &m = r.motor;
+        const auto &e = r.measured;
+        print("R", m.resistance_ohm, e.resistance_std_pct, e.resistance_bound_pct);
+        print("Ld", m.inductance_d_h, e.inductance_d_std_pct, e.inductance_d_bound_pct);
+        print("Lq", m.inductance_q_h, e.inductance_q_std_pct, e.inductance_q_bound_pct);
+        print("phi", m.flux_linkage_wb, e.flux_linkage_std_pct, e.flux_linkage_bound_pct);
+        print("J", m.inertia_kg_m2, e.inertia_std_pct, e.inertia_bound_pct);
+        print("V0", legs.loss_v);
+        print("knee", legs.knee_a);
+        print("m", legs.mismatch);
+        print("B", m.viscous_friction_nm_s, 0, e.viscous_friction_bar_nm_s);
+        print("C", e.coulomb_friction_nm, 0, e.coulomb_friction_bar_nm);
+        print("td", e.dead_time_s, 0, e.dead_time_bar_s);
+        print("bus", e.bus_v, 0, 0);
+        print("ic", e.current_a, 0, 0);
+        print("noise", e.current_noise_lsb, 0, 0);
+        print("rated", m.rated_speed_rpm, 0, 0);
+        const auto inductances = identify::fit_inductances(identify::bursts_of(records, legs), legs, {});
+        const auto flux = identify::fit_flux(records, legs, inductances);
+        print("phit", flux.turning_wb);
+        if (flux.coasting_wb) { print("phic", *flux.coasting_wb); }
+        for (const auto &s : r.remarks) { printf("remark %s\n", s.c_str()); }
+    } catch (const ConfigError &error) {
+        printf("error %s\n", error.what());
+        return 2;
+    }
+    return 0;
+}
 int main(int argc, char **argv)
 {
+    if (argc == 3 && !strcmp(argv[1], "records")) { return evaluate_file(argv[2]); }
     std::vector<std::string> set(argv + 2, argv + argc);
     const Config c = load_scenario(argv[1], {}, set);
     Simulation sim(c);
