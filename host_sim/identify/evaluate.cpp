@@ -175,11 +175,10 @@ std::vector<std::string> remarks_of(const Found &found, const Known &known)
     if (!flux.coasting_wb) {
         remarks.emplace_back("the rotor was lost as soon as it coasted: the flux linkage is from "
                              "windows with current alone");
-    } else if (std::abs(flux.coasting_wb->value - flux.turning_wb.value) >
-               flux.coasting_wb->bar() + flux.turning_wb.bar()) {
+    } else if (!agree(*flux.coasting_wb, flux.turning_wb)) {
         remarks.push_back(fmt::format(
             "the flux linkage with current, {:.4g} Wb, and of the rotor that coasts, {:.4g} Wb, "
-            "differ by more than their error bars",
+            "differ by more than their error bars: the first one is taken",
             flux.turning_wb.value, flux.coasting_wb->value));
     }
     if (!found.coasted) {

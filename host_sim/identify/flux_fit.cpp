@@ -15,9 +15,11 @@ namespace
 {
 
 constexpr double FOLLOWED = 0.1;
+constexpr double COASTS_SLIP = 0.005; // of |v|/ω: small currents flow, and the frame trembles
 constexpr size_t COASTS_SKIPPED = 1; // the current still falls
 constexpr size_t COASTS_MOST = 4;
 constexpr double MODULATOR = 1.0 / 4096;
+constexpr double SATURATES = 0.1; // of the flux of the current: how far L_d is not the same at half of it
 
 double magnet_coasting(const Window &window, const LegModel &legs, double period_s)
 {
@@ -61,6 +63,24 @@ struct Equations {
     }
 };
 
+// What the curve of the saturation leaves open between the whole and the half of the current.
+double bent(const Inductances &inductances, double current_a)
+{
+    const double straight_wb = current_a / inductances.per_d;
+    return std::abs(straight_wb - inductances.flux_d(current_a)) + SATURATES * 0.01 * straight_wb;
+}
+
+// Two estimates that agree, by the weight of their bars.
+Estimate together(const Estimate &one, const Estimate &other)
+{
+    const double first = 1 / (one.bar() * one.bar());
+    const double second = 1 / (other.bar() * other.bar());
+    const double share = first / (first + second);
+    return {share * one.value + (1 - share) * other.value,
+            std::hypot(share * one.std, (1 - share) * other.std),
+            share * one.bound + (1 - share) * other.bound};
+}
+
 Estimate coasting(const std::vector<Window> &windows, const Legs &legs, double period_s)
 {
     std::vector<double> found;
@@ -71,7 +91,8 @@ Estimate coasting(const std::vector<Window> &windows, const Legs &legs, double p
     std::sort(found.begin(), found.end());
     const double middle = found[found.size() / 2];
     const double spread = found.size() > 1 ? (found.back() - found.front()) / 2 : 0;
-    return {middle, std::max(spread, voltage_error(windows[skipped], legs)), 0};
+    return {middle, std::max(spread, voltage_error(windows[skipped], legs)),
+            COASTS_SLIP * middle};
 }
 
 } // namespace
@@ -90,16 +111,27 @@ std::vector<Window> followed(const Records &records, const LegModel &legs, doubl
     return found;
 }
 
+bool agree(const Estimate &one, const Estimate &other)
+{
+    return std::abs(one.value - other.value) <= one.bar() + other.bar();
+}
+
 Flux fit_flux(const Records &records, const Legs &legs, const Inductances &inductances)
 {
     Flux flux;
     Equations equations;
+    const double alike = std::sqrt(static_cast<double>(
+        std::count_if(records.windows.begin(), records.windows.end(), turns)));
+    double most_a = 0;
     for (const Window &window : records.windows) {
         if (turns(window)) {
             const double magnet =
                 magnet_of(window, legs.model, inductances, records.scales.period_s);
-            equations.add(1, std::abs(window.current_a), magnet, voltage_error(window, legs));
+            // The errors of all windows are alike: many of them are no better than one.
+            equations.add(1, std::abs(window.current_a), magnet,
+                          alike * voltage_error(window, legs));
             flux.highest_rad_s = std::max(flux.highest_rad_s, window.speed_rad_s);
+            most_a = std::max(most_a, std::abs(window.current_a));
         }
     }
     if (equations.rows.empty()) {
@@ -107,12 +139,15 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
     }
     equations.add(0, 1, 0, inductances.d_h.bar() / 2);
     flux.turning_wb = equations.solve();
+    flux.turning_wb.bound = bent(inductances, most_a);
     const std::vector<Window> windows = followed(records, legs.model, flux.turning_wb.value);
     if (!windows.empty()) {
         flux.coasting_wb = coasting(windows, legs, records.scales.period_s);
-        equations.add(1, 0, flux.coasting_wb->value, flux.coasting_wb->std);
     }
-    flux.magnet_wb = equations.solve();
+    flux.magnet_wb = flux.turning_wb;
+    if (flux.coasting_wb && agree(*flux.coasting_wb, flux.turning_wb)) {
+        flux.magnet_wb = together(*flux.coasting_wb, flux.turning_wb);
+    }
     return flux;
 }
 

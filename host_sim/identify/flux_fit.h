@@ -14,11 +14,14 @@ namespace nf::identify
 {
 
 struct Flux {
-    Estimate magnet_wb; // of both ways, by the weight of their bars
+    Estimate magnet_wb; // of both ways by the weight of their bars, if they agree; else as turning
     Estimate turning_wb;
     std::optional<Estimate> coasting_wb; // none where the rotor was lost at once
     double highest_rad_s = 0; // electrical
 };
+
+// Whether two estimates of one value differ by no more than their bars together.
+bool agree(const Estimate &one, const Estimate &other);
 
 // The windows of kind "coast" in which the frame has followed the rotor: |v|/ω within 10 % of φ.
 std::vector<Window> followed(const Records &records, const LegModel &legs, double flux_wb);

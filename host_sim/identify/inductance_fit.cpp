@@ -17,6 +17,16 @@ constexpr size_t BURSTS_LEAST = 4; // of an axis
 constexpr int ROUNDS = 20;
 constexpr double MODULATOR = 1.0 / 4096; // of a voltage: the reciprocal of the bus
 
+// i_d rises with the pulses across, as they take its loss from the legs: so its term looks like that of λ². What it does
+// to 1/L_q at the continuous current, over 1/L_q, is therefore taken to be about this, ± this.
+constexpr double CROSS = 0.03;
+constexpr double CROSS_ERROR = 0.03;
+constexpr double REPEATS = 0.002; // of 1/L: how well two bursts agree
+
+// Of the fall of L_d by the continuous current: how far a straight line may be wrong at its end.
+constexpr double CURVE_D = 0.15;
+constexpr double CURVE_Q = 0.05;
+
 // A burst and the inductance that explains it.
 struct Shown {
     Burst burst;
@@ -54,16 +64,22 @@ std::vector<Shown> shown_of(const std::vector<Burst> &bursts, bool along, const 
 
 using Row = std::function<Eigen::RowVectorXd(const Shown &)>;
 
-// 1/L over `scale`
+// 1/L over `scale`, and for three terms what is known of the third one before.
 Fit inverse_fit(const std::vector<Shown> &shown, double scale, const Row &row)
 {
     const auto rows = static_cast<Eigen::Index>(shown.size());
-    Eigen::VectorXd y(rows);
-    Eigen::MatrixXd a(rows, row(shown.front()).size());
+    const Eigen::Index terms = row(shown.front()).size();
+    const Eigen::Index known = terms > 2 ? 1 : 0;
+    Eigen::VectorXd y(rows + known);
+    Eigen::MatrixXd a(rows + known, terms);
     for (Eigen::Index k = 0; k < rows; k++) {
         const Shown &one = shown[static_cast<size_t>(k)];
         y[k] = 1 / one.inductance_h / scale;
         a.row(k) = row(one);
+    }
+    if (known > 0) {
+        a.row(rows) = Eigen::RowVector3d(0, 0, REPEATS / CROSS_ERROR);
+        y[rows] = REPEATS / CROSS_ERROR * CROSS;
     }
     return linear_least_squares(a, y);
 }
@@ -100,6 +116,7 @@ void fit_q(Inductances &found, const std::vector<Shown> &shown, double guess_h)
     const double share = share_of_flux(fit.parameters[0], fit.parameters[1]);
     const Eigen::RowVector3d at(1, share * share, 0);
     found.q_h.value = share * guess_h;
+    found.fall_q = std::abs(1 - fit.parameters[0] * share);
     found.q_h.std = found.q_h.value * share * std::sqrt((at * fit.covariance * at.transpose())(0));
 }
 
@@ -133,8 +150,11 @@ Inductances fit_inductances(const std::vector<Burst> &bursts, const Legs &legs, 
     other.loss_v += legs.loss_v.bar();
     other.resistance_ohm -= legs.resistance_ohm.bar();
     const Inductances then = values_of(bursts, other, rotor);
-    found.d_h.bound = std::abs(then.d_h.value - found.d_h.value) + MODULATOR * found.d_h.value;
-    found.q_h.bound = std::abs(then.q_h.value - found.q_h.value) + MODULATOR * found.q_h.value;
+    const double fall_d = std::abs(found.bend_d) * found.continuous_a / found.per_d;
+    found.d_h.bound = std::abs(then.d_h.value - found.d_h.value) +
+                      (MODULATOR + CURVE_D * fall_d) * found.d_h.value;
+    found.q_h.bound = std::abs(then.q_h.value - found.q_h.value) +
+                      (MODULATOR + CURVE_Q * found.fall_q) * found.q_h.value;
     return found;
 }
 

@@ -17,6 +17,7 @@ struct Inductances {
     Estimate q_h;
     double per_d = 0;        // a of the d axis, 1/H
     double bend_d = 0;       // b, 1/(H·A)
+    double fall_q = 0;       // of L_q by the continuous current, as a share
     double continuous_a = 0; // where L_q is stated
     int quarter_q = 0;       // ticks of the longest pulses across
 

@@ -13,6 +13,15 @@ namespace
 {
 
 constexpr size_t COASTS_SKIPPED = 1;
+constexpr double ONE_PAIR = 0.05; // standard deviation where nothing was repeated
+constexpr double UNSEEN = 0.003;  // of J: the speed of the frame is not quite the rotor's when a window begins
+
+// By how much twice the standard deviation of so few values has to be widened to hold 95 of 100: Student's t over 2, near
+// enough 1 + 2/(n − 1)^1.3 from three values on.
+double student(double count)
+{
+    return 1 + 2 / std::pow(count - 1, 1.3);
+}
 
 bool holds(const Window &window)
 {
@@ -78,7 +87,9 @@ Estimate fit_inertia(const Records &records)
     for (const double pair : pairs) {
         square += (pair - inertia.value) * (pair - inertia.value);
     }
-    inertia.std = count > 1 ? std::sqrt(square / (count - 1) / count) : 0;
+    inertia.std = count > 1 ? student(count) * std::sqrt(square / (count - 1) / count)
+                            : ONE_PAIR * std::abs(inertia.value);
+    inertia.bound = UNSEEN * std::abs(inertia.value);
     return inertia;
 }
 

@@ -17,6 +17,7 @@ constexpr size_t LEVELS_LEAST = 6;
 constexpr double STARTS[] = {0.003, 0.02, 0.1, 0.4}; // of i_k over the largest current
 constexpr double DRIFT_SHOWS = 4;                    // of its standard deviation
 constexpr int TURN_PARTS = 48;
+constexpr double VOLTAGE_STEP = 1.0 / 32768; // of the bus: demanded voltages are Q15
 
 // Parameters of the fit.
 enum Parameter {
@@ -173,14 +174,17 @@ Legs fit_legs(const Records &records)
     const Levels levels = levels_of(records);
     const Fit fit = with_drift(levels, fit_of(levels, knee_share));
     const Fit other = fit_of(levels, arctan_share);
-    const auto estimate = [&](Parameter which) {
+    // Another shape of the knee counts as far as the levels do not rule it out.
+    const double doubt = std::min(1.0, fit.rms / other.rms);
+    const double floor_v = levels.bus_v * VOLTAGE_STEP;
+    const auto estimate = [&](Parameter which, double unseen) {
         return Estimate{fit.parameters[which], fit.std(which),
-                        std::abs(fit.parameters[which] - other.parameters[which])};
+                        doubt * std::abs(fit.parameters[which] - other.parameters[which]) + unseen};
     };
     Legs legs;
-    legs.resistance_ohm = estimate(RESISTANCE);
-    legs.loss_v = estimate(LOSS);
-    legs.mismatch = estimate(MISMATCH);
+    legs.resistance_ohm = estimate(RESISTANCE, floor_v / levels.largest_a);
+    legs.loss_v = estimate(LOSS, floor_v);
+    legs.mismatch = estimate(MISMATCH, 0);
     const double knee_a = std::exp(std::clamp(fit.parameters[LOG_KNEE], -50.0, 50.0));
     legs.knee_a = {knee_a, knee_a * fit.std(LOG_KNEE), 0};
     legs.model = {legs.resistance_ohm.value, legs.loss_v.value, knee_a};
