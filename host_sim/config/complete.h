@@ -16,8 +16,8 @@ void check_complete(FileKind kind, const Layer &home, const Config &config);
 // The motor file `home` has to be complete, or a name plate (plate.h) with all that it is asked for.
 void check_plate(const Layer &home, const Config &config);
 
-// Leaves the name plate of the configuration's motor, and no [measured]: what the drive is to measure is as if nobody had
-// said it. A continuous current that follows from the rated torque has the place of that.
+// Reduces the motor to its name plate and drops [measured], so that values that are to be measured count as not given. Where
+// the continuous current follows from the rated torque, a message about it names the line of that torque.
 void forget_measured(Config &config);
 
 } // namespace nf

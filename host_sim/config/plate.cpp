@@ -3,6 +3,7 @@
 
 #include "numbers.h"
 #include "schema.h"
+#include "specimen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,6 @@ namespace
 // Within what the zoo draws: host_sim/zoo/specimen.cpp.
 constexpr double EMF_SHARE = 0.6; // at the highest speed, of bus/√3
 constexpr double REACTANCE = 0.13;
-constexpr double COPPER_LOSS = 0.15;
-constexpr double COPPER_POWER_W = 100;
-constexpr double COPPER_EXPONENT = -0.35;
 constexpr double ACCELERATION_S = 0.1;
 constexpr double FRICTION = 0.02;
 
@@ -40,11 +38,13 @@ const std::vector<std::string> &unknown_of_plate()
 
 bool is_plate(const MotorSettings &motor)
 {
-    const double unknown[] = {motor.resistance_ohm,  motor.inductance_d_h,  motor.inductance_q_h,
-                              motor.flux_linkage_wb, motor.rated_torque_nm, motor.rated_speed_rpm,
-                              motor.inertia_kg_m2};
-    return std::all_of(std::begin(unknown), std::end(unknown),
-                       [](double value) { return value <= 0; });
+    Config config;
+    config.motor = motor;
+    const std::vector<std::string> &unknown = unknown_of_plate();
+    // the friction, the last of them, is 0 in some complete files too
+    return std::all_of(unknown.begin(), unknown.end() - 1, [&](const std::string &key) {
+        return *std::get<double *>(find_field(key)->target(config)) <= 0;
+    });
 }
 
 MotorSettings plate_of(const MotorSettings &motor)
@@ -71,8 +71,7 @@ MotorSettings typical(const MotorSettings &plate, const BoardSettings &board)
     motor.flux_linkage_wb = within_range("motor.flux_linkage_wb", EMF_SHARE * board.bus_nominal_v /
                                                                       std::sqrt(3.0) / speed_el);
     const double emf_v = motor.flux_linkage_wb * speed_el;
-    const double copper_loss =
-        COPPER_LOSS * std::pow(1.5 * emf_v * current_a / COPPER_POWER_W, COPPER_EXPONENT);
+    const double copper_loss = zoo::usual_copper_loss(1.5 * emf_v * current_a);
     motor.resistance_ohm = within_range("motor.resistance_ohm", copper_loss * emf_v / current_a);
     motor.inductance_d_h =
         within_range("motor.inductance_d_h", REACTANCE * emf_v / (speed_el * current_a));

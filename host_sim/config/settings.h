@@ -194,11 +194,11 @@ struct ModelScales {
     double inductance = 1;
     double flux = 1;
     double inertia = 1;
-    double dead_time_s =
-        AS_PLANT; // compensated by the drive; by default that of [measured], if there is one
-    double device_drop_v = AS_PLANT; // likewise
-    double output_capacitance_f =
-        AS_BOARD; // by default what the knee of [measured] says, if there is one
+    // Compensated by the drive. By default the dead time of [measured], if there is one.
+    double dead_time_s = AS_PLANT;
+    double device_drop_v = AS_PLANT;
+    // By default what the knee of [measured] says, if there is one.
+    double output_capacitance_f = AS_BOARD;
 };
 
 // [plant] How the real machine differs from the motor file, and what disturbs it.

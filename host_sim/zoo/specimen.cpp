@@ -124,9 +124,8 @@ double draw_emf(const Draw &draw, const Frame &frame, double copper_loss, double
 
 double draw_copper_loss(const Draw &draw, const Class &kind, double power_w)
 {
-    const double usual = COPPER_LOSS * std::pow(power_w / COPPER_POWER_W, COPPER_EXPONENT);
-    return std::clamp(usual * draw.log_uniform("copper loss", COPPER_SPREAD), kind.copper_loss.low,
-                      kind.copper_loss.high);
+    const double loss = usual_copper_loss(power_w) * draw.log_uniform("copper loss", COPPER_SPREAD);
+    return std::clamp(loss, kind.copper_loss.low, kind.copper_loss.high);
 }
 
 // u·T/(12·L) over I with the smallest EMF: ωT/(12·x)·√3/EMF_SHARE.
@@ -197,6 +196,11 @@ const std::vector<Class> &classes()
         {"industrial", {310, 560}, {1000, 15000}, {750, 4500}, 2, 8, loss, 1.5},
     };
     return all;
+}
+
+double usual_copper_loss(double power_w)
+{
+    return COPPER_LOSS * std::pow(power_w / COPPER_POWER_W, COPPER_EXPONENT);
 }
 
 Specimen draw_specimen(const Draw &draw, const Class &kind)

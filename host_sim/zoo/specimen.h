@@ -68,6 +68,9 @@ struct Specimen {
     double acceleration_s = 0; // from rest to rated speed with rated torque
 };
 
+// Copper loss of most motors at rated torque, a share of their rated power, W, above 0.
+double usual_copper_loss(double power_w);
+
 Specimen draw_specimen(const Draw &draw, const Class &kind);
 
 } // namespace nf::zoo
