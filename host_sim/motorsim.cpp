@@ -7,7 +7,11 @@
 #include "console.h"
 #include "data_list.h"
 #include "extremes.h"
+#include "findings.h"
+#include "measure.h"
+#include "measured_file.h"
 #include "peer.h"
+#include "plate.h"
 #include "program.h"
 #include "reader.h"
 #include "replace.h"
@@ -25,6 +29,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -56,6 +61,8 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim run s1 --record s1.log            with the flight recorder, as the firmware sends it
   motorsim replay field.log                  run a recording again, check each tick; --debug steps
   motorsim bench                             simulation speed on this machine
+  motorsim identify zoo:17:user -o mine.toml a simulated motor of which the drive knows the name plate
+  motorsim identify --records console.log --motor plate.toml --board my_board.toml -o mine.toml
 
 Exit status: 0 all limits of the scenario hold, or the recording comes out as it was; 1 one does not, or it departs;
 2 wrong usage or input.)";
@@ -103,6 +110,20 @@ struct ReplayArguments {
     std::string file;
     bool debug = false;
     std::string script;
+};
+
+struct IdentifyArguments {
+    std::string scenario;
+    std::vector<std::string> with;
+    std::vector<std::string> set;
+    std::string motor;
+    std::string board;
+    std::string records;
+    std::string output;
+    std::string log;
+    std::string json;
+    bool overwrite = false;
+    double temperature_c = 25;
 };
 
 struct BenchArguments {
@@ -420,6 +441,115 @@ int bench(const BenchArguments &arguments)
     return LIMITS_HOLD;
 }
 
+// The drive of a simulated motor knows what stands on its name plate.
+nf::Config plate_of_scenario(const nf::Config &config)
+{
+    nf::Config plate = config;
+    plate.motor = nf::plate_of(config.motor);
+    plate.model.resistance = 1;
+    plate.model.inductance = 1;
+    plate.model.flux = 1;
+    plate.model.inertia = 1;
+    return plate;
+}
+
+std::vector<std::string> lines_of(const std::string &path)
+{
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        throw FileError(fmt::format("{}: cannot read: {}", path, std::strerror(errno)));
+    }
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+std::string joined(const std::vector<std::string> &lines)
+{
+    std::string text;
+    for (const std::string &line : lines) {
+        text += line + '\n';
+    }
+    return text;
+}
+
+// What has been measured goes to the files that were asked for, and to the screen.
+void show(const IdentifyArguments &arguments, const nf::identify::Result &result,
+          const std::optional<nf::identify::Truth> &truth, const std::string &head)
+{
+    if (!arguments.output.empty()) {
+        nf::write_text(arguments.output,
+                       nf::measured_motor_file(result.motor, result.measured, head));
+    }
+    if (arguments.json.empty()) {
+        nf::write_text("-", nf::identify::table_text(result, truth));
+    } else {
+        nf::write_text(arguments.json, nf::identify::json_text(result, truth));
+    }
+}
+
+void check_new(const IdentifyArguments &arguments)
+{
+    if (!arguments.overwrite && !arguments.output.empty() &&
+        std::filesystem::exists(arguments.output)) {
+        throw FileError(
+            fmt::format("{}: is there already; --overwrite replaces it", arguments.output));
+    }
+}
+
+int identify_records(const IdentifyArguments &arguments)
+{
+    if (arguments.motor.empty() || arguments.board.empty()) {
+        throw FileError(
+            "--records needs the name plate, --motor FILE, and the board, --board FILE");
+    }
+    const nf::Config plate = nf::load_plate(arguments.motor, arguments.board, {}, arguments.set);
+    nf::check_output(plate, "--output", arguments.output);
+    const nf::identify::Records records =
+        nf::identify::read_records(lines_of(arguments.records), arguments.records);
+    show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c), std::nullopt,
+         fmt::format("Measured by the drive, of the records {}.", arguments.records));
+    return LIMITS_HOLD;
+}
+
+int identify_simulated(const IdentifyArguments &arguments)
+{
+    const Choice choice = {arguments.scenario, arguments.with, arguments.set, arguments.motor,
+                           arguments.board};
+    const nf::Config config = choice.load();
+    const nf::Config plate = plate_of_scenario(config);
+    nf::check_output(config, "--output", arguments.output);
+    nf::Simulation sim(config, nf::with_typical(plate));
+    const nf::identify::Measurement found = nf::identify::measure(sim, [](const std::string &line) {
+        if (line.rfind("= ", 0) != 0 && line.rfind("identify 1", 0) != 0) {
+            fmt::print(stderr, "{}\n", line);
+        }
+    });
+    if (!arguments.log.empty()) {
+        nf::write_text(arguments.log, joined(found.lines));
+    }
+    if (!found.refusal.empty()) {
+        return LIMIT_BROKEN;
+    }
+    const nf::identify::Records records = nf::identify::read_records(found.lines, "the console");
+    show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c),
+         nf::identify::truth_of(config),
+         fmt::format("Measured by the drive in {:.0f} s, on the simulated motor of {}.",
+                     found.duration_s, arguments.scenario));
+    return LIMITS_HOLD;
+}
+
+int identify(const IdentifyArguments &arguments)
+{
+    if (arguments.scenario.empty() == arguments.records.empty()) {
+        throw FileError("name a scenario, whose motor is simulated, or --records FILE of a board");
+    }
+    check_new(arguments);
+    return arguments.records.empty() ? identify_simulated(arguments) : identify_records(arguments);
+}
+
 void describe_choice(CLI::App &command, Choice &arguments)
 {
     command
@@ -496,6 +626,42 @@ void describe_replay(CLI::App &command, ReplayArguments &arguments)
     describe_script(command, arguments.script);
 }
 
+void describe_identify(CLI::App &command, IdentifyArguments &arguments)
+{
+    command.add_option(
+        "scenario", arguments.scenario,
+        "whose motor, board and imperfections are simulated; the drive knows the name plate only");
+    command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("IMPERFECTION");
+    command.add_option("--motor", arguments.motor,
+                       "another motor; with --records the name plate, by name or path");
+    command.add_option("--board", arguments.board, "another board, by name or path");
+    command.add_option("--set", arguments.set, "override a setting; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+    command
+        .add_option("--records", arguments.records,
+                    "what a board's console has sent after `identify`")
+        ->check(not_a_file, "")
+        ->type_name("FILE");
+    command.add_option("-o,--output", arguments.output, "write the motor file")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
+    command.add_flag("--overwrite", arguments.overwrite, "even if it is there already");
+    command.add_option("--log", arguments.log, "write the console's lines, records among them")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
+    command
+        .add_option("--json", arguments.json, "write values and bars as JSON; - is standard output")
+        ->check(not_a_file, "")
+        ->type_name("FILE");
+    command
+        .add_option("--temperature", arguments.temperature_c, "of the winding meanwhile, degrees C")
+        ->capture_default_str()
+        ->check(CLI::Range(-50.0, 250.0));
+}
+
 void describe_bench(CLI::App &command, BenchArguments &arguments)
 {
     command.add_option("scenario", arguments.scenario, "scenario to time")->capture_default_str();
@@ -525,6 +691,7 @@ private:
     DebugArguments debug_;
     Choice signals_;
     ReplayArguments replay_;
+    IdentifyArguments identify_;
     BenchArguments bench_;
     std::vector<std::pair<const CLI::App *, std::function<int()>>> actions_;
 };
@@ -543,6 +710,9 @@ Commands::Commands(CLI::App &app)
     describe_replay(add(app, "replay", "run a flight recorder's recording again",
                         [this] { return replay(replay_); }),
                     replay_);
+    describe_identify(add(app, "identify", "measure a motor of which only the name plate is known",
+                          [this] { return identify(identify_); }),
+                      identify_);
     add(app, "list", "list scenarios and imperfections", list);
     add(app, "estimators", "what `run --estimator` knows, with its gains, as JSON", estimators);
     describe_bench(

@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#define MEASURING "the motor is being measured; stop ends that"
+
 void console_say(console_t *console, const char *line)
 {
     text_add(&console->out, line);
@@ -43,7 +45,9 @@ static void set_speed(console_t *console, const char *argument)
     int32_t rpm = 0;
     const bool good = text_to_number(argument, &rpm);
 
-    if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
+    if (identify_is_busy(&console->identify)) {
+        answer(console, MEASURING); /* the command's target is a word of the probe */
+    } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
         commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
         answer(console, NULL);
     } else {
@@ -154,6 +158,17 @@ static bool same(const char *line, const char *command)
     return (rest != NULL) && (rest[0] == '\0');
 }
 
+static const char *run(console_t *console)
+{
+    return identify_is_busy(&console->identify) ? MEASURING : commander_run(console->app);
+}
+
+static void stop(console_t *console)
+{
+    identify_stop(&console->identify);
+    commander_stop(console->app);
+}
+
 static void do_line(console_t *console)
 {
     const char *const line = console->line;
@@ -162,9 +177,9 @@ static void do_line(console_t *console)
     if (speed != NULL) {
         set_speed(console, speed);
     } else if (same(line, "run")) {
-        answer(console, commander_run(console->app));
+        answer(console, run(console));
     } else if (same(line, "stop")) {
-        commander_stop(console->app);
+        stop(console);
         answer(console, NULL);
     } else if (same(line, "clear")) {
         answer(console, commander_clear(console->app));
@@ -174,8 +189,11 @@ static void do_line(console_t *console)
         answer(console, ask_for_dump(console));
     } else if (same(line, "record")) {
         answer(console, record_anew(console));
+    } else if (same(line, "identify")) {
+        answer(console, identify_start(&console->identify));
     } else {
-        answer(console, "the commands are run, stop, clear, speed RPM, status, dump, record");
+        answer(console,
+               "the commands are run, stop, clear, speed RPM, status, dump, record, identify");
     }
 }
 
@@ -208,6 +226,14 @@ static void announce(console_t *console)
     }
 }
 
+/* A record once all before it is sent: none is lost. */
+static void go_on_identifying(console_t *console)
+{
+    if (console->out.length == 0U) {
+        identify_step(&console->identify, &console->out);
+    }
+}
+
 static void send(console_t *console)
 {
     text_t *const out = &console->out;
@@ -225,6 +251,7 @@ static void send(console_t *console)
 void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *about)
 {
     *console = (console_t){.app = app, .hal = hal, .about = about, .announced = DRIVE_STATE_INIT};
+    identify_init(&console->identify, app, about);
 }
 
 void console_step(console_t *console)
@@ -237,5 +264,6 @@ void console_step(console_t *console)
     commander_step(console->app);
     announce(console);
     go_on_dumping(console);
+    go_on_identifying(console);
     send(console);
 }

@@ -2,7 +2,7 @@
 /*
  * The console: one command a line, one line as answer; and the status when the drive changes its state.
  *
- *     run  stop  clear  speed RPM  status  dump  record
+ *     run  stop  clear  speed RPM  status  dump  record  identify
  *
  * It needs hal_receive(), hal_send() and hal_health() of the binding, and no chip. It runs in the background, commands the
  * drive by way of commander.h and reads it; the control tick may interrupt it at any instruction.
@@ -12,6 +12,7 @@
 
 #include "about.h"
 #include "app.h"
+#include "identify.h"
 #include "recorder_dump.h"
 #include "text.h"
 
@@ -36,6 +37,7 @@ typedef struct {
     uint32_t sent;
     console_dump_t dump_phase;
     recorder_dump_t dump;
+    identify_t identify;
 } console_t;
 
 /*

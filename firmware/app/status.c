@@ -126,7 +126,7 @@ static void add_swing(text_t *text, const drive_t *drive, const about_t *about)
 static void add_state(text_t *text, const drive_t *drive, const about_t *about)
 {
     static const char *const names[] = {
-        "INIT", "OFFSET_CAL", "READY",    "FLYING_START", "ALIGN",
+        "INIT", "OFFSET_CAL", "READY",    "FLYING_START", "PROBE", "ALIGN",
         "HOLD", "IF_RAMP",    "HANDOVER", "RUN",          "FAULT",
     };
     const drive_state_t state = drive->state;

@@ -5,6 +5,7 @@
 #include "estimate.h"
 #include "frame.h"
 #include "open_loop.h"
+#include "probing.h"
 #include "run.h"
 #include "schedule.h"
 #include "straight.h"
@@ -168,13 +169,19 @@ static drive_event_t begin_calibration(drive_t *drive)
     return DRIVE_EVENT_CALIBRATE;
 }
 
+/* Nothing that supervision and monitor have seen counts from now on. */
+static void forget_last_run(drive_t *drive)
+{
+    drive->attempts = 0U;
+    supervision_reset(&drive->supervision);
+    oscillation_reset(&drive->oscillation);
+}
+
 static drive_event_t start(drive_t *drive)
 {
     drive_event_t event = DRIVE_EVENT_TRACKED;
 
-    drive->attempts = 0U;
-    supervision_reset(&drive->supervision);
-    oscillation_reset(&drive->oscillation);
+    forget_last_run(drive);
     speed_loop_restore(&drive->speed_loop);
     if (drive_has_sensor(drive)) {
         run_reset_sensed(drive);
@@ -182,6 +189,21 @@ static drive_event_t start(drive_t *drive)
         run_reset(drive);
     } else {
         event = open_loop_start(drive);
+    }
+    return event;
+}
+
+static drive_event_t obey_when_ready(drive_t *drive, uint8_t request)
+{
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    if ((request & DRIVE_REQUEST_RUN) != 0U) {
+        event = start(drive);
+    } else if ((request & DRIVE_REQUEST_PROBE) != 0U) {
+        forget_last_run(drive);
+        event = probing_start(drive);
+    } else {
+        /* stay */
     }
     return event;
 }
@@ -197,7 +219,7 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
         event = calibrate_step(drive, in, fault);
         break;
     case DRIVE_STATE_READY:
-        event = run ? start(drive) : DRIVE_EVENT_NONE;
+        event = obey_when_ready(drive, in->command.request);
         break;
     case DRIVE_STATE_FAULT:
         event = (clear && !run) ? begin_calibration(drive) : DRIVE_EVENT_NONE;
@@ -212,13 +234,16 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
 static void obey(drive_t *drive, const drive_in_t *in)
 {
     const bool run = (in->command.request & DRIVE_REQUEST_RUN) != 0U;
+    const uint8_t level =
+        (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
+    const bool goes_on = (in->command.request & level) != 0U;
 
     if (!drive_is_driving(drive->state)) {
         fault_t fault;
 
         fault_clear(&fault);
         follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault);
-    } else if (!run) {
+    } else if (!goes_on) {
         follow(drive, DRIVE_EVENT_STOP);
     } else {
         /* go on */
@@ -277,11 +302,13 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     nominal = drive_nominal(drive);
     model_reset(&drive->model, &nominal);
     speed_loop_init(&drive->speed_loop);
+    probe_reset(&drive->probe);
     drive->slow_count = cfg->slow_ticks;
     enter(drive, DRIVE_STATE_INIT);
     modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
+    probe_reset(&drive->probe);
     bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";
@@ -381,6 +408,17 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
     out->gate_enable = out->gate_enable && drive_is_driving(drive->state);
 }
 
+/* A tick of PROBE. Its slow part may end it. */
+static void probe_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
+{
+    probing_step(drive, &in->command, &out->compare);
+    out->gate_enable = true;
+    slow_step(drive, in, left, false);
+    if (drive->state != DRIVE_STATE_PROBE) {
+        open_gates(drive, out);
+    }
+}
+
 static void begin_tick(drive_t *drive, const drive_in_t *in)
 {
     convert_samples(drive, in);
@@ -396,7 +434,11 @@ static void end_tick(drive_t *drive)
 
 static void general_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive_out_t *out)
 {
-    if (attend(drive, in)) {
+    const bool controlled = attend(drive, in);
+
+    if (controlled && (drive->state == DRIVE_STATE_PROBE)) {
+        probe_tick(drive, in, left, out);
+    } else if (controlled) {
         control_tick(drive, in, left, out);
     } else {
         idle_tick(drive, in, left, out);

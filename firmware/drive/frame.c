@@ -105,10 +105,15 @@ static dq_t expected_current(const drive_t *drive, const frame_t *frame)
     return expected;
 }
 
+/* The angle of a frame in the middle of the period in which a demand of now acts. */
+static inline angle_t acting_angle(angle_t angle, step_t step)
+{
+    return angle + fx_unsigned(step) + fx_unsigned(fx_asr(step, 1U));
+}
+
 void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out)
 {
-    const angle_t ahead = fx_unsigned(frame->step) + fx_unsigned(fx_asr(frame->step, 1U));
-    const angle_t acting = frame->angle + ahead;
+    const angle_t acting = acting_angle(frame->angle, frame->step);
     /*@ assert SECTORS(acting); */
     const modulator_t *const mod = &drive->modulator;
     const modulator_cfg_t *const cfg = &drive->cfg->modulator;
@@ -126,6 +131,18 @@ void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out)
     } else {
         modulator_compare(cfg, ratio_ab, out);
     }
+}
+
+void frame_modulate_plain(drive_t *drive, compare_t *out)
+{
+    const angle_t acting =
+        acting_angle(rotor_position_angle(&drive->vector.position), drive->vector.step);
+    /*@ assert SECTORS(acting); */
+    const dq_t ratio = modulator_ratio(&drive->modulator, drive->signals.voltage);
+
+    drive->ratio_acting = drive->signals.ratio_ab;
+    drive->signals.ratio_ab = transforms_park_inverse(ratio, trig_sincos(acting));
+    modulator_compare(&drive->cfg->modulator, drive->signals.ratio_ab, out);
 }
 
 void frame_turn(drive_t *drive, angle_t angle)

@@ -54,6 +54,9 @@ void frame_control_current(drive_t *drive, const frame_t *frame);
 /* The voltage to compare values. It is turned for the middle of the period in which it acts. */
 void frame_modulate(drive_t *drive, const frame_t *frame, compare_t *out);
 
+/* The same in the frame of the vector, without compensation of dead time and drop. */
+void frame_modulate_plain(drive_t *drive, compare_t *out);
+
 /*
  * Change to a frame that is ahead by `angle`. A vector that is constant in space turns back in it: current_ref and the
  * integrals of the current control. So nothing jumps.

@@ -15,6 +15,7 @@ typedef enum {
 
 #define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
 #define DRIVE_REQUEST_CLEAR (0x02U) /* acknowledge a fault, only without RUN */
+#define DRIVE_REQUEST_PROBE (0x04U) /* level: measure the motor while set, only without RUN */
 
 #define DRIVE_FLAG_BREAK (0x0001U) /* the power stage opened the gates by itself */
 /* The tick before ended too late: no voltage acted in place of its demand. */
@@ -22,8 +23,9 @@ typedef enum {
 
 /* The user's command. */
 typedef struct {
-    int32_t target; /* SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns */
-    uint8_t mode;   /* drive_mode_t; any other value counts as SPEED */
+    /* SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns; in PROBE the value of the word in `mode` */
+    int32_t target;
+    uint8_t mode; /* drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t */
     uint8_t request;
 } drive_command_t;
 

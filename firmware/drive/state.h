@@ -18,6 +18,7 @@
 #include "model.h"
 #include "oscillation.h"
 #include "phase_compensator.h"
+#include "probe.h"
 #include "protection.h"
 #include "rotor_position.h"
 #include "supervision.h"
@@ -32,6 +33,7 @@ typedef enum {
     DRIVE_STATE_OFFSET_CAL,
     DRIVE_STATE_READY,
     DRIVE_STATE_FLYING_START, /* does the rotor turn already? */
+    DRIVE_STATE_PROBE,        /* measures an unknown motor with an imposed current */
     DRIVE_STATE_ALIGN,        /* pulls the rotor to a known angle, measures R and L */
     DRIVE_STATE_HOLD,         /* an imposed current holds the rotor at standstill */
     DRIVE_STATE_IF_RAMP,      /* an imposed current turns the rotor: open-loop I/f */
@@ -47,6 +49,7 @@ typedef enum {
     DRIVE_EVENT_CALIBRATED, /* the zeros of the current sensors are known */
     DRIVE_EVENT_STOP,       /* the user no longer asks to run */
     DRIVE_EVENT_SEARCH,     /* a start begins, the first or one more */
+    DRIVE_EVENT_PROBE,      /* the user asks to measure the motor */
     DRIVE_EVENT_STANDS,  /* an alignment begins: the rotor is slow, or R and L are not measured */
     DRIVE_EVENT_HELD,    /* the imposed vector is at rest */
     DRIVE_EVENT_DRAGGED, /* the imposed vector turns, more slowly than handover_speed */
@@ -127,6 +130,7 @@ typedef struct {
     uint32_t attempts;         /* starts that failed since READY */
     flying_start_t flying_start;
     align_t align;
+    probe_t probe;
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
     supervision_t supervision;
@@ -142,7 +146,7 @@ static inline bool drive_is_driving(drive_state_t state)
     return (state > DRIVE_STATE_READY) && (state < DRIVE_STATE_FAULT);
 }
 
-/* ALIGN to RUN: the current is controlled. */
+/* PROBE to RUN: the current is controlled. */
 static inline bool drive_is_controlled(drive_state_t state)
 {
     return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_FAULT);
@@ -151,7 +155,7 @@ static inline bool drive_is_controlled(drive_state_t state)
 /* ALIGN to HANDOVER: the current is that of an imposed vector. */
 static inline bool drive_is_imposed(drive_state_t state)
 {
-    return (state > DRIVE_STATE_FLYING_START) && (state < DRIVE_STATE_RUN);
+    return (state > DRIVE_STATE_PROBE) && (state < DRIVE_STATE_RUN);
 }
 
 /* The vector rests, and holds a rotor that has been aligned or stopped. */

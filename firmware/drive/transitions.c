@@ -5,8 +5,8 @@
 #define FROM_HOLD_TO_HANDOVER \
     (IN(DRIVE_STATE_HOLD) | IN(DRIVE_STATE_IF_RAMP) | IN(DRIVE_STATE_HANDOVER))
 #define DRIVING \
-    (FROM_HOLD_TO_HANDOVER | IN(DRIVE_STATE_FLYING_START) | IN(DRIVE_STATE_ALIGN) | \
-     IN(DRIVE_STATE_RUN))
+    (FROM_HOLD_TO_HANDOVER | IN(DRIVE_STATE_FLYING_START) | IN(DRIVE_STATE_PROBE) | \
+     IN(DRIVE_STATE_ALIGN) | IN(DRIVE_STATE_RUN))
 #define ANY_BUT_FAULT \
     (DRIVING | IN(DRIVE_STATE_INIT) | IN(DRIVE_STATE_OFFSET_CAL) | IN(DRIVE_STATE_READY))
 
@@ -24,6 +24,7 @@ drive_state_t transitions_next(drive_state_t state, drive_event_t event)
         [DRIVE_EVENT_SEARCH] = {DRIVE_STATE_FLYING_START, IN(DRIVE_STATE_READY) |
                                                               IN(DRIVE_STATE_ALIGN) |
                                                               FROM_HOLD_TO_HANDOVER},
+        [DRIVE_EVENT_PROBE] = {DRIVE_STATE_PROBE, IN(DRIVE_STATE_READY)},
         [DRIVE_EVENT_STANDS] = {DRIVE_STATE_ALIGN,
                                 IN(DRIVE_STATE_FLYING_START) | IN(DRIVE_STATE_HOLD)},
         [DRIVE_EVENT_HELD] = {DRIVE_STATE_HOLD,

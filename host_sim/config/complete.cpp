@@ -73,7 +73,7 @@ void check_complete(FileKind kind, const Layer &home, const Config &config)
                           });
     if (is_plate) {
         fail(place, fmt::format("{}", fmt::join(names_of(lacking), ", ")), "",
-             "are missing: this is a name plate, the rest has to be measured", "");
+             "are missing: this is a name plate, motorsim identify measures them", "");
     }
     refuse_missing(place, lacking);
 }

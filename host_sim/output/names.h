@@ -20,6 +20,8 @@ inline const char *state_name(drive_state_t state)
         return "READY";
     case DRIVE_STATE_FLYING_START:
         return "FLYING_START";
+    case DRIVE_STATE_PROBE:
+        return "PROBE";
     case DRIVE_STATE_ALIGN:
         return "ALIGN";
     case DRIVE_STATE_HOLD:

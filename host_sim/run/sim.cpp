@@ -23,10 +23,14 @@ int32_t to_target(double value)
 
 } // namespace
 
-Simulation::Simulation(const Config &config)
-    : cfg_(build(config)), bases_(make_bases(config.motor, config.board))
+Simulation::Simulation(const Config &config) : Simulation(config, config)
 {
-    const plant_cfg_t plant_cfg = make_plant_cfg(config, cfg_);
+}
+
+Simulation::Simulation(const Config &real, const Config &believed)
+    : cfg_(build(believed)), bases_(make_bases(believed.motor, believed.board))
+{
+    const plant_cfg_t plant_cfg = make_plant_cfg(real, cfg_);
     const char *bad = nullptr;
     if (!plant_init(&plant_, &plant_cfg, &bad)) {
         throw ConfigError(fmt::format("the simulated hardware cannot have this {}", bad));

@@ -30,6 +30,8 @@ class Simulation
 public:
     // Throws ConfigError when the drive or the plant refuses the configuration.
     explicit Simulation(const Config &config);
+    // The motor and the board of one configuration, and a drive that believes another one, of the same board.
+    Simulation(const Config &real, const Config &believed);
     // Without a motor: feed() says before each control() what is measured and wanted.
     explicit Simulation(const DriveImage &image);
     // The drive keeps a pointer to its configuration.
@@ -90,6 +92,12 @@ public:
     Seam seam()
     {
         return {plant_, hal_.faults, cfg_, app_.drive};
+    }
+
+    // For the background that runs on it.
+    app_t &app()
+    {
+        return app_;
     }
 
     const drive_t &drive() const

@@ -49,6 +49,7 @@ static void assert_blinks(drive_state_t state, uint32_t half)
 static void test_it_blinks_once_a_second_when_ready_and_four_times_after_a_fault(void)
 {
     assert_blinks(DRIVE_STATE_READY, SLOW_TICKS);
+    assert_blinks(DRIVE_STATE_PROBE, SLOW_TICKS);
     assert_blinks(DRIVE_STATE_ALIGN, SLOW_TICKS);
     assert_blinks(DRIVE_STATE_FAULT, FAST_TICKS);
 }

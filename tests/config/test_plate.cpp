@@ -55,7 +55,7 @@ void every_other_loader_says_that_it_is_a_name_plate()
     write_plate(folder);
     const std::string line = "motors/m.toml:1: " + UNKNOWN +
                              ", motor.viscous_friction_nm_s: are missing: this is a name plate, "
-                             "the rest has to be measured";
+                             "motorsim identify measures them";
     TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
     TEST_ASSERT_EQUAL_STRING(line.c_str(),
                              refusal_of([] { nf::load_parts("m", "b", "t"); }).c_str());
@@ -67,7 +67,7 @@ void a_friction_in_a_name_plate_makes_no_difference()
     const Folder folder;
     write_plate(folder, "viscous_friction_nm_s = 0.5\n");
     const std::string line = "motors/m.toml:1: " + UNKNOWN +
-                             ": are missing: this is a name plate, the rest has to be measured";
+                             ": are missing: this is a name plate, motorsim identify measures them";
     TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
     TEST_ASSERT_EQUAL_DOUBLE(0, nf::load_plate("m", "b").motor.viscous_friction_nm_s);
 }

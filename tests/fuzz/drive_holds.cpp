@@ -67,13 +67,15 @@ void tick_holds(drive_state_t before, const drive_t &drive, const drive_in_t &in
                 const drive_out_t &out)
 {
     const bool run = (in.command.request & DRIVE_REQUEST_RUN) != 0;
+    const bool probe = (in.command.request & DRIVE_REQUEST_PROBE) != 0;
     const bool clear = (in.command.request & DRIVE_REQUEST_CLEAR) != 0;
     state_holds(drive);
     for (const uint16_t compare : out.compare.phase) {
         within("a compare value", compare, 0, drive.cfg->modulator.timer_counts);
     }
     HOLDS(!out.gate_enable || may_drive(drive.state), "gates on only from FLYING_START to RUN");
-    HOLDS(!out.gate_enable || run, "gates on only while it shall run");
+    HOLDS(!out.gate_enable || (drive.state == DRIVE_STATE_PROBE ? probe : run),
+          "gates on only while it shall run, or shall measure the motor");
     HOLDS((in.flags & DRIVE_FLAG_BREAK) == 0 || drive.state == DRIVE_STATE_FAULT,
           "a break is a fault in its tick");
     HOLDS(drive.state != DRIVE_STATE_FAULT || drive.fault.id != FAULT_NONE, "FAULT has a fault");

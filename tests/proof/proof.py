@@ -49,8 +49,8 @@ BACKGROUND = {  # of the recorder
 CASES = {
     DRIVE: {
         "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
-        "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "judge": 50, "fx_approach": 20,
-        "average": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
+        "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "frame_modulate_plain": 2000, "judge": 50,
+        "fx_approach": 20, "average": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
     },
     RECORDER: {"turn_over": 20},
 }
@@ -61,7 +61,7 @@ OPTIONS = [
 ]
 SPLIT_RETURN = {DRIVE: "fx_leading_zeros:full,protection_check:full", RECORDER: "fx_leading_zeros:full"}
 COLLECTED_SELDOM = {"OCAMLRUNPARAM": "s=4M,o=200"}  # garbage: a ninth of the time for some more memory
-NOT_CALLED = {"drive_position_q32", "drive_step_general", "drive_reads_slow_inputs"}  # by what is analysed
+NOT_CALLED = {"drive_position_q32", "drive_step_general", "drive_reads_slow_inputs", "probe_is_done"}  # by what is analysed
 A_BRANCH_AN_ENTRY = {"start"}  # start-up; sensor or none
 UNASKED = "not asked for"
 UNREACHED = "never gone through"

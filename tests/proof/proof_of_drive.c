@@ -127,11 +127,18 @@ static void check_regulated(void)
 static void step_without_startup(void)
 {
     drive.state = Frama_C_interval(DRIVE_STATE_INIT, DRIVE_STATE_READY);
-    if (Frama_C_interval(0, 1) != 0) {
+    switch (Frama_C_interval(0, 2)) {
+    case 1:
+        drive.state = DRIVE_STATE_PROBE;
+        break;
+    case 2:
         drive.state = Frama_C_interval(DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
+        break;
+    default: /* at rest */
+        break;
     }
     step();
-    if (drive.state > DRIVE_STATE_READY) {
+    if ((drive.state > DRIVE_STATE_READY) && (drive.state != DRIVE_STATE_PROBE)) {
         within(drive.state, DRIVE_STATE_RUN, DRIVE_STATE_FAULT);
     }
 }

@@ -366,7 +366,7 @@ class Outputs(MotorsimTest):
 class Conventions(MotorsimTest):
     """Wherever --json is an option, it takes a file's name, and - is standard output."""
 
-    COMMANDS = (("run", "s1"), ("bench", "--runs", "1"))
+    COMMANDS = (("run", "s1"), ("bench", "--runs", "1"), ("identify", "s1"))
 
     def test_json_goes_to_a_file_and_a_hyphen_is_standard_output(self):
         for command in self.COMMANDS:

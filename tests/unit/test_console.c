@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define SAID_MAX (4096U)
-#define HELP "error: the commands are run, stop, clear, speed RPM, status, dump, record\r\n"
+#define HELP \
+    "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
@@ -345,6 +346,72 @@ static void test_a_kept_recording_is_said_until_it_is_given_up(void)
     TEST_ASSERT_NULL(strstr(said_to("status\n"), kept));
 }
 
+#define MEASURING "error: the motor is being measured; stop ends that\r\n"
+
+/* Until the drive measures. */
+static void identifies(void)
+{
+    ready();
+    (void)said_to("speed 1000\n");
+    assert_contains("ok\r\n", said_to("identify\n"));
+    tick_period();
+    (void)said_to("");
+    tick_period();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
+}
+
+static void test_an_identification_is_refused_unless_the_drive_is_ready(void)
+{
+    assert_contains("error: the drive is not READY\r\n", said_to("identify\n"));
+}
+
+static void test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that(void)
+{
+    uint8_t mode;
+    int32_t target;
+
+    identifies();
+    mode = app.in.command.mode;
+    target = app.in.command.target;
+    assert_contains(MEASURING, said_to("run\n"));
+    assert_contains(MEASURING, said_to("speed 10\n"));
+    assert_contains("error: it is under way\r\n", said_to("identify\n"));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_PROBE, request_taken());
+    TEST_ASSERT_EQUAL_UINT8(mode, app.in.command.mode);
+    TEST_ASSERT_EQUAL_INT32(target, app.in.command.target);
+    assert_contains("ok\r\n", said_to("stop\n"));
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+    TEST_ASSERT_FALSE(app.out.gate_enable);
+}
+
+/* A word of the probe is no speed. */
+static void test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before(void)
+{
+    identifies();
+    (void)said_to("stop\n");
+    tick_period();
+    (void)said_to("run\n");
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, request_taken());
+    TEST_ASSERT_EQUAL_INT32(14316558, app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, app.in.command.mode);
+}
+
+/* None is lost: the next one begins when the last has been sent. */
+static void test_records_wait_for_the_line(void)
+{
+    ready();
+    line.room = 0U;
+    (void)said_to("identify\n");
+    for (uint32_t k = 0U; k < 10U; k++) {
+        tick_period();
+        console_step(&console);
+    }
+    TEST_ASSERT_EQUAL(IDENTIFY_BEGINS, console.identify.phase);
+    line.room = SIZE_MAX;
+    (void)said_to("");
+    assert_contains("identify 1 100000000", said_to(""));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -366,5 +433,9 @@ int main(void)
     RUN_TEST(test_a_dump_waits_for_the_line_and_is_no_kept_recording_meanwhile);
     RUN_TEST(test_what_is_frozen_is_dumped_without_a_tick);
     RUN_TEST(test_a_kept_recording_is_said_until_it_is_given_up);
+    RUN_TEST(test_an_identification_is_refused_unless_the_drive_is_ready);
+    RUN_TEST(test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that);
+    RUN_TEST(test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before);
+    RUN_TEST(test_records_wait_for_the_line);
     return UNITY_END();
 }

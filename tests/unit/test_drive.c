@@ -820,7 +820,8 @@ static void assert_everything_in_range(void)
     for (int32_t p = 0; p < 3; p++) {
         TEST_ASSERT_TRUE(out.compare.phase[p] <= cfg.modulator.timer_counts);
     }
-    TEST_ASSERT_TRUE(!out.gate_enable || (drive.state == DRIVE_STATE_RUN));
+    TEST_ASSERT_TRUE(!out.gate_enable || (drive.state == DRIVE_STATE_RUN) ||
+                     (drive.state == DRIVE_STATE_PROBE));
     TEST_ASSERT_TRUE((drive.state >= DRIVE_STATE_INIT) && (drive.state <= DRIVE_STATE_FAULT));
     TEST_ASSERT_TRUE((s->phase_a >= -16384) && (s->phase_a <= 16383));
     TEST_ASSERT_TRUE((s->phase_b >= -16384) && (s->phase_b <= 16383));

@@ -60,6 +60,7 @@ static void test_it_begins_with_the_state(void)
     assert_state(DRIVE_STATE_OFFSET_CAL, "OFFSET_CAL, speed");
     assert_state(DRIVE_STATE_READY, "READY, speed");
     assert_state(DRIVE_STATE_FLYING_START, "FLYING_START, speed");
+    assert_state(DRIVE_STATE_PROBE, "PROBE, speed");
     assert_state(DRIVE_STATE_ALIGN, "ALIGN, speed");
     assert_state(DRIVE_STATE_HOLD, "HOLD, speed");
     assert_state(DRIVE_STATE_IF_RAMP, "IF_RAMP, speed");

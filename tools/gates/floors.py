@@ -46,6 +46,7 @@ BELOW |= {
     "host_sim/program": ["host_sim/file"],
     "host_sim/reference": [*CORE, "host_sim/config"],
     "host_sim/run": [*CORE, "hal/host", "host_sim/plant", "host_sim/config"],
+    "host_sim/identify": [*CORE, "host_sim/plant", "host_sim/config", "host_sim/run"],
     "host_sim/peers": [*CORE, "host_sim/config", "host_sim/run"],
     "host_sim/output": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run"],
     "host_sim/replay": [*CORE, "host_sim/config", "host_sim/run", "host_sim/output"],
@@ -67,6 +68,7 @@ BUILT_OF = {
     "motion_loop": ["pi"],
     "nn_observer": ["transforms"],
     "phase_compensator": ["transforms"],
+    "probe": ["current_loop", "transforms"],
     "torque_filter": ["transforms"],
     "virtual_resistance": ["transforms"],
 }

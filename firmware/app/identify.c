@@ -1,0 +1,391 @@
+/* SPDX-License-Identifier: MIT */
+#include "identify.h"
+
+#include "identify_aim.h"
+#include "identify_rest.h"
+#include "identify_turn.h"
+
+#include <stddef.h>
+
+#define MS_PS (1000000000U)
+#define WINDOW_NUMBERS (0x7FFU)
+#define CURRENT_LEAST \
+    (192) /* 24 counts of a converter of 12 bits: a quarter of it is still above its noise */
+#define CURRENT_ONE (32768) /* I_b in Q15 */
+#define NOISE_SHARE (16)    /* of the continuous current, mean change from sample to sample */
+
+/* ---- the words of an experiment ---- */
+
+static uint32_t ticks_passed(const identify_t *identify)
+{
+    return identify->app->drive.tick - identify->since;
+}
+
+static bool has_settled(const identify_t *identify)
+{
+    return ticks_passed(identify) >= fx_unsigned(identify->aim.settle);
+}
+
+static void wait_for(identify_t *identify, identify_wait_t wait)
+{
+    identify->wait = wait;
+    identify->since = identify->app->drive.tick;
+}
+
+static void post(identify_t *identify, uint32_t which)
+{
+    const drive_command_t command = {
+        .target = identify->aim.words[which],
+        .mode = (uint8_t)(which + (uint32_t)PROBE_CURRENT),
+        .request = DRIVE_REQUEST_PROBE,
+    };
+
+    command_mailbox_post(&identify->app->mailbox, &command);
+    identify->in_force[which] = command.target;
+}
+
+/* The word that was posted last has reached the drive. */
+static bool word_is_taken(const identify_t *identify)
+{
+    const drive_command_t asked = command_mailbox_take(&identify->app->mailbox);
+    const drive_command_t *const now = &identify->app->in.command;
+
+    return (now->mode == asked.mode) && (now->target == asked.target) &&
+           (now->request == asked.request);
+}
+
+/* Posts the next word that is not in force, the window's left out. Returns whether all are. */
+static bool ask(identify_t *identify)
+{
+    bool complete = true;
+
+    for (uint32_t k = 0U; (k < (IDENTIFY_WORDS - 1U)) && complete; k++) {
+        if (identify->aim.words[k] != identify->in_force[k]) {
+            post(identify, k);
+            complete = false;
+        }
+    }
+    return complete;
+}
+
+/* Its word differs from those of the windows before. */
+static void ask_for_window(identify_t *identify)
+{
+    const uint32_t number = identify->windows & WINDOW_NUMBERS;
+    const uint32_t window = (number << PROBE_WINDOW_BITS) | fx_unsigned(identify->aim.ticks);
+
+    identify->windows++;
+    *identify_aim_word(identify, PROBE_WINDOW) = fx_signed(window);
+    post(identify, IDENTIFY_WORDS - 1U);
+}
+
+static bool is_measured(const identify_t *identify)
+{
+    return word_is_taken(identify) &&
+           probe_is_done(&identify->app->drive.probe, identify->in_force[IDENTIFY_WORDS - 1U]);
+}
+
+static bool has_arrived(const identify_t *identify)
+{
+    const drive_t *const drive = &identify->app->drive;
+    const probe_t *const probe = &drive->probe;
+    const bool turns = (probe->own_speed == probe->speed) && (probe->speed != 0);
+    const bool rests =
+        (probe->own_speed == 0) && (rotor_position_angle(&drive->vector.position) == probe->angle);
+
+    return identify->aim.rushes || turns || rests;
+}
+
+/* ---- lines ---- */
+
+static void add_word(text_t *text, int32_t value)
+{
+    text_add(text, " ");
+    text_number(text, value, 0U);
+}
+
+static void add_words(text_t *text, dq_t value)
+{
+    add_word(text, value.d);
+    add_word(text, value.q);
+}
+
+static void say_scales(const identify_t *identify, text_t *text)
+{
+    const about_t *const about = identify->about;
+
+    text_add(text, "identify 1");
+    add_word(text, (int32_t)about->rotation.tick_ps);
+    add_word(text, (int32_t)about->current_full_scale_ua);
+    add_word(text, (int32_t)about->bus_full_scale_uv);
+    add_word(text, (int32_t)about->rotation.pole_pairs);
+    add_word(text, (int32_t)identify->app->drive.cfg->speed_shift);
+    text_end_line(text);
+}
+
+static void say_record(const identify_t *identify, text_t *text)
+{
+    static const probe_word_t shown[] = {PROBE_CURRENT, PROBE_SPEED, PROBE_PULSE_D, PROBE_PULSE_Q,
+                                         PROBE_PULSE_TICKS};
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+
+    text_add(text, "= ");
+    text_add(text, identify->aim.kind);
+    add_word(text, (int32_t)identify->rest.axis);
+    for (uint32_t k = 0U; k < (uint32_t)(sizeof(shown) / sizeof(shown[0])); k++) {
+        add_word(text, identify->aim.words[(uint32_t)shown[k] - (uint32_t)PROBE_CURRENT]);
+    }
+    add_word(text, identify->aim.ticks);
+    add_words(text, sums->voltage);
+    add_words(text, sums->current);
+    add_word(text, sums->bus);
+    add_word(text, sums->noise_a);
+    add_word(text, sums->noise_b);
+    add_words(text, sums->change);
+    add_word(text, sums->carried);
+    add_word(text, sums->turn_q16);
+    add_word(text, sums->across);
+    add_word(text, sums->torque);
+    text_end_line(text);
+}
+
+static void add_amperes(const identify_t *identify, text_t *text, int32_t current)
+{
+    const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
+
+    text_number(text, units_thousandths(current, CURRENT_ONE, base_ua), 3U);
+    text_add(text, " A");
+}
+
+/* Before each phase: what it will do, with which current and speed. */
+static void say_phase(const identify_t *identify, text_t *text)
+{
+    const int32_t current = identify_aim_continuous(identify);
+
+    switch (identify->phase) {
+    case IDENTIFY_PULSE:
+        text_add(text, "pulses on each phase, the shaft rests, up to ");
+        add_amperes(identify, text, current);
+        break;
+    case IDENTIFY_CATCH:
+        text_add(text, "the shaft turns by up to one electrical turn, with ");
+        add_amperes(identify, text, current);
+        break;
+    case IDENTIFY_STILL:
+        text_add(text, "the shaft goes to three angles, up to ");
+        add_amperes(identify, text, identify_rest_largest(identify));
+        break;
+    case IDENTIFY_SPIN:
+        text_add(text, "the shaft turns, up to ");
+        text_number(text, units_rpm(&identify->about->rotation, identify_turn_speed(identify)), 0U);
+        text_add(text, " rpm, with ");
+        add_amperes(identify, text, identify_turn_current(identify));
+        break;
+    case IDENTIFY_RAMP:
+        text_add(text, "between half of that speed and the whole");
+        break;
+    case IDENTIFY_COAST:
+        text_add(text, "no current, the shaft coasts");
+        break;
+    default: /* the end */
+        text_add(text, (identify->why == NULL) ? "identify done" : "identify refused: ");
+        text_add(text, (identify->why == NULL) ? "" : identify->why);
+        break;
+    }
+    text_end_line(text);
+}
+
+/* ---- the run of an experiment ---- */
+
+static bool plan_in_phase(identify_t *identify)
+{
+    bool aims = true; /* nothing more is to be planned */
+
+    switch (identify->phase) {
+    case IDENTIFY_PULSE:
+        aims = identify_rest_plan_pulse(identify);
+        break;
+    case IDENTIFY_CATCH:
+        aims = identify_rest_plan_catch(identify);
+        break;
+    case IDENTIFY_STILL:
+        aims = identify_rest_plan_still(identify);
+        break;
+    case IDENTIFY_SPIN:
+        aims = identify_turn_plan_spin(identify);
+        break;
+    case IDENTIFY_RAMP:
+        aims = identify_turn_plan_ramp(identify);
+        break;
+    case IDENTIFY_COAST:
+        aims = identify_turn_plan_coast(identify);
+        break;
+    default: /* it ends */
+        break;
+    }
+    return aims;
+}
+
+static void plan_next(identify_t *identify)
+{
+    while (!plan_in_phase(identify)) {
+        /* the next phase plans */
+    }
+    if (identify->aim.leads) {
+        ask_for_window(identify);
+        wait_for(identify, IDENTIFY_LEADING);
+    } else {
+        wait_for(identify, IDENTIFY_ASKING);
+    }
+}
+
+/* Largest mean change of a sensor from sample to sample that leaves a result, Q15 of I_b. */
+static int32_t noise_most(const identify_t *identify)
+{
+    return identify_aim_continuous(identify) / NOISE_SHARE;
+}
+
+/* Pulses and what turns change the current themselves. */
+static bool is_noisy(const identify_t *identify)
+{
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
+
+    return (identify->phase == IDENTIFY_CATCH) && (noise > noise_most(identify));
+}
+
+static void end_experiment(identify_t *identify, text_t *text)
+{
+    say_record(identify, text);
+    if (is_noisy(identify)) {
+        identify_aim_refusal(
+            identify, "the noise of the current sensors is too large for the continuous current");
+    } else {
+        plan_next(identify);
+    }
+}
+
+static void go_on(identify_t *identify, text_t *text)
+{
+    switch (identify->wait) {
+    case IDENTIFY_LEADING:
+        if (has_settled(identify)) {
+            wait_for(identify, IDENTIFY_ASKING);
+        }
+        break;
+    case IDENTIFY_ASKING:
+        if (word_is_taken(identify) && ask(identify)) {
+            wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
+        }
+        break;
+    case IDENTIFY_MOVING:
+        if ((ticks_passed(identify) > 2U) && has_arrived(identify)) {
+            wait_for(identify, IDENTIFY_SETTLING);
+        }
+        break;
+    case IDENTIFY_SETTLING:
+        if (has_settled(identify)) {
+            ask_for_window(identify);
+            wait_for(identify, IDENTIFY_MEASURING);
+        }
+        break;
+    default: /* MEASURING */
+        if (is_measured(identify)) {
+            end_experiment(identify, text);
+        }
+        break;
+    }
+}
+
+void identify_init(identify_t *identify, app_t *app, const about_t *about)
+{
+    *identify = (identify_t){.app = app, .about = about};
+}
+
+/* The words that probe_reset() leaves. */
+static void begin_identifying(identify_t *identify)
+{
+    const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
+    const uint32_t pulse_ticks = (uint32_t)PROBE_PULSE_TICKS - (uint32_t)PROBE_CURRENT;
+    const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
+
+    identify_init(identify, identify->app, identify->about);
+    identify->before = command_mailbox_take(&identify->app->mailbox);
+    identify->before.request = 0U;
+    identify->ms_ticks = fx_max((int32_t)ticks, 1);
+    identify->in_force[pulse_ticks] = 1;
+    identify->in_force[emf] = 1;
+    identify->aim.words[emf] = 1;
+    identify_aim_phase(identify, IDENTIFY_BEGINS);
+}
+
+bool identify_is_busy(const identify_t *identify)
+{
+    return identify->phase != IDENTIFY_IDLE;
+}
+
+const char *identify_start(identify_t *identify)
+{
+    const char *why = NULL;
+
+    if (identify_is_busy(identify)) {
+        why = "it is under way";
+    } else if (identify->app->drive.state != DRIVE_STATE_READY) {
+        why = "the drive is not READY";
+    } else if (identify_aim_continuous(identify) < CURRENT_LEAST) {
+        why =
+            "the continuous current is below 1.2 % of the converter's range: nothing would be seen";
+    } else {
+        begin_identifying(identify);
+    }
+    return why;
+}
+
+void identify_stop(identify_t *identify)
+{
+    if (identify_is_busy(identify)) {
+        command_mailbox_post(&identify->app->mailbox, &identify->before);
+        identify->phase = IDENTIFY_IDLE;
+    }
+}
+
+/* The scales, then the first plan_next: its words are for a drive in PROBE. */
+static void start_probing(identify_t *identify, text_t *text)
+{
+    say_scales(identify, text);
+    identify_aim_phase(identify, IDENTIFY_PULSE);
+    plan_next(identify);
+    post(identify, 0U);
+}
+
+/* A new phase is said before anything else. */
+static void say_or_go_on(identify_t *identify, text_t *text)
+{
+    if (identify->said != identify->phase) {
+        identify->said = identify->phase;
+        say_phase(identify, text);
+        if (identify->phase == IDENTIFY_ENDS) {
+            identify_stop(identify);
+        }
+    } else {
+        go_on(identify, text);
+    }
+}
+
+void identify_step(identify_t *identify, text_t *text)
+{
+    const drive_state_t state = identify->app->drive.state;
+
+    if (identify->phase == IDENTIFY_IDLE) {
+        /* nothing is asked */
+    } else if (identify->phase == IDENTIFY_BEGINS) {
+        start_probing(identify, text);
+    } else if (state == DRIVE_STATE_PROBE) {
+        say_or_go_on(identify, text);
+    } else if (state == DRIVE_STATE_FAULT) {
+        identify_aim_refusal(identify, "a fault has ended it");
+        say_or_go_on(identify, text);
+    } else {
+        /* READY: the first word has not been taken yet */
+    }
+}

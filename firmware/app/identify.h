@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The drive measures its own motor: which experiments follow each other, and with which current and speed.
+ *
+ * The background asks the drive for one experiment at a time by the words of probe.h, waits for its window, and sends the
+ * sums as a line of text, a record. Whoever has the records and the board's files makes a motor file of them
+ * (`motorsim identify`). What an experiment needs of those before it, a gain of the current control or how steep a ramp may
+ * be, is computed here, to some per cent.
+ *
+ *   PULSE   voltage pulses on the axes of the three phases, each larger than those before, until a quarter of the continuous
+ *           current flows: are the phases connected, and what is L
+ *   CATCH   half a turn with the continuous current takes the rotor along
+ *   STILL   on the axis of each phase: voltage over current, at 14 currents; then pulses along and across the current
+ *   SPIN    the vector turns at a quarter of the speed, at half of it and at the whole
+ *   RAMP    down to half of the speed and up again, as steep as lets the rotor lag by about 17 degrees
+ *   COAST   no current, the frame follows the rotor
+ *
+ * No rule knows a motor. Currents are shares of those of the name plate, times are periods of a rectified mains, or ticks
+ * of the current control, which follows the measured L. The highest speed is half of that of the name plate, and less where
+ * the bus does not reach that.
+ *
+ * Records. `= KIND` and 20 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
+ * probe_sums_t in their order. KIND: pulse, catch, still, burst (pulses on a current), spin, ramp, hold (the speed after a
+ * ramp), coast. A first line gives their scales: `identify 1`, tick in ps, full scale of the current in µA and of the bus in
+ * µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift).
+ *
+ * Context: background.
+ */
+#ifndef IDENTIFY_H
+#define IDENTIFY_H
+
+#include "identify_state.h"
+#include "text.h"
+
+#include <stdbool.h>
+
+void identify_init(identify_t *identify, app_t *app, const about_t *about);
+
+/* Begin. Returns NULL, or why it is refused: it has begun, or the drive is not READY, or the continuous current is too small. */
+const char *identify_start(identify_t *identify);
+
+/* Whether it has begun and not ended. */
+bool identify_is_busy(const identify_t *identify);
+
+/* End it: the gates open, and the speed that was asked for before is so again. Nothing happens when it is not busy. */
+void identify_stop(identify_t *identify);
+
+/* One pass of the background, once a tick or less often. Appends at most one line to `text`, which has room for it. */
+void identify_step(identify_t *identify, text_t *text);
+
+#endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+#include "identify_aim.h"
+
+#define LOOP_SHARE (8U)       /* bandwidth of the current control: 1/8 a tick */
+#define SLOW_SHARE (40U)      /* its integral is 5 times slower */
+#define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
+#define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
+#define INTEGRAL_BITS (11U)   /* by which the integral is finer, pi.h */
+
+void identify_aim_current(identify_t *identify, int32_t current)
+{
+    *identify_aim_word(identify, PROBE_CURRENT) = current;
+    *identify_aim_word(identify, PROBE_PULSE_D) = 0;
+    *identify_aim_word(identify, PROBE_PULSE_Q) = 0;
+}
+
+void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks)
+{
+    identify->aim.kind = kind;
+    identify->aim.settle = settle;
+    identify->aim.ticks = ticks;
+}
+
+/* A gain in Q32 as a word of PROBE_GAIN_D. */
+static int32_t gain_word(uint64_t gain_q32)
+{
+    uint64_t mantissa = gain_q32;
+    uint32_t shift = 32U;
+    uint32_t word;
+
+    while ((mantissa > (uint64_t)FX_Q15_MAX) || (shift > 30U)) {
+        mantissa >>= 1U;
+        shift--;
+    }
+    word = (shift << 16U) | (uint32_t)mantissa;
+    return fx_signed(word);
+}
+
+void identify_aim_gains(identify_t *identify, bool soft)
+{
+    const uint64_t kp_q32 =
+        ((uint64_t)fx_unsigned(identify->rest.inductance_q16) << 16U) / (uint64_t)LOOP_SHARE;
+    const uint64_t ki_q32 = (kp_q32 << INTEGRAL_BITS) / (uint64_t)SLOW_SHARE;
+
+    *identify_aim_word(identify, PROBE_GAIN_D) = gain_word(kp_q32);
+    *identify_aim_word(identify, PROBE_INTEGRAL_D) = gain_word(ki_q32);
+    *identify_aim_word(identify, PROBE_GAIN_Q) =
+        gain_word(soft ? (kp_q32 / (uint64_t)SOFT_GAIN_SHARE) : kp_q32);
+    *identify_aim_word(identify, PROBE_INTEGRAL_Q) =
+        gain_word(soft ? (ki_q32 / (uint64_t)SOFT_SHARE) : ki_q32);
+}
+
+void identify_aim_phase(identify_t *identify, identify_phase_t phase)
+{
+    identify->phase = phase;
+    identify->step = 0U;
+}
+
+void identify_aim_refusal(identify_t *identify, const char *why)
+{
+    identify->why = why;
+    identify_aim_phase(identify, IDENTIFY_ENDS);
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/* What a plan of the identification asks for: current, window and gains of the next experiment, or the end of its phase. */
+#ifndef IDENTIFY_AIM_H
+#define IDENTIFY_AIM_H
+
+#include "identify_state.h"
+
+/* A rectified mains of 100 Hz has so many of its periods in it: its ripple does not count in a mean. */
+#define IDENTIFY_AIM_WINDOW_MS (40)
+
+/* Continuous current of the name plate, Q15 of I_b. */
+static inline int32_t identify_aim_continuous(const identify_t *identify)
+{
+    return identify->app->drive.cfg->derating.current_continuous;
+}
+
+static inline const probe_sums_t *identify_aim_sums(const identify_t *identify)
+{
+    return &identify->app->drive.probe.sums;
+}
+
+/* A word of the next experiment, or of the one that has ended. */
+static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t which)
+{
+    return &identify->aim.words[(uint32_t)which - (uint32_t)PROBE_CURRENT];
+}
+
+/* The current of the next experiment, without pulses. */
+void identify_aim_current(identify_t *identify, int32_t current);
+
+/* Its record's first word, ticks to settle, and ticks of its window. */
+void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks);
+
+/* Gains of the current control for the measured L. soft: R alone damps the swings of a rotor at rest, as the current across is left to itself. */
+void identify_aim_gains(identify_t *identify, bool soft);
+
+void identify_aim_phase(identify_t *identify, identify_phase_t phase);
+
+/* Ends it, with the reason as text that outlives it. */
+void identify_aim_refusal(identify_t *identify, const char *why);
+
+#endif

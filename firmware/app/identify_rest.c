@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+#include "identify_rest.h"
+
+#include "identify_aim.h"
+
+#include <stddef.h>
+
+#define THIRD_TURN (0x55555555U)
+#define HALF_TURN (0x80000000U)
+#define ONE_Q16 (65536)
+#define FASTEST (0x20000000) /* the vector is there in a few ticks */
+#define QUARTERS (4)
+
+/* ---- PULSE ---- */
+
+#define PULSE_PATTERNS (16)
+#define PULSE_TICKS_MOST (64)
+/* An open phase leaves its own axis no current and the two others 3/4; saliency leaves one 0.4 of another at least. */
+#define OPEN_SHARE (8)
+
+static void aim_axis(identify_t *identify)
+{
+    const angle_t angle = identify->rest.axis * THIRD_TURN;
+
+    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
+}
+
+static void aim_pulse(identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+
+    identify_aim_current(identify, 0);
+    *identify_aim_word(identify, PROBE_RATE) = FASTEST;
+    aim_axis(identify);
+    *identify_aim_word(identify, PROBE_PULSE_D) = rest->pulse;
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = rest->quarter;
+    identify_aim_window(identify, "pulse", identify->ms_ticks,
+                        QUARTERS * rest->quarter * PULSE_PATTERNS);
+}
+
+/* The current at the peak of the pulses that have ended. */
+static void note_peak(identify_t *identify)
+{
+    const dq_t change = identify_aim_sums(identify)->change;
+    const int32_t quarters = QUARTERS * PULSE_PATTERNS;
+
+    identify->rest.peaks[identify->rest.axis] = (dq_t){change.d / quarters, change.q / quarters};
+}
+
+static int32_t largest_peak(const identify_rest_t *rest)
+{
+    return fx_max(fx_max(rest->peaks[0].d, rest->peaks[1].d), rest->peaks[2].d);
+}
+
+/* At most INT32_MAX. value: 0 and above. */
+static int32_t bounded_word(int64_t value)
+{
+    const int64_t bounded = (value < (int64_t)INT32_MAX) ? value : (int64_t)INT32_MAX;
+
+    return (int32_t)bounded;
+}
+
+/* What the legs lose is the same in two pulses: it cancels in their difference. */
+static void find_inductance(identify_rest_t *rest)
+{
+    const int64_t more = fx_max(largest_peak(rest) - rest->before, 1);
+    const int64_t volts = ((int64_t)rest->pulse * (int64_t)rest->quarter) / 5;
+    const int64_t ratio = (volts * 65536) / more;
+
+    rest->inductance_q16 = bounded_word(ratio);
+    rest->along_q16 = rest->inductance_q16;
+    rest->across_q16 = rest->inductance_q16;
+}
+
+/* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
+static void enlarge_pulse(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    const int32_t peak = largest_peak(rest);
+    const int32_t most = fx_asr(identify->app->drive.signals.bus, 2U);
+    const int32_t more = rest->pulse + (rest->pulse / 4);
+
+    rest->before = peak;
+    rest->fine = (peak >= (identify_aim_continuous(identify) / 16)) && (more <= most);
+    if (rest->fine) {
+        rest->pulse = more;
+    } else if ((2 * rest->pulse) <= most) {
+        rest->pulse *= 2;
+    } else {
+        rest->pulse = (rest->pulse * 5) / 8;
+        rest->quarter *= 2;
+    }
+}
+
+/* Why the answers of the three axes are not those of a motor; NULL: they may be. */
+static const char *find_wrong_phase(const identify_rest_t *rest)
+{
+    static const char *const open[IDENTIFY_AXES] = {"phase a is open", "phase b is open",
+                                                    "phase c is open"};
+    static const char *const crossed[IDENTIFY_AXES] = {
+        "the wires or the current sensors of phases b and c are exchanged",
+        "the wires or the current sensors of phases a and c are exchanged",
+        "the wires or the current sensors of phases a and b are exchanged",
+    };
+    const int32_t least = largest_peak(rest) / OPEN_SHARE;
+    const char *why = NULL;
+    uint32_t turned = 0U;
+    uint32_t straight = 0U;
+
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        const dq_t peak = rest->peaks[axis];
+
+        if ((fx_abs(peak.d) < least) && (fx_abs(peak.q) < least)) {
+            why = open[axis];
+        } else if (fx_abs(peak.q) > peak.d) {
+            turned++;
+        } else {
+            straight = axis;
+        }
+    }
+    return ((why == NULL) && (turned == 2U)) ? crossed[straight] : why;
+}
+
+/* All three axes have answered to pulses of this size. */
+static bool judge_pulses(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    const bool enough =
+        rest->fine && (largest_peak(rest) >= (identify_aim_continuous(identify) / 4));
+    const char *const why = enough ? find_wrong_phase(rest) : NULL;
+
+    if (why != NULL) {
+        identify_aim_refusal(identify, why);
+    } else if (enough) {
+        find_inductance(rest);
+        identify_aim_phase(identify, IDENTIFY_CATCH);
+    } else {
+        enlarge_pulse(identify);
+        if (rest->quarter > PULSE_TICKS_MOST) {
+            identify_aim_refusal(identify, "no current flows: is the motor connected?");
+        }
+    }
+    return identify->phase == IDENTIFY_PULSE;
+}
+
+bool identify_rest_plan_pulse(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    bool aims = true;
+
+    if (identify->step == 0U) {
+        rest->pulse = fx_max(fx_asr(identify->app->drive.signals.bus, 8U), 1);
+        rest->quarter = 1;
+    } else {
+        note_peak(identify);
+        rest->axis = (rest->axis + 1U) % IDENTIFY_AXES;
+        aims = (rest->axis > 0U) || judge_pulses(identify);
+    }
+    if (aims) {
+        aim_pulse(identify);
+        identify->step++;
+    }
+    return aims;
+}
+
+/* ---- CATCH ---- */
+
+#define CATCH_RISES (8U)
+#define CATCH_TURNS (2U)
+#define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
+#define CATCH_RISE_MS (30)  /* each: a rotor that falls into the field does so at a small current */
+#define CATCH_TURN_MS (400) /* half a turn */
+#define CATCH_LOOK_MS (100)
+#define CALM_SHARE (16)
+
+static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
+{
+    return INT32_MAX / (half_turn_ms * identify->ms_ticks);
+}
+
+/* |i_q| of a rotor that swings or slips. */
+static bool swings_no_more(const identify_t *identify)
+{
+    return identify_aim_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
+}
+
+/* The current rises opposite to where the rotor is to be; then the vector turns there in two quarters. */
+static void aim_catch(identify_t *identify)
+{
+    const int32_t rises = fx_min((int32_t)identify->step + 1, (int32_t)CATCH_RISES);
+    const uint32_t turns =
+        (identify->step < CATCH_RISES) ? 0U : ((identify->step - CATCH_RISES) + 1U);
+    const angle_t angle = (turns >= CATCH_TURNS) ? 0U : (HALF_TURN >> turns);
+
+    identify_aim_current(identify,
+                         (identify_aim_continuous(identify) * rises) / (int32_t)CATCH_RISES);
+    identify_aim_gains(identify, true);
+    *identify_aim_word(identify, PROBE_RAMP) = FASTEST;
+    *identify_aim_word(identify, PROBE_SPEED) = 0;
+    if (turns > 0U) {
+        *identify_aim_word(identify, PROBE_RATE) = turn_rate(identify, CATCH_TURN_MS);
+    }
+    *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
+    if (turns > CATCH_TURNS) {
+        identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
+    } else {
+        identify_aim_window(identify, "catch", CATCH_RISE_MS * identify->ms_ticks,
+                            identify->ms_ticks);
+    }
+}
+
+bool identify_rest_plan_catch(identify_t *identify)
+{
+    const bool looked = identify->step > (CATCH_RISES + CATCH_TURNS);
+
+    if (looked && swings_no_more(identify)) {
+        /* the second time it is for those who turn it */
+        identify_aim_phase(identify,
+                           (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
+    } else if (identify->step > (CATCH_RISES + CATCH_TURNS + CATCH_LOOKS)) {
+        identify_aim_refusal(
+            identify, "the rotor does not come to rest on the current: does a load turn it?");
+    } else {
+        aim_catch(identify);
+        identify->step++;
+    }
+    return identify->phase == IDENTIFY_CATCH;
+}
+
+/* ---- STILL ---- */
+
+#define LEVELS (14U)
+#define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
+#define LEVEL_SETTLE_MS (20)
+#define AXIS_SETTLE_MS (200)
+#define BURSTS (7U)
+#define BURST_ROUNDS (2U)
+#define BURST_TICKS (256)
+#define UNLIKE_SHARE \
+    (4) /* R of an axis may be 1/4 off that of the first: mismatch of sensors, unlike wires */
+
+int32_t identify_rest_largest(const identify_t *identify)
+{
+    const int32_t most = (identify->app->drive.cfg->derating.current_max * 9) / 10;
+
+    return fx_min(most, 2 * identify_aim_continuous(identify));
+}
+
+/* Down, and up again in between: so a winding that gets warm shows. */
+static void aim_level(identify_t *identify)
+{
+    static const uint8_t shares[LEVELS] = {255, 205, 164, 131, 105, 84,  67,
+                                           54,  43,  34,  27,  54,  105, 205};
+    const int32_t share = (int32_t)shares[identify->step];
+
+    identify_aim_current(identify, (identify_rest_largest(identify) * share) / 256);
+    identify_aim_window(identify, "still", LEVEL_SETTLE_MS * identify->ms_ticks,
+                        IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
+}
+
+typedef struct {
+    uint8_t bias; /* in 1/16 of the continuous current */
+    uint8_t along;
+    uint8_t across;
+} burst_t;
+
+/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. */
+static void aim_burst(identify_t *identify)
+{
+    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0}, {3, 2, 0},
+                                           {2, 0, 6}, {2, 0, 11}, {2, 0, 16}};
+    const identify_rest_t *const rest = &identify->rest;
+    const burst_t *const burst = &bursts[(identify->step - LEVELS) % BURSTS];
+    const bool along = burst->along > 0U;
+    const int64_t current = ((int64_t)identify_aim_continuous(identify) *
+                             ((int64_t)burst->along + (int64_t)burst->across)) /
+                            16;
+    const int64_t volts = (current * (along ? rest->along_q16 : rest->across_q16)) / ONE_Q16;
+    const int64_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
+    const int64_t needed = 1 + (volts / most);
+    const int32_t quarter = fx_min(bounded_word(needed), PULSE_TICKS_MOST);
+    const int64_t each = volts / quarter;
+    const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
+
+    identify_aim_current(identify, (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16);
+    *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
+        bounded_word((each < most) ? each : most);
+    *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
+    identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
+                        patterns * QUARTERS * quarter);
+}
+
+/* L of the pulses that have ended: it falls with the current. */
+static void note_burst(identify_t *identify)
+{
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int64_t ticks_q16 = (int64_t)identify->aim.ticks * 65536;
+    const int32_t along = *identify_aim_word(identify, PROBE_PULSE_D);
+    const int32_t across = *identify_aim_word(identify, PROBE_PULSE_Q);
+
+    if ((along > 0) && (sums->change.d > 0)) {
+        identify->rest.along_q16 = bounded_word((ticks_q16 * along) / sums->change.d);
+    }
+    if ((across > 0) && (sums->change.q > 0)) {
+        identify->rest.across_q16 = bounded_word((ticks_q16 * across) / sums->change.q);
+    }
+}
+
+static void note_level(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+    const int32_t ticks = identify->aim.ticks;
+    const int32_t voltage = identify_aim_sums(identify)->voltage.d / ticks;
+    const int32_t current = identify_aim_sums(identify)->current.d / ticks;
+
+    if (identify->step == 1U) {
+        rest->high_voltage = voltage;
+        rest->high_current = current;
+    } else if (identify->step == LEVEL_FOR_R) {
+        const int32_t apart = fx_max(rest->high_current - current, 1);
+        const int32_t found = (fx_max(rest->high_voltage - voltage, 0) * 8192) / apart;
+
+        rest->resistance_q13[rest->axis] = fx_min(found, FX_Q15_MAX);
+        rest->loss = fx_max(voltage - ((rest->resistance_q13[rest->axis] * current) / 8192), 0);
+    } else {
+        /* for the record only */
+    }
+}
+
+static void note_still(identify_t *identify)
+{
+    if ((identify->step > 0U) && (identify->step <= LEVELS)) {
+        note_level(identify);
+    } else if (identify->step > LEVELS) {
+        note_burst(identify);
+    } else {
+        /* the vector has come to this axis */
+    }
+}
+
+static bool is_alike(const identify_rest_t *rest)
+{
+    const int32_t first = rest->resistance_q13[0];
+    const int32_t second = fx_abs(rest->resistance_q13[1] - first);
+    const int32_t third = fx_abs(rest->resistance_q13[2] - first);
+
+    return fx_max(second, third) <= ((first / UNLIKE_SHARE) + 1);
+}
+
+/* The levels and pulses of an axis have ended. */
+static bool leave_axis(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+
+    if ((rest->axis + 1U) < IDENTIFY_AXES) {
+        rest->axis++;
+        identify->step = 0U;
+        identify_aim_current(identify, identify_aim_continuous(identify));
+        aim_axis(identify);
+        identify_aim_window(identify, "catch", AXIS_SETTLE_MS * identify->ms_ticks,
+                            identify->ms_ticks);
+    } else if (is_alike(rest)) {
+        identify_aim_phase(identify, IDENTIFY_SPIN);
+    } else {
+        identify_aim_refusal(
+            identify,
+            "the resistances of the three phases differ: is a winding shorted, or a contact bad?");
+    }
+    return identify->phase == IDENTIFY_STILL;
+}
+
+bool identify_rest_plan_still(identify_t *identify)
+{
+    bool aims = true;
+
+    note_still(identify);
+    if (identify->step < LEVELS) {
+        aim_level(identify);
+        identify->step++;
+    } else if (identify->step < (LEVELS + (BURST_ROUNDS * BURSTS))) {
+        aim_burst(identify);
+        identify->step++;
+    } else {
+        aims = leave_axis(identify);
+    }
+    return aims;
+}

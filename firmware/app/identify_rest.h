@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Experiments on a rotor that does not turn: PULSE, CATCH, STILL.
+ *
+ * A plan looks at the sums of the experiment that has ended, and aims the next one. It returns whether it did: if not, it has
+ * changed the phase, and the plan of that phase is next. Context: background.
+ */
+#ifndef IDENTIFY_REST_H
+#define IDENTIFY_REST_H
+
+#include "identify_state.h"
+
+#include <stdbool.h>
+
+/* Largest current of STILL, Q15 of I_b: known from the beginning. */
+int32_t identify_rest_largest(const identify_t *identify);
+
+bool identify_rest_plan_pulse(identify_t *identify);
+bool identify_rest_plan_catch(identify_t *identify);
+bool identify_rest_plan_still(identify_t *identify);
+
+#endif

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+/* The state of an identification (identify.h): the experiment under way, and what those before it have found. */
+#ifndef IDENTIFY_STATE_H
+#define IDENTIFY_STATE_H
+
+#include "about.h"
+#include "app.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    IDENTIFY_IDLE = 0,
+    IDENTIFY_BEGINS, /* it says the scales of its records, and asks the drive to PROBE */
+    IDENTIFY_PULSE,
+    IDENTIFY_CATCH,
+    IDENTIFY_STILL,
+    IDENTIFY_SPIN,
+    IDENTIFY_RAMP,
+    IDENTIFY_COAST,
+    IDENTIFY_ENDS /* it says how it has ended, and opens the gates */
+} identify_phase_t;
+
+#define IDENTIFY_WORDS ((uint32_t)PROBE_WORDS - (uint32_t)PROBE_CURRENT)
+#define IDENTIFY_AXES (3U)
+
+/* One experiment. */
+typedef struct {
+    int32_t words[IDENTIFY_WORDS]; /* of probe.h, from PROBE_CURRENT on */
+    const char *kind;              /* first word of its record */
+    /* ticks from the vector's arrival to the window; with `leads` from the window to its words */
+    int32_t settle;
+    int32_t ticks; /* of the window */
+    bool leads;    /* the window begins, and then the words are asked for */
+    bool rushes;   /* the window does not wait for the vector's arrival */
+} identify_aim_t;
+
+typedef enum {
+    IDENTIFY_LEADING = 0, /* the window is open, its words are not asked for yet */
+    IDENTIFY_ASKING,      /* word by word */
+    IDENTIFY_MOVING,      /* the vector has not arrived */
+    IDENTIFY_SETTLING,
+    IDENTIFY_MEASURING
+} identify_wait_t;
+
+/* What PULSE, CATCH and STILL have found, and where they are. */
+typedef struct {
+    uint32_t axis;
+    int32_t pulse;             /* V of the pulses */
+    int32_t quarter;           /* and their ticks */
+    bool fine;                 /* they are 5/4 of those before */
+    int32_t before;            /* largest current of those before */
+    dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
+    int32_t inductance_q16;    /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
+    int32_t along_q16;         /* the same along and across a current, of the last pulses */
+    int32_t across_q16;
+    int32_t high_voltage; /* means at the largest current of this axis */
+    int32_t high_current;
+    int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
+    int32_t loss;                          /* of the voltage at no current, Q15 of U_b */
+} identify_rest_t;
+
+/* Of SPIN, RAMP and COAST. */
+typedef struct {
+    step_t top; /* highest speed */
+    step_t low; /* the ramps' other speed */
+    uint32_t
+        slower; /* times that the rotor was lost, and the ramps begun anew with half of their slope */
+    int32_t ramp_ticks;
+    int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
+    int32_t flux_q14;    /* φ as it showed, U_b/Ω_b */
+    int32_t torque_down; /* torque of the last ramps over what the current can pull, Q14 */
+    int32_t torque_up;
+    int32_t pairs_left; /* of ramps, and 1; 0: still becoming steeper */
+    int32_t coast_ticks;
+    int32_t coast_speed; /* at first */
+} identify_turn_t;
+
+typedef struct {
+    app_t *app;
+    const about_t *about;
+    identify_phase_t phase;
+    uint32_t step;         /* experiments of the phase so far */
+    identify_phase_t said; /* the last phase that was said */
+    const char *why;       /* it was refused; NULL: it was not */
+    identify_aim_t aim;
+    drive_command_t before; /* the user's command, in force again at the end, without its request */
+    int32_t in_force[IDENTIFY_WORDS];
+    identify_wait_t wait;
+    uint32_t since;   /* tick in which the wait began */
+    uint32_t windows; /* so far */
+    int32_t ms_ticks; /* of a millisecond, at least 1 */
+    identify_rest_t rest;
+    identify_turn_t turn;
+} identify_t;
+
+#endif

@@ -1,0 +1,462 @@
+/* SPDX-License-Identifier: MIT */
+#include "identify_turn.h"
+
+#include "identify_aim.h"
+#include "trig.h"
+
+#define ONE_Q14 (16384)
+#define ONE_Q16 (65536)
+#define ONE_Q20 (1048576)
+#define TWO_PI_Q16 (411775)
+#define STEPS_PER_RADIAN (683565276) /* 2^32/(2π) */
+#define STEPS_PER_Q16 (65536)        /* of a turn: steps in 2^-16 of it */
+#define SWING_TICKS_LEAST (8)
+#define SPEED_SHARE (2) /* of the highest speed of the name plate */
+
+/* ---- ramps ---- */
+
+#define RAMP_MS_FIRST (1200) /* from half of the speed to the whole: a second and a quarter */
+#define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
+#define RAMP_TICKS_LEAST (64)
+#define RAMP_MS_MOST (600) /* a longer one goes less far down */
+#define EDGE_TICKS (2048)  /* before and behind a ramp in its window, at least */
+#define EDGE_MS_MOST (450)
+#define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
+#define DAMPING_MOST \
+    (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+#define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
+
+int32_t identify_turn_current(const identify_t *identify)
+{
+    return (identify_aim_continuous(identify) * 3) / 4;
+}
+
+step_t identify_turn_speed(const identify_t *identify)
+{
+    return identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE;
+}
+
+static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
+{
+    *identify_aim_word(identify, PROBE_SPEED) = speed;
+    *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
+}
+
+static int32_t edge_ticks(const identify_t *identify)
+{
+    const int32_t most = fx_max(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS);
+
+    const int32_t swings = EDGE_SWINGS * identify->turn.swing_ticks;
+
+    return fx_clamp((identify->turn.ramp_ticks / 2) + swings, EDGE_TICKS, most);
+}
+
+/* The window begins before the ramp and ends behind it, at a constant speed. */
+static void aim_ramp(identify_t *identify, bool down)
+{
+    const step_t low = identify->turn.low;
+    const step_t top = identify->turn.top;
+    const int32_t ramp = identify->turn.ramp_ticks;
+    const int32_t edge = edge_ticks(identify);
+
+    aim_speed(identify, down ? low : top, (top - low) / ramp);
+    identify_aim_window(identify, "ramp", edge, ramp + (2 * edge));
+    identify->aim.leads = true;
+}
+
+static void aim_hold(identify_t *identify)
+{
+    identify_aim_window(identify, "hold", 0, 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
+    identify->aim.leads = false;
+}
+
+/* Steps in one of Q15 of Ω_b. */
+static int64_t one_of_q15(const identify_t *identify)
+{
+    const uint32_t one = (uint32_t)1U << identify->app->drive.cfg->speed_shift;
+
+    return (int64_t)one;
+}
+
+/* |e|/ω of the window that has ended as far as it lies across the current, with ωL·i in it, Q14 of U_b/Ω_b, at least 1. */
+static int32_t flux_q14(const identify_t *identify)
+{
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int64_t one_step = one_of_q15(identify);
+    const int64_t speed_q15 = ((int64_t)fx_max(sums->turn_q16, 1) * STEPS_PER_Q16) / one_step;
+    const int64_t flux = ((int64_t)sums->voltage.q * ONE_Q14) / ((speed_q15 > 0) ? speed_q15 : 1);
+    const int64_t positive = (flux < 1) ? 1 : flux;
+
+    return (int32_t)positive;
+}
+
+/* Mean torque of a window over that which the current can pull, Q14, as much larger as the window is longer than the ramp. */
+static int32_t mean_torque(const identify_t *identify)
+{
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int64_t current = fx_max(sums->current.d / identify->aim.ticks, 1);
+    const int64_t each = (((int64_t)sums->torque * ONE_Q14) / current) / identify->turn.ramp_ticks;
+    const int64_t share = (each * ONE_Q14) / flux_q14(identify);
+
+    return (int32_t)share;
+}
+
+/*
+ * The EMF of a ramp drives a current across that the current control answers in proportion: the sum of it is the same in
+ * every ramp. It is to stay below 1/8 of the current.
+ */
+static int32_t shortest_ramp(const identify_t *identify)
+{
+    const int32_t each = fx_max(identify->aim.words[0] / 8, 1);
+
+    return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, RAMP_TICKS_LEAST);
+}
+
+/* √square, which saturates at 32 bits. square: 0 and above. */
+static int32_t root_of(int64_t square)
+{
+    const int64_t bounded = (square < (int64_t)UINT32_MAX) ? square : (int64_t)UINT32_MAX;
+
+    return (int32_t)trig_sqrt((uint32_t)bounded);
+}
+
+/*
+ * The next ramps are as steep as lets the rotor lag by TORQUE_ENOUGH. The frame damps the rotor's swing, of ω_n² = α/sin δ,
+ * with K = ω_n: more would hold the speed of the frame back by the lag.
+ */
+static void steepen(identify_t *identify, int32_t torque)
+{
+    identify_turn_t *const turn = &identify->turn;
+    const int32_t shown = fx_max(torque, TORQUE_ENOUGH / 4);
+    const int64_t lagging = ((int64_t)turn->ramp_ticks * shown) / ONE_Q14;
+    const int64_t square = (lagging * STEPS_PER_RADIAN) / fx_max(turn->top - turn->low, 1);
+    const int32_t longest = RAMP_MS_MOST * identify->ms_ticks;
+    const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
+
+    turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
+    *identify_aim_word(identify, PROBE_DAMPING) =
+        fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST);
+    turn->ramp_ticks = fx_max(ramp, shortest_ramp(identify));
+    if (turn->ramp_ticks > longest) {
+        turn->low = turn->top - (((turn->top - turn->low) / turn->ramp_ticks) * longest);
+        turn->ramp_ticks = longest;
+    }
+}
+
+/* ---- SPIN ---- */
+
+#define ATTEMPTS (2U)  /* more, after the rotor was lost */
+#define SPIN_MS (2500) /* from rest to the highest speed */
+#define SPIN_SETTLE_MS (150)
+#define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
+#define SPEED_SHARE_LEAST (16)
+#define FLUX_SHARE_LEAST \
+    (20) /* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
+
+/* Ω_b·L, Q13 of U_b/I_b: L in volt-ticks times 2π/2^32 of a radian times 2^speed_shift. */
+static int32_t reactance_q13(const identify_t *identify)
+{
+    const int64_t one_step = one_of_q15(identify);
+    const int64_t per_radian = ((int64_t)identify->rest.inductance_q16 * TWO_PI_Q16) / ONE_Q16;
+    const int64_t reactance = (per_radian * one_step) / ONE_Q20;
+    const int64_t bounded = (reactance < FX_Q15_MAX) ? reactance : FX_Q15_MAX;
+
+    return (int32_t)bounded;
+}
+
+static void begin_spin(identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const int32_t current = identify_turn_current(identify);
+    const int32_t resistive = (rest->resistance_q13[2] * current) / 8192;
+
+    identify->turn.top = identify_turn_speed(identify);
+    *identify_aim_word(identify, PROBE_RESISTANCE) = rest->resistance_q13[2];
+    *identify_aim_word(identify, PROBE_REACTANCE) = reactance_q13(identify);
+    *identify_aim_word(identify, PROBE_LOSS) = rest->loss;
+    *identify_aim_word(identify, PROBE_EMF) = fx_max(2 * rest->loss, resistive / 2);
+    *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
+    identify_aim_gains(identify, false);
+    identify_aim_current(identify, current);
+}
+
+/* 1, 2, 4: the more often the rotor was lost, the slower the next attempt. */
+static int32_t slowness(const identify_t *identify)
+{
+    const uint32_t factor = 1UL << identify->turn.slower;
+
+    return fx_signed(factor);
+}
+
+static step_t spin_ramp(const identify_t *identify)
+{
+    return identify->turn.top / (SPIN_MS * identify->ms_ticks * slowness(identify));
+}
+
+/* Largest voltage, Q15 of U_b. */
+static int32_t largest_voltage(const identify_t *identify)
+{
+    const drive_t *const drive = &identify->app->drive;
+
+    return modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+}
+
+/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. */
+static bool turns_along(const identify_t *identify)
+{
+    const int32_t limit = largest_voltage(identify);
+    const int32_t max_q15 = fx_max(fx_asr(identify->app->drive.cfg->speed_loop.speed_max,
+                                          identify->app->drive.cfg->speed_shift),
+                                   1);
+    const int32_t least_q14 = (limit * ONE_Q14) / (FLUX_SHARE_LEAST * max_q15);
+    const int32_t inductive_q14 =
+        (reactance_q13(identify) * 2 * (identify->aim.words[0] / 64)) / 512;
+
+    return (flux_q14(identify) - inductive_q14) >= least_q14;
+}
+
+/* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
+static void bound_speed(identify_t *identify)
+{
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t ticks = identify->aim.ticks;
+    const int32_t limit = (largest_voltage(identify) * VOLTAGE_SHARE) / 16;
+    const int32_t along = fx_abs(sums->voltage.d / ticks);
+    const int32_t across = fx_max(fx_abs(sums->voltage.q / ticks), 1);
+    const int32_t room = fx_max((limit * limit) - (along * along), 0);
+    const int64_t quarter = identify->turn.top / 4;
+    const int64_t reached = (quarter * root_of(room)) / across;
+    const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
+
+    if (!turns_along(identify)) {
+        identify_aim_refusal(
+            identify,
+            "the rotor does not turn with the current: is it blocked, braked, or loaded?");
+    } else if (reached < least) {
+        identify_aim_refusal(
+            identify, "the bus voltage is too low to turn the motor at 1/16 of its highest speed");
+    } else {
+        identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
+    }
+}
+
+/* Out of step: the voltage across is ωL·i alone. */
+static bool is_lost(const identify_t *identify)
+{
+    return flux_q14(identify) < (identify->turn.flux_q14 / 2);
+}
+
+/* The rotor has fallen out of step: it is caught again, and goes more slowly. */
+static void catch_again(identify_t *identify)
+{
+    if (identify->turn.slower < ATTEMPTS) {
+        identify->turn.slower++;
+        identify->turn.pairs_left = 0;
+        identify->aim.leads = false;
+        identify_aim_phase(identify, IDENTIFY_CATCH);
+    } else {
+        identify_aim_refusal(
+            identify, "the rotor falls out of step: is the load too large, or does it change?");
+    }
+}
+
+static void begin_ramps(identify_t *identify)
+{
+    identify->turn.ramp_ticks = RAMP_MS_FIRST * identify->ms_ticks * slowness(identify);
+    identify->turn.swing_ticks = 0;
+    identify->turn.low = identify->turn.top / 2;
+    aim_ramp(identify, false);
+}
+
+/* A change of the current lets the rotor swing too. */
+static int32_t spin_settle(const identify_t *identify)
+{
+    return (SPIN_SETTLE_MS * identify->ms_ticks) + (EDGE_SWINGS * identify->turn.swing_ticks);
+}
+
+/*
+ * The way from half of the speed to the whole is a first ramp: its torque, with that of friction, says how steep the next
+ * ones may be. At the whole speed half of the current follows: L·i takes another part of the voltage then.
+ */
+static void aim_spin(identify_t *identify)
+{
+    const int32_t torque = (identify->step == 3U) ? mean_torque(identify) : 0;
+
+    identify->aim.leads = false;
+    identify_aim_window(identify, "spin", spin_settle(identify),
+                        2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
+    switch (identify->step) {
+    case 0U:
+        begin_spin(identify);
+        aim_speed(identify, identify->turn.top / 4, spin_ramp(identify));
+        break;
+    case 1U:
+        aim_speed(identify, identify->turn.top / 2, spin_ramp(identify));
+        break;
+    case 2U:
+        begin_ramps(identify);
+        break;
+    case 3U:
+        steepen(identify, torque);
+        identify->aim.settle = spin_settle(identify);
+        break;
+    default:
+        identify_aim_current(identify, identify_turn_current(identify) / 2);
+        break;
+    }
+}
+
+/* φ with ωL·i, as half of the speed shows it. */
+static void note_spin(identify_t *identify)
+{
+    if (identify->step == 1U) {
+        bound_speed(identify);
+    } else if (identify->step == 2U) {
+        identify->turn.flux_q14 = flux_q14(identify);
+    } else if ((identify->step == 4U) && is_lost(identify)) {
+        catch_again(identify);
+    } else {
+        /* for the record only */
+    }
+}
+
+bool identify_turn_plan_spin(identify_t *identify)
+{
+    note_spin(identify);
+    if (identify->phase != IDENTIFY_SPIN) {
+        /* refused, or lost */
+    } else if (identify->step < 5U) {
+        aim_spin(identify);
+        identify->step++;
+    } else {
+        identify_aim_current(identify, identify_turn_current(identify));
+        identify_aim_phase(identify, IDENTIFY_RAMP);
+    }
+    return identify->phase == IDENTIFY_SPIN;
+}
+
+/* ---- RAMP ---- */
+
+#define RAMP_PARTS (4U) /* of a pair: down, hold, up, hold */
+
+/* Torque that shows, or ramps that cannot be shorter. */
+static bool is_steep(const identify_t *identify, int32_t torque)
+{
+    const bool shortest = identify->turn.ramp_ticks <= ((shortest_ramp(identify) * 5) / 4);
+
+    return (torque >= ((TORQUE_ENOUGH * 2) / 3)) || shortest;
+}
+
+/* What friction and R do is the same up and down. */
+static void judge_pair(identify_t *identify)
+{
+    identify_turn_t *const turn = &identify->turn;
+    const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
+
+    if (turn->pairs_left > 0) {
+        turn->pairs_left--;
+    } else if (is_steep(identify, torque)) {
+        const int32_t hold = 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks;
+        const int32_t pair = 2 * ((2 * (turn->ramp_ticks + edge_ticks(identify))) + hold);
+
+        turn->pairs_left = fx_clamp((RAMP_MS_ALL * identify->ms_ticks) / pair, 2, 9);
+    } else {
+        steepen(identify, torque);
+    }
+}
+
+static void note_ramp(identify_t *identify, uint32_t part)
+{
+    if (part == 1U) {
+        identify->turn.torque_down = mean_torque(identify);
+    } else if (part == 3U) {
+        identify->turn.torque_up = mean_torque(identify);
+        judge_pair(identify);
+    } else if ((identify->step > 0U) && is_lost(identify)) {
+        catch_again(identify);
+    } else {
+        /* nothing is measured yet */
+    }
+}
+
+bool identify_turn_plan_ramp(identify_t *identify)
+{
+    const uint32_t part = identify->step % RAMP_PARTS;
+
+    note_ramp(identify, part);
+    if (identify->phase != IDENTIFY_RAMP) {
+        /* refused */
+    } else if ((part == 0U) && (identify->turn.pairs_left == 1)) {
+        identify->aim.leads = false;
+        identify_aim_phase(identify, IDENTIFY_COAST);
+    } else if ((part % 2U) == 0U) {
+        aim_ramp(identify, part == 0U);
+        identify->step++;
+    } else {
+        aim_hold(identify);
+        identify->step++;
+    }
+    return identify->phase == IDENTIFY_RAMP;
+}
+
+/* ---- COAST ---- */
+
+#define COAST_WINDOWS (18U)
+#define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
+#define COAST_MS_FIRST (5)
+#define COAST_MS_MOST (80)
+#define COAST_TRACKING \
+    (300000) /* 2·k: K²/4 is the double pole of the frame that follows the rotor */
+
+/* Speed in 2^-20 turns a tick. */
+static int32_t mean_speed(const identify_t *identify)
+{
+    const int64_t speed =
+        ((int64_t)identify_aim_sums(identify)->turn_q16 * 16) / identify->aim.ticks;
+
+    return (int32_t)speed;
+}
+
+/* The windows grow while the speed hardly falls. The first one is an electrical turn, and 5 ms at least. */
+static void size_coast(identify_t *identify)
+{
+    identify_turn_t *const turn = &identify->turn;
+    const int32_t turn_ticks = INT32_MAX / fx_max(turn->top / 2, 1);
+    const int32_t most = COAST_MS_MOST * identify->ms_ticks;
+
+    if (identify->step == 0U) {
+        turn->coast_ticks = fx_clamp(turn_ticks, COAST_MS_FIRST * identify->ms_ticks, most);
+    } else if (identify->step == 2U) {
+        turn->coast_speed = mean_speed(identify);
+    } else if ((mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64))) &&
+               (turn->coast_ticks < most)) {
+        turn->coast_ticks *= 2;
+    } else {
+        /* as long as before */
+    }
+}
+
+/* At half of the speed, or after all windows. */
+static bool has_coasted(const identify_t *identify)
+{
+    const bool slow = mean_speed(identify) < (identify->turn.coast_speed / 2);
+
+    return (identify->step > COAST_WINDOWS) || ((identify->step > 2U) && slow);
+}
+
+bool identify_turn_plan_coast(identify_t *identify)
+{
+    size_coast(identify);
+    if (has_coasted(identify)) {
+        identify_aim_phase(identify, IDENTIFY_ENDS);
+    } else {
+        identify_aim_current(identify, 0);
+        *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
+        *identify_aim_word(identify, PROBE_TRACKING) = COAST_TRACKING;
+        identify_aim_window(identify, "coast", (identify->step == 0U) ? COAST_SETTLE_TICKS : 0,
+                            identify->turn.coast_ticks);
+        identify->aim.rushes = true;
+        identify->step++;
+    }
+    return identify->phase == IDENTIFY_COAST;
+}

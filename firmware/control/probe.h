@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The probe: an imposed current whose every property is a word from outside, and sums of what it does to the motor. With it a
+ * motor is measured of which nothing is known but its name plate.
+ *
+ *   vector   The current lies along the d axis of a frame. At rest the frame turns to an angle; else it turns with a speed.
+ *   EMF      e = v − R·i* − jωL·i, of what the current control demands. A rotor that lags behind the frame by δ gives
+ *            e = jωφ·e^(−jδ), thus sin δ = ±e_d/|e| with the sign of ω.
+ *   damping  The speed of the frame changes by −K·(sin δ − its mean). So a rotor in the field of a stiff current, which
+ *            nothing else damps, settles with δ' = −K·δ.
+ *   tracking The speed of the frame changes by −k·sin δ in each tick: with no current the frame follows a rotor that coasts.
+ *   pulses   In a window with a pulse voltage the current control pauses. The voltage is what it was, and on top of it
+ *            +V, −V, −V, +V, each for so many ticks, again and again. The current along the pulse goes up, down and back:
+ *            the rotor gets no momentum.
+ *   window   So many ticks in which the sums below are formed.
+ *
+ * Currents Q15 of I_b, voltages Q15 of U_b, speeds in steps per tick. Pure, total; one step a control tick. What is
+ * asked for comes from firmware/app/identify.c, what follows from the sums is computed by whoever reads them.
+ */
+#ifndef PROBE_H
+#define PROBE_H
+
+#include "current_loop.h"
+#include "fx.h"
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/*
+ * What a word sets. The first is beyond the modes of the motion loops. Who asks for several does so in this order: what says
+ * how the vector moves comes before what moves it.
+ */
+typedef enum {
+    PROBE_CURRENT = 16, /* i_d*, 0…16383 */
+    PROBE_RATE,   /* a vector at rest turns to its angle by so much in a tick at most, 0…2^29 */
+    PROBE_ANGLE,  /* that angle: any angle_t, as a signed word */
+    PROBE_GAIN_D, /* K_p along the current: mantissa 0…32767, from bit 16 on its shift 1…30 (pi.h) */
+    PROBE_GAIN_Q,     /* across */
+    PROBE_INTEGRAL_D, /* K_i·T likewise, its shift less 11 */
+    PROBE_INTEGRAL_Q,
+    PROBE_RESISTANCE,  /* R in the EMF, Q13 of U_b/I_b, 0…32767 */
+    PROBE_REACTANCE,   /* Ω_b·L likewise */
+    PROBE_LOSS,        /* what the legs lose along the current: no part of the EMF, 0…32767 */
+    PROBE_EMF,         /* a smaller EMF counts less, 1…32767 */
+    PROBE_DAMPING,     /* 2·K in steps per tick, 0…2^29 */
+    PROBE_TRACKING,    /* 2·k likewise */
+    PROBE_PULSE_D,     /* V along the current, 0…32767 */
+    PROBE_PULSE_Q,     /* V across the current, 0…32767 */
+    PROBE_PULSE_TICKS, /* of a quarter, 1…64 */
+    PROBE_RAMP,        /* change of the speed in a tick, 0…2^29 */
+    PROBE_SPEED,       /* of the vector, ±2^29; 0: it goes to its angle */
+    PROBE_WINDOW, /* of 1…131071 ticks, begins when the word changes; from bit 20 on a number that tells windows apart */
+    PROBE_WORDS   /* number behind the last */
+} probe_word_t;
+
+#define PROBE_WINDOW_BITS (20U) /* of the ticks in the word of a window */
+#define PROBE_WINDOW_MAX (131071)
+
+/*
+ * Sums over a window. Each saturates short of 32 bits: in the longest one beyond a mean of 0.5, which no current has and no
+ * voltage with a bus below 0.9 of its full scale.
+ */
+typedef struct {
+    dq_t voltage;    /* demanded */
+    dq_t current;    /* measured */
+    int32_t bus;     /* a quarter of it */
+    int32_t noise_a; /* |change of i_a| from sample to sample */
+    int32_t noise_b;
+    dq_t change; /* of the current by the pulses, each with the sign of its pulse */
+    int32_t
+        carried; /* twice the mean current along the pulse in each of its ticks, with its sign */
+    int32_t turn_q16; /* by which the vector has turned, Q16 turns; wraps */
+    int32_t across;   /* largest |i_q| */
+    int32_t
+        torque; /* (e_d·i_d + e_q·i_q)/ω of a vector that turns, Q15 of U_b·I_b/Ω_b: times 1.5·P the torque */
+} probe_sums_t;
+
+typedef struct {
+    /* what the words have set */
+    int32_t current;
+    angle_t angle;
+    step_t rate;
+    step_t speed;
+    step_t ramp;
+    current_loop_cfg_t loop;
+    int32_t loss;
+    int32_t emf_full;
+    step_t damping;
+    step_t tracking;
+    dq_t pulse;
+    int32_t pulse_ticks;
+    int32_t window; /* the last word that began one */
+    /* and what becomes of them */
+    uint32_t tick; /* of the window, 1…; 0: none is open */
+    probe_sums_t sums;
+    step_t own_speed;     /* of the vector before damping */
+    int32_t lag_q15;      /* sin δ */
+    int32_t mean_lag_q27; /* its mean */
+    dq_t held;            /* voltage on which the pulses ride */
+    dq_t before;          /* currents of phases a and b at the last sample, in d and q */
+    dq_t current_before;  /* in the frame */
+    int32_t start_q16;    /* angle of the vector at the start of the window */
+} probe_t;
+
+/* No current, at rest at angle 0, gains of zero, no window. */
+void probe_reset(probe_t *probe);
+
+/* Takes a word. One beyond its range is limited to it. `what` that is no probe_word_t changes nothing. */
+void probe_set(probe_t *probe, uint32_t what, int32_t value);
+
+/*
+ * The speed with which the vector turns in this tick. angle: of the vector; emf: as above, of the last tick. Moves own_speed.
+ */
+step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf);
+
+/* A sample of one tick. */
+typedef struct {
+    int32_t phase_a;
+    int32_t phase_b;
+    dq_t current; /* in the frame */
+    dq_t voltage; /* demanded in the last tick */
+    int32_t bus;
+    int32_t turns_q16; /* angle of the vector, Q16 turns; wraps */
+    dq_t emf;          /* as in probe_turn() */
+    int32_t speed_q15; /* of the vector, Q15 of Ω_b */
+} probe_sample_t;
+
+/* Adds the sample to the window that is open, and opens and closes it. Before probe_voltage(). */
+void probe_note(probe_t *probe, const probe_sample_t *sample);
+
+/* Whether the current control pauses in this tick. */
+bool probe_pulses(const probe_t *probe);
+
+/* Then: the voltage to demand, saturated at ±32767. steady: what the current control would demand without an error. */
+dq_t probe_voltage(probe_t *probe, dq_t steady);
+
+/* Whether the window of this word is complete. */
+bool probe_is_done(const probe_t *probe, int32_t window);
+
+#endif

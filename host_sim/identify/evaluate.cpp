@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "evaluate.h"
+
+#include "numbers.h"
+#include "truth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace nf::identify
+{
+namespace
+{
+
+constexpr double PER_CENT = 100;
+constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
+constexpr double SQRT3 = 1.7320508075688772935;
+constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are those of one board
+// The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
+constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
+constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
+
+void check_scale(const char *what, double file, double record)
+{
+    if (std::abs(file - record) > SCALE_OFF * file) {
+        throw ConfigError(fmt::format("the records are of another board or motor: {} is {:.4g} in "
+                                      "the files and {:.4g} in the records",
+                                      what, file, record));
+    }
+}
+
+void check_scales(const Scales &scales, const Config &plate)
+{
+    check_scale("the current's full scale, A,", plate.board.current_full_scale_a,
+                scales.current_a / 2);
+    check_scale("the bus's full scale, V,", plate.board.bus_full_scale_v, scales.voltage_v);
+    check_scale("the PWM period, s,", 1 / plate.board.pwm_frequency_hz, scales.period_s);
+    check_scale("the number of pole pairs", plate.motor.pole_pairs, scales.pole_pairs);
+}
+
+double pct(double part, double whole)
+{
+    return whole != 0 ? PER_CENT * part / std::abs(whole) : 0;
+}
+
+// A rotor that moves in the pulses induces a voltage against them.
+double with_still_rotor(const Inductances &l, const Flux &flux, const Shaft &shaft, int pole_pairs)
+{
+    const double square = 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value /
+                          (shaft.inertia_kg_m2.value * l.q_h.value);
+    return l.q_h.value * (1 + square * l.quarter_s * l.quarter_s / 3);
+}
+
+// Where EMF and R·i take what the bus leaves them, at most the highest speed; a round number.
+double rated_speed_rpm(const MotorSettings &motor, const Config &plate, double current_a)
+{
+    const double circle =
+        BUS_USED * plate.board.bus_nominal_v / SQRT3 * (1 - plate.board.duty_margin_pct / PER_CENT);
+    const double left = std::max(circle - motor.resistance_ohm * current_a, 0.1 * circle);
+    const double x = motor.inductance_q_h * current_a / motor.flux_linkage_wb;
+    const double rpm =
+        left / (motor.flux_linkage_wb * std::hypot(1, x)) / motor.pole_pairs / RAD_S_PER_RPM;
+    const double place = std::pow(10, std::floor(std::log10(rpm)) - 2);
+    return std::min(std::floor(rpm / place) * place, motor.max_speed_rpm);
+}
+
+void fill_motor(MotorSettings &motor, const Legs &legs, const Inductances &l, const Flux &flux,
+                const Shaft &shaft)
+{
+    motor.resistance_ohm = legs.resistance_ohm.value;
+    motor.inductance_d_h = l.d_h.value;
+    motor.inductance_q_h = with_still_rotor(l, flux, shaft, motor.pole_pairs);
+    motor.flux_linkage_wb = flux.wb.value;
+    motor.inertia_kg_m2 = shaft.inertia_kg_m2.value;
+    motor.viscous_friction_nm_s = shaft.viscous_nm_s.value;
+}
+
+void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, const Flux &flux,
+               const Shaft &shaft)
+{
+    const auto fill = [](const Value &value, double &std_pct, double &bound_pct) {
+        std_pct = pct(value.std, value.value);
+        bound_pct = pct(value.bound, value.value);
+    };
+    fill(legs.resistance_ohm, m.resistance_std_pct, m.resistance_bound_pct);
+    fill(l.d_h, m.inductance_d_std_pct, m.inductance_d_bound_pct);
+    fill(l.q_h, m.inductance_q_std_pct, m.inductance_q_bound_pct);
+    fill(flux.wb, m.flux_linkage_std_pct, m.flux_linkage_bound_pct);
+    fill(shaft.inertia_kg_m2, m.inertia_std_pct, m.inertia_bound_pct);
+    m.viscous_friction_bar_nm_s = shaft.viscous_nm_s.std;
+    m.coulomb_friction_nm = shaft.coulomb_nm.value;
+    m.coulomb_friction_bar_nm = shaft.coulomb_nm.std;
+    m.dead_time_s = legs.dead_time_s();
+    m.dead_time_bar_s = (legs.loss_v.std + legs.loss_v.bound) * legs.period_s / legs.bus_v;
+    m.knee_a = legs.knee_a.value;
+    m.knee_bar_a = legs.knee_a.std;
+    m.gain_mismatch_pct = PER_CENT * legs.mismatch.value;
+    m.gain_mismatch_bar_pct = PER_CENT * legs.mismatch.std;
+}
+
+void fill_conditions(MeasuredSettings &m, const Records &records, const Config &plate,
+                     const Legs &legs, const Inductances &l, const Flux &flux)
+{
+    m.bus_v = legs.bus_v;
+    m.current_a = l.current_a;
+    m.speed_rpm = flux.speed_el_rad_s / records.scales.pole_pairs / RAD_S_PER_RPM;
+    double noise = 0;
+    const std::vector<Record> levels = records.of("still");
+    for (const Record &level : levels) {
+        noise += (level.noise_a[0] + level.noise_a[1]) / 2 / static_cast<double>(levels.size());
+    }
+    const double count_a = records.scales.current_a / std::exp2(plate.board.adc_bits);
+    m.current_noise_lsb = CHANGE_TO_SIGMA * noise / count_a;
+}
+
+// Two ways to φ that lie further apart than both bars.
+void remark_flux(const Flux &flux, std::vector<std::string> &remarks)
+{
+    const double apart = std::abs(flux.turning_wb.value - flux.coasting_wb.value);
+    const double bars = 2 * (flux.turning_wb.std + flux.coasting_wb.std) + flux.turning_wb.bound +
+                        flux.coasting_wb.bound;
+    if (!flux.has_coasted) {
+        remarks.emplace_back("the rotor stops too fast without current: φ is of turning alone");
+    } else if (apart > bars) {
+        remarks.push_back(fmt::format("φ is {:.4g} Wb with current and {:.4g} Wb without: the two "
+                                      "ways disagree by {:.1f} %",
+                                      flux.turning_wb.value, flux.coasting_wb.value,
+                                      pct(apart, flux.wb.value)));
+    }
+}
+
+} // namespace
+
+Result evaluate(const Records &records, const Config &plate, double temperature_c)
+{
+    check_scales(records.scales, plate);
+    const double current_a = continuous_current(plate.motor);
+    const Legs legs = fit_legs(records);
+    const Inductances inductances = fit_inductances(records, legs, current_a);
+    const Flux flux = fit_flux(records, legs, inductances);
+    const Shaft shaft = fit_shaft(records, flux);
+    Result result;
+    result.motor = plate.motor;
+    fill_motor(result.motor, legs, inductances, flux, shaft);
+    result.motor.rated_torque_nm = 1.5 * plate.motor.pole_pairs * flux.wb.value * current_a;
+    result.motor.rated_speed_rpm = rated_speed_rpm(result.motor, plate, current_a);
+    fill_bars(result.measured, legs, inductances, flux, shaft);
+    fill_conditions(result.measured, records, plate, legs, inductances, flux);
+    result.measured.temperature_c = temperature_c;
+    result.lost_time_s = lost_time_s(legs.dead_time_s(), legs.knee_a.value, current_a);
+    result.lost_time_bar_s = result.measured.dead_time_bar_s;
+    remark_flux(flux, result.remarks);
+    return result;
+}
+
+} // namespace nf::identify

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+// What an identification has found, for a person and for programs.
+#pragma once
+
+#include "evaluate.h"
+#include "truth.h"
+
+#include <optional>
+#include <string>
+
+namespace nf::identify
+{
+
+// A table: each value with its error bar, and beside it the true one where the motor is simulated. The bar is twice the
+// standard deviation and the bound: 95 % of values lie within.
+std::string table_text(const Result &result, const std::optional<Truth> &truth);
+
+// The same as JSON: of each value `value`, `bar` and `truth`, in SI units.
+std::string json_text(const Result &result, const std::optional<Truth> &truth);
+
+} // namespace nf::identify

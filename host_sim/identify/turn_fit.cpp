@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+#include "turn_fit.h"
+
+#include "config.h"
+#include "least_squares.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nf::identify
+{
+namespace
+{
+
+constexpr double COAST_OFF =
+    0.1; // of φ: such a coasting window is of a rotor that was lost or stands
+constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are slower
+constexpr double TORQUE_FACTOR = 1.5;
+constexpr double TWO_WAYS = 0.03; // apart: then the one with current counts
+constexpr double SAME_SPEED = 0.1;
+constexpr double HALF_CURRENT = 1.4; // times it is more than half
+constexpr double INERTIA_SCALE = 2e-3;
+constexpr double TORQUE_UNSURE = 6e-4; // of what the current can pull: angle of the voltage, delays
+constexpr double FLUX_SCALE = 3e-3;    // voltage and speed are known to
+
+double sinc(double x)
+{
+    return std::abs(x) < 1e-9 ? 1 : std::sin(x) / x;
+}
+
+double mean_of(const std::vector<double> &values)
+{
+    double sum = 0;
+    for (const double value : values) {
+        sum += value;
+    }
+    return sum / static_cast<double>(values.size());
+}
+
+double median_of(std::vector<double> values)
+{
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+// Standard deviation of the mean.
+double scatter_of(const std::vector<double> &values)
+{
+    const double mean = mean_of(values);
+    double squares = 0;
+    for (const double value : values) {
+        squares += (value - mean) * (value - mean);
+    }
+    const auto count = static_cast<double>(values.size());
+    return count > 1 ? std::sqrt(squares / (count - 1) / count) : 0;
+}
+
+// What the rotor and ωL make of a window: the voltage less R·i and the legs. A demand stays in space for a period while
+// the frame turns.
+std::complex<double> induced_v(const Record &r, const Legs &legs)
+{
+    const double size = std::abs(r.i_a);
+    const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
+    const double lost = size > 0 ? legs.lost_turning_v(size) / size : 0;
+    return r.voltage_v * held - (legs.resistance_ohm.value + lost) * r.i_a;
+}
+
+// φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d to the flux.
+double flux_of(const Record &r, const Legs &legs, const Inductances &l)
+{
+    const std::complex<double> j(0, 1);
+    const double w = r.speed_el_rad_s;
+    const std::complex<double> e = induced_v(r, legs) - j * w * l.q_h.value * r.i_a;
+    const std::complex<double> rotor = e / (j * w) / std::abs(e / w);
+    const double along = (r.i_a * std::conj(rotor)).real();
+    return std::abs(e / w) - (l.d_h.value - l.q_h.value) * along;
+}
+
+// φ of the windows at the whole current and about the speed of another.
+std::vector<double> whole_fluxes(const Records &records, const Legs &legs, const Inductances &l,
+                                 const Record &other)
+{
+    std::vector<double> found;
+    for (const Record &r : records.all) {
+        const bool steady = r.kind == "spin" || r.kind == "hold";
+        const bool same = std::abs(r.speed_el_rad_s / other.speed_el_rad_s - 1) < SAME_SPEED;
+        if (steady && same && std::abs(r.i_a) > HALF_CURRENT * std::abs(other.i_a)) {
+            found.push_back(flux_of(r, legs, l));
+        }
+    }
+    return found;
+}
+
+// At half of the current, and at the whole at the same speed: a line through both says what is there without.
+Value turning_flux(const Records &records, const Legs &legs, const Inductances &l)
+{
+    const std::vector<Record> turning = records.of("spin");
+    if (turning.size() < 2) {
+        throw ConfigError("the records end before the rotor has turned");
+    }
+    const Record &half = turning.back();
+    const std::vector<double> whole = whole_fluxes(records, legs, l, half);
+    if (whole.empty()) {
+        throw ConfigError("the records have no window at half of the current and the same speed");
+    }
+    const double at_half = flux_of(half, legs, l);
+    const double at_whole = median_of(whole);
+    const double ratio = std::abs(half.i_a) / std::abs(turning[turning.size() - 2].i_a);
+    const double change = (at_whole - at_half) * ratio / (1 - ratio);
+    return {at_half - change, std::abs(change) / 3 + scatter_of(whole), FLUX_SCALE * at_half};
+}
+
+// Small currents flow as the control lets them, and the legs lose by them.
+double coasting_flux(const Record &r, const Legs &legs)
+{
+    return std::abs(induced_v(r, legs)) / std::abs(r.speed_el_rad_s);
+}
+
+std::vector<double> coasting_fluxes(const Records &records, const Legs &legs, double flux)
+{
+    std::vector<double> found;
+    for (const Record &r : records.of("coast")) {
+        const double one = coasting_flux(r, legs);
+        if (found.size() < COAST_WINDOWS && std::abs(one - flux) < COAST_OFF * flux) {
+            found.push_back(one);
+        }
+    }
+    return found;
+}
+
+// Both by the squares of their bars.
+Value combined(const Value &a, const Value &b)
+{
+    const double bar_a = a.std * a.std + a.bound * a.bound;
+    const double bar_b = b.std * b.std + b.bound * b.bound;
+    const double share = bar_b / (bar_a + bar_b);
+    Value both;
+    both.value = share * a.value + (1 - share) * b.value;
+    both.std = std::abs(a.value - b.value) / 3;
+    both.bound = share * a.bound + (1 - share) * b.bound;
+    return both;
+}
+
+// A pair: down, hold, up, hold.
+struct Pair {
+    const Record *down;
+    const Record *low;
+    const Record *up;
+    const Record *high;
+};
+
+bool is_pair(const std::vector<Record> &all, std::size_t at)
+{
+    return all[at].kind == "ramp" && all[at + 1].kind == "hold" && all[at + 2].kind == "ramp" &&
+           all[at + 3].kind == "hold";
+}
+
+// The pairs of the last steepness.
+std::vector<Pair> pairs_of(const std::vector<Record> &all)
+{
+    std::vector<Pair> pairs;
+    for (std::size_t k = 0; k + 3 < all.size(); k++) {
+        if (is_pair(all, k)) {
+            pairs.push_back({&all[k], &all[k + 1], &all[k + 2], &all[k + 3]});
+            k += 3;
+        }
+    }
+    const double ticks = pairs.empty() ? 0 : pairs.back().down->ticks;
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                               [&](const Pair &pair) { return pair.down->ticks != ticks; }),
+                pairs.end());
+    return pairs;
+}
+
+// Of a ramp's window what the torque of the constant speeds, between them by the mean speed, does not explain; N·m·s.
+double impulse(const Record &ramp, const Pair &pair, const Scales &scales)
+{
+    const double low = pair.low->torque / pair.low->ticks;
+    const double high = pair.high->torque / pair.high->ticks;
+    const double share = (ramp.speed_el_rad_s - pair.low->speed_el_rad_s) /
+                         (pair.high->speed_el_rad_s - pair.low->speed_el_rad_s);
+    const double steady = (low + (high - low) * share) * ramp.ticks;
+    return TORQUE_FACTOR * scales.pole_pairs * scales.period_s * (ramp.torque - steady);
+}
+
+Value inertia_of(const std::vector<Pair> &pairs, const Scales &scales)
+{
+    std::vector<double> found;
+    for (const Pair &pair : pairs) {
+        const double change =
+            (pair.high->speed_el_rad_s - pair.low->speed_el_rad_s) / scales.pole_pairs;
+        found.push_back((impulse(*pair.up, pair, scales) - impulse(*pair.down, pair, scales)) / 2 /
+                        change);
+    }
+    const double inertia = mean_of(found);
+    return {inertia, scatter_of(found), INERTIA_SCALE * inertia};
+}
+
+// The torque of the motor over that which the current can pull: small where the rotor is light, and then errors of the
+// angle count.
+double pulled_share(const std::vector<Pair> &pairs, const Flux &flux)
+{
+    const Record &up = *pairs.back().up;
+    const Record &down = *pairs.back().down;
+    const double torque = std::abs(up.torque - down.torque) / 2 / up.ticks;
+    return torque / (flux.wb.value * std::abs(up.i_a));
+}
+
+// dω/dt = −(B·ω + C)/J over the windows of coasting.
+void add_friction(const Records &records, const Flux &flux, Shaft &shaft)
+{
+    std::vector<double> speed;
+    std::vector<double> time;
+    double now = 0;
+    for (const Record &r : records.of("coast")) {
+        const double duration = r.ticks * records.scales.period_s;
+        if (r.speed_el_rad_s > 0 && std::abs(std::abs(r.voltage_v) / r.speed_el_rad_s -
+                                             flux.wb.value) < 2 * COAST_OFF * flux.wb.value) {
+            speed.push_back(r.speed_el_rad_s / records.scales.pole_pairs);
+            time.push_back(now + duration / 2);
+        }
+        now += duration;
+    }
+    if (speed.size() < 6) {
+        return;
+    }
+    const auto count = static_cast<Eigen::Index>(speed.size()) - 2;
+    Eigen::MatrixXd rows(count, 2);
+    Eigen::VectorXd fall(count);
+    for (Eigen::Index k = 0; k < count; k++) {
+        const auto at = static_cast<std::size_t>(k);
+        rows.row(k) << speed[at + 1], 1;
+        fall[k] = -(speed[at + 2] - speed[at]) / (time[at + 2] - time[at]);
+    }
+    const Fit fit = fit_linear(rows, fall);
+    const double inertia = shaft.inertia_kg_m2.value;
+    shaft.viscous_nm_s = {std::max(fit.value[0], 0.0) * inertia, fit.std[0] * inertia, 0};
+    shaft.coulomb_nm = {std::max(fit.value[1], 0.0) * inertia, fit.std[1] * inertia, 0};
+}
+
+} // namespace
+
+Flux fit_flux(const Records &records, const Legs &legs, const Inductances &inductances)
+{
+    Flux flux;
+    flux.turning_wb = turning_flux(records, legs, inductances);
+    const std::vector<double> coasting = coasting_fluxes(records, legs, flux.turning_wb.value);
+    flux.has_coasted = coasting.size() > 1;
+    flux.wb = flux.turning_wb;
+    if (flux.has_coasted) {
+        const double middle = median_of(coasting);
+        flux.coasting_wb = {middle, scatter_of(coasting), FLUX_SCALE * middle};
+        // a rotor that stops fast leaves a current that the control has not followed
+        const double apart = std::abs(flux.coasting_wb.value / flux.turning_wb.value - 1);
+        flux.wb = apart < TWO_WAYS ? combined(flux.turning_wb, flux.coasting_wb) : flux.turning_wb;
+    }
+    for (const Record &r : records.all) {
+        flux.speed_el_rad_s = std::max(flux.speed_el_rad_s, r.speed_el_rad_s);
+    }
+    return flux;
+}
+
+Shaft fit_shaft(const Records &records, const Flux &flux)
+{
+    const std::vector<Pair> pairs = pairs_of(records.all);
+    if (pairs.empty()) {
+        throw ConfigError("the records end before the ramps of speed");
+    }
+    Shaft shaft;
+    shaft.inertia_kg_m2 = inertia_of(pairs, records.scales);
+    const double share = std::max(pulled_share(pairs, flux), 1e-3);
+    shaft.inertia_kg_m2.bound += TORQUE_UNSURE / share * shaft.inertia_kg_m2.value;
+    add_friction(records, flux, shaft);
+    return shaft;
+}
+
+} // namespace nf::identify

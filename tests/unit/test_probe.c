@@ -1,0 +1,881 @@
+/* SPDX-License-Identifier: MIT */
+/* The probe: its words and their limits, the sums of a window, pulses, and how the vector turns. All words are exact. */
+#include "probe.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define SPEED_MAX (536870912) /* 2^29, an eighth of a turn a tick */
+#define DELAY (2U)            /* ticks from a demand to the end of the period in which it acts */
+#define NUMBER (1L << PROBE_WINDOW_BITS)
+#define SUM_MAX (0x7FFE0000)
+#define SAMPLES (64)
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+static probe_t probe;
+static probe_sample_t sample;
+
+void setUp(void)
+{
+    memset(&probe, 0xA5, sizeof probe);
+    memset(&sample, 0, sizeof sample);
+    probe_reset(&probe);
+}
+
+void tearDown(void)
+{
+}
+
+static void set(probe_word_t word, int32_t value)
+{
+    probe_set(&probe, (uint32_t)word, value);
+}
+
+static void note(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        probe_note(&probe, &sample);
+    }
+}
+
+/* ---- words ---- */
+
+static void test_a_reset_leaves_no_current_no_window_and_the_smallest_divisors(void)
+{
+    probe_t expected;
+
+    memset(&expected, 0, sizeof expected);
+    expected.emf_full = 1;
+    expected.pulse_ticks = 1;
+    expected.loop.pi_d.kp_shift = 1U;
+    expected.loop.pi_d.ki_shift = 1U;
+    expected.loop.pi_q.kp_shift = 1U;
+    expected.loop.pi_q.ki_shift = 1U;
+    TEST_ASSERT_EQUAL_MEMORY(&expected, &probe, sizeof probe);
+    TEST_ASSERT_TRUE(probe_is_done(&probe, 0));
+}
+
+/* Sets a word: `field` becomes what is expected, and nothing else changes. */
+static void check_word(probe_word_t word, int32_t *field, int32_t value, int32_t expected)
+{
+    static probe_t before;
+
+    set(word, value);
+    TEST_ASSERT_EQUAL_INT32(expected, *field);
+    before = probe;
+    *field = -1;
+    set(word, value);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &probe, sizeof probe);
+}
+
+static void test_each_word_is_stored_and_limited_to_its_range(void)
+{
+    static const struct {
+        probe_word_t word;
+        int32_t *field;
+        int32_t lowest;
+        int32_t highest;
+    } words[] = {
+        {PROBE_CURRENT, &probe.current, 0, 16383},
+        {PROBE_RATE, &probe.rate, 0, SPEED_MAX},
+        {PROBE_RESISTANCE, &probe.loop.resistance_q13, 0, 32767},
+        {PROBE_LOSS, &probe.loss, 0, 32767},
+        {PROBE_EMF, &probe.emf_full, 1, 32767},
+        {PROBE_DAMPING, &probe.damping, 0, SPEED_MAX},
+        {PROBE_TRACKING, &probe.tracking, 0, SPEED_MAX},
+        {PROBE_PULSE_D, &probe.pulse.d, 0, 32767},
+        {PROBE_PULSE_Q, &probe.pulse.q, 0, 32767},
+        {PROBE_PULSE_TICKS, &probe.pulse_ticks, 1, 64},
+        {PROBE_RAMP, &probe.ramp, 0, SPEED_MAX},
+        {PROBE_SPEED, &probe.speed, -SPEED_MAX, SPEED_MAX},
+    };
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        const int32_t lowest = words[k].lowest;
+        const int32_t highest = words[k].highest;
+
+        check_word(words[k].word, words[k].field, lowest, lowest);
+        check_word(words[k].word, words[k].field, highest, highest);
+        check_word(words[k].word, words[k].field, lowest + 1, lowest + 1);
+        check_word(words[k].word, words[k].field, highest - 1, highest - 1);
+        check_word(words[k].word, words[k].field, lowest - 1, lowest);
+        check_word(words[k].word, words[k].field, highest + 1, highest);
+        check_word(words[k].word, words[k].field, INT32_MIN, lowest);
+        check_word(words[k].word, words[k].field, INT32_MAX, highest);
+    }
+}
+
+static void test_the_reactance_is_that_of_both_axes(void)
+{
+    static const int32_t values[][2] = {{0, 0},  {1, 1},         {32767, 32767},    {32768, 32767},
+                                        {-1, 0}, {INT32_MIN, 0}, {INT32_MAX, 32767}};
+
+    for (uint32_t k = 0U; k < COUNT(values); k++) {
+        set(PROBE_REACTANCE, values[k][0]);
+        TEST_ASSERT_EQUAL_INT32(values[k][1], probe.loop.reactance_d_q13);
+        TEST_ASSERT_EQUAL_INT32(values[k][1], probe.loop.reactance_q_q13);
+    }
+}
+
+static void test_any_word_is_an_angle(void)
+{
+    static const int32_t words[] = {0, 1, -1, INT32_MAX, INT32_MIN};
+    static const angle_t angles[] = {0U, 1U, 0xFFFFFFFFU, 0x7FFFFFFFU, 0x80000000U};
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        set(PROBE_ANGLE, words[k]);
+        TEST_ASSERT_EQUAL_UINT32(angles[k], probe.angle);
+    }
+}
+
+/* Mantissa and shift of each of the four gains: the others stay. */
+static void check_gain(int32_t word, int32_t mantissa, uint32_t shift)
+{
+    static const probe_word_t words[] = {PROBE_GAIN_D, PROBE_GAIN_Q, PROBE_INTEGRAL_D,
+                                         PROBE_INTEGRAL_Q};
+    int32_t *const mantissas[] = {&probe.loop.pi_d.kp, &probe.loop.pi_q.kp, &probe.loop.pi_d.ki,
+                                  &probe.loop.pi_q.ki};
+    uint32_t *const shifts[] = {&probe.loop.pi_d.kp_shift, &probe.loop.pi_q.kp_shift,
+                                &probe.loop.pi_d.ki_shift, &probe.loop.pi_q.ki_shift};
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        probe_t expected;
+
+        setUp();
+        expected = probe;
+        set(words[k], word);
+        TEST_ASSERT_EQUAL_INT32(mantissa, *mantissas[k]);
+        TEST_ASSERT_EQUAL_UINT32(shift, *shifts[k]);
+        *mantissas[k] = 0;
+        *shifts[k] = 1U;
+        TEST_ASSERT_EQUAL_MEMORY(&expected, &probe, sizeof probe);
+    }
+}
+
+static void test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30(void)
+{
+    check_gain((5 << 16) | 1234, 1234, 5U);
+    check_gain((1 << 16) | 32767, 32767, 1U);
+    check_gain((2 << 16) | 0x8001, 1, 2U); /* bit 15 is none */
+    check_gain((30 << 16) | 16384, 16384, 30U);
+    check_gain((31 << 16) | 1, 1, 30U);
+    check_gain(INT32_MAX, 32767, 30U);
+    check_gain(77, 77, 1U);
+    check_gain(INT32_MIN | 3, 3, 1U);
+}
+
+static void test_what_is_no_word_changes_nothing(void)
+{
+    static const uint32_t others[] = {0U, 1U, 15U, (uint32_t)PROBE_WORDS, 255U, 0xFFFFFFFFU};
+    const probe_t before = probe;
+
+    for (uint32_t k = 0U; k < COUNT(others); k++) {
+        probe_set(&probe, others[k], 12345);
+        TEST_ASSERT_EQUAL_MEMORY(&before, &probe, sizeof probe);
+    }
+}
+
+/* ---- a window ---- */
+
+static void test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them(void)
+{
+    static const uint32_t lengths[] = {1U, 2U, 3U, 50U, 131071U};
+
+    for (uint32_t k = 0U; k < COUNT(lengths); k++) {
+        setUp();
+        sample.bus = 4;
+        set(PROBE_WINDOW, (int32_t)lengths[k]);
+        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k]));
+        note(lengths[k] + DELAY - 1U);
+        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k]));
+        note(1U);
+        TEST_ASSERT_TRUE(probe_is_done(&probe, (int32_t)lengths[k]));
+        TEST_ASSERT_FALSE(probe_is_done(&probe, (int32_t)lengths[k] + NUMBER));
+        TEST_ASSERT_EQUAL_INT32(lengths[k], probe.sums.bus);
+        note(10U);
+        TEST_ASSERT_EQUAL_INT32(lengths[k], probe.sums.bus);
+    }
+}
+
+static void test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number(void)
+{
+    static const struct {
+        int32_t word;
+        int32_t ticks;
+    } words[] = {{NUMBER, 1},    {NUMBER + 7, 7},           {INT32_MIN + 8, 8},
+                 {INT32_MIN, 1}, {NUMBER + 131072, 131071}, {0xFFFFF, 131071},
+                 {-1, 131071}};
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        setUp();
+        sample.bus = 4;
+        set(PROBE_WINDOW, words[k].word);
+        note(200000U);
+        TEST_ASSERT_TRUE(probe_is_done(&probe, words[k].word));
+        TEST_ASSERT_EQUAL_INT32(words[k].ticks, probe.sums.bus);
+    }
+}
+
+static void test_a_window_opens_once_for_its_word_and_begins_at_zero(void)
+{
+    probe_sums_t first;
+
+    sample = (probe_sample_t){.voltage = {5, 6}, .current = {7, -8}, .bus = 9};
+    set(PROBE_WINDOW, NUMBER + 4);
+    note(3U);
+    set(PROBE_WINDOW, NUMBER + 4); /* while it is open */
+    note(3U);
+    TEST_ASSERT_TRUE(probe_is_done(&probe, NUMBER + 4));
+    first = probe.sums;
+    TEST_ASSERT_EQUAL_INT32(20, first.voltage.d);
+    set(PROBE_WINDOW, NUMBER + 4); /* once it is closed */
+    note(6U);
+    TEST_ASSERT_EQUAL_MEMORY(&first, &probe.sums, sizeof first);
+    set(PROBE_WINDOW, (2 * NUMBER) + 4);
+    TEST_ASSERT_FALSE(probe_is_done(&probe, (2 * NUMBER) + 4));
+    sample = (probe_sample_t){.voltage = {1, 0}, .current = {7, 0}};
+    note(6U);
+    TEST_ASSERT_EQUAL_INT32(4, probe.sums.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(0, probe.sums.voltage.q);
+    TEST_ASSERT_EQUAL_INT32(28, probe.sums.current.d);
+    TEST_ASSERT_EQUAL_INT32(0, probe.sums.bus);
+    TEST_ASSERT_EQUAL_INT32(0, probe.sums.across);
+}
+
+static void test_without_a_window_nothing_is_summed_up(void)
+{
+    static const probe_sums_t none;
+
+    sample = (probe_sample_t){.voltage = {5, 6}, .current = {7, -8}, .bus = 9, .turns_q16 = 10};
+    note(5U);
+    TEST_ASSERT_EQUAL_MEMORY(&none, &probe.sums, sizeof none);
+}
+
+static void test_voltage_current_and_a_quarter_of_the_bus_are_summed_up(void)
+{
+    static const int32_t bus[] = {32767, 4, 3};
+
+    set(PROBE_WINDOW, 3);
+    for (int32_t k = 0; k < 3; k++) {
+        sample.voltage = (dq_t){100 * (k + 1), -10 * (k + 1)};
+        sample.current = (dq_t){-1000 * (k + 1), 7 * (k + 1)};
+        sample.bus = bus[k];
+        note(1U);
+    }
+    note(DELAY);
+    TEST_ASSERT_EQUAL_INT32(600, probe.sums.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(-60, probe.sums.voltage.q);
+    TEST_ASSERT_EQUAL_INT32(-6000, probe.sums.current.d);
+    TEST_ASSERT_EQUAL_INT32(42, probe.sums.current.q);
+    TEST_ASSERT_EQUAL_INT32(8191 + 1 + 0, probe.sums.bus);
+}
+
+/* The first change is that from the sample before the window. */
+static void test_noise_is_the_size_of_each_change_from_sample_to_sample(void)
+{
+    static const int32_t a[] = {10, 13, 8, 8, 1000};
+    static const int32_t b[] = {-5, -5, 5, 4, -1000};
+
+    sample.phase_a = a[0];
+    sample.phase_b = b[0];
+    note(1U);
+    set(PROBE_WINDOW, 3);
+    for (uint32_t k = 1U; k < 5U; k++) {
+        sample.phase_a = a[k];
+        sample.phase_b = b[k];
+        note(1U);
+    }
+    note(1U);
+    TEST_ASSERT_EQUAL_INT32(3 + 5 + 0, probe.sums.noise_a);
+    TEST_ASSERT_EQUAL_INT32(0 + 10 + 1, probe.sums.noise_b);
+}
+
+static void test_the_largest_current_across_counts_whatever_its_sign(void)
+{
+    static const int32_t across[] = {3, -70, 69, 1000, 1000};
+
+    set(PROBE_WINDOW, 3);
+    for (uint32_t k = 0U; k < 5U; k++) {
+        sample.current.q = across[k];
+        note(1U);
+    }
+    TEST_ASSERT_EQUAL_INT32(70, probe.sums.across);
+}
+
+/* From the first sample to that which closes the window. */
+static void test_the_turn_of_the_vector_wraps(void)
+{
+    static const int32_t turns[] = {INT32_MAX - 10, INT32_MAX - 5, INT32_MAX, INT32_MIN + 4,
+                                    INT32_MIN + 9};
+
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        setUp();
+        set(PROBE_WINDOW, 3);
+        for (uint32_t k = 0U; k < 5U; k++) {
+            sample.turns_q16 = (sign > 0) ? turns[k] : turns[4U - k];
+            note(1U);
+        }
+        TEST_ASSERT_EQUAL_INT32(sign * 20, probe.sums.turn_q16);
+        sample.turns_q16 = 77;
+        note(3U);
+        TEST_ASSERT_EQUAL_INT32(sign * 20, probe.sums.turn_q16);
+    }
+}
+
+/* ---- torque ---- */
+
+static int32_t torque(dq_t emf, dq_t current, int32_t speed_q15)
+{
+    const int32_t number = (probe.window < NUMBER) ? NUMBER : 0;
+
+    sample.emf = emf;
+    sample.current = current;
+    sample.speed_q15 = speed_q15;
+    set(PROBE_WINDOW, number + 1);
+    note(1U + DELAY);
+    return probe.sums.torque;
+}
+
+static void test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest(void)
+{
+    static const struct {
+        int32_t power;
+        int32_t speed;
+        int32_t torque;
+    } words[] = {{2000000, 300, 6667},
+                 {1999900, 300, 6666},
+                 {3, 2, 2},
+                 {1, 2, 1},
+                 {1, 3, 0},
+                 {5, 3, 2},
+                 {4, 3, 1},
+                 {7, 1, 7},
+                 {0, 5, 0}};
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        for (int32_t sign = -1; sign <= 1; sign += 2) {
+            const int32_t power = sign * words[k].power;
+
+            TEST_ASSERT_EQUAL_INT32(sign * words[k].torque, torque((dq_t){power / 100, power % 100},
+                                                                   (dq_t){100, 1}, words[k].speed));
+            TEST_ASSERT_EQUAL_INT32(
+                -sign * words[k].torque,
+                torque((dq_t){power % 100, power / 100}, (dq_t){1, 100}, -words[k].speed));
+        }
+    }
+}
+
+static void test_a_vector_at_rest_has_no_torque(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, torque((dq_t){1000, 1000}, (dq_t){1000, 1000}, 0));
+}
+
+static void test_torque_saturates_as_emf_current_and_quotient_do(void)
+{
+    TEST_ASSERT_EQUAL_INT32(32767, torque((dq_t){32767, 0}, (dq_t){16383, 0}, 1));
+    TEST_ASSERT_EQUAL_INT32(-32768, torque((dq_t){32767, 0}, (dq_t){16383, 0}, -1));
+    TEST_ASSERT_EQUAL_INT32(32766, torque((dq_t){2, 0}, (dq_t){34400, 0}, 1));
+    TEST_ASSERT_EQUAL_INT32(16383, torque((dq_t){0, 1}, (dq_t){0, 34400}, 1));
+    TEST_ASSERT_EQUAL_INT32(3277, torque((dq_t){0, 100000}, (dq_t){0, 1}, 10));
+    TEST_ASSERT_EQUAL_INT32(-3277, torque((dq_t){-100000, 0}, (dq_t){1, 0}, 10));
+    /* All at their ends: 32768·16384 twice over 32768. */
+    TEST_ASSERT_EQUAL_INT32(32767, torque((dq_t){-100000, -100000}, (dq_t){-34400, -34400}, 32767));
+    TEST_ASSERT_EQUAL_INT32(-32768,
+                            torque((dq_t){-100000, -100000}, (dq_t){-34400, -34400}, -32768));
+}
+
+static void test_what_the_legs_lose_is_no_torque(void)
+{
+    set(PROBE_LOSS, 40);
+    TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){100, 0}, (dq_t){10, 0}, 1));
+    set(PROBE_CURRENT, 1);
+    TEST_ASSERT_EQUAL_INT32(60 * 10, torque((dq_t){100, 0}, (dq_t){10, 0}, 1));
+    TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){40, 100}, (dq_t){10, 10}, 1));
+}
+
+/* ---- pulses ---- */
+
+static int32_t sign_in(uint32_t tick, uint32_t quarter_ticks)
+{
+    static const int32_t signs[] = {1, -1, -1, 1};
+
+    return signs[(tick / quarter_ticks) % 4U];
+}
+
+/* The windows of the pulses: ticks, ticks of a quarter. */
+static const uint32_t WINDOWS[][2] = {{24U, 3U}, {10U, 2U}, {7U, 1U}, {5U, 8U}, {1U, 1U}};
+
+/* As the drive does it: the word, the sample, the demand. */
+static void test_pulses_are_one_quarter_up_two_down_one_up_again_and_again(void)
+{
+    for (uint32_t w = 0U; w < COUNT(WINDOWS); w++) {
+        const uint32_t ticks = WINDOWS[w][0];
+
+        setUp();
+        set(PROBE_PULSE_D, 1000);
+        set(PROBE_PULSE_Q, 30);
+        set(PROBE_PULSE_TICKS, (int32_t)WINDOWS[w][1]);
+        set(PROBE_WINDOW, (int32_t)ticks);
+        for (uint32_t k = 0U; k < (ticks + DELAY - 1U); k++) {
+            const int32_t sign = (k < ticks) ? sign_in(k, WINDOWS[w][1]) : 0;
+            dq_t voltage;
+
+            note(1U);
+            TEST_ASSERT_TRUE(probe_pulses(&probe));
+            /* what the current control would demand counts in the first tick only */
+            voltage = probe_voltage(&probe, (dq_t){500 + (int32_t)k, -200 + (int32_t)k});
+            TEST_ASSERT_EQUAL_INT32(500 + (sign * 1000), voltage.d);
+            TEST_ASSERT_EQUAL_INT32(-200 + (sign * 30), voltage.q);
+        }
+        note(1U);
+        TEST_ASSERT_FALSE(probe_pulses(&probe));
+        TEST_ASSERT_TRUE(probe_is_done(&probe, (int32_t)ticks));
+    }
+}
+
+static void test_control_pauses_in_a_window_with_a_pulse_voltage_only(void)
+{
+    set(PROBE_PULSE_D, 1);
+    TEST_ASSERT_FALSE(probe_pulses(&probe));
+    set(PROBE_WINDOW, 5);
+    TEST_ASSERT_TRUE(probe_pulses(&probe));
+    set(PROBE_PULSE_D, 0);
+    TEST_ASSERT_FALSE(probe_pulses(&probe));
+    set(PROBE_PULSE_Q, 1);
+    TEST_ASSERT_TRUE(probe_pulses(&probe));
+    note(5U + DELAY);
+    TEST_ASSERT_FALSE(probe_pulses(&probe));
+}
+
+static void check_voltage(int32_t steady, int32_t first, int32_t second)
+{
+    for (uint32_t axis = 0U; axis < 2U; axis++) {
+        const bool along = axis == 0U;
+        dq_t voltage;
+
+        setUp();
+        set(along ? PROBE_PULSE_D : PROBE_PULSE_Q, 10000);
+        set(PROBE_WINDOW, 4);
+        note(1U);
+        voltage = probe_voltage(&probe, along ? (dq_t){steady, 5} : (dq_t){5, steady});
+        TEST_ASSERT_EQUAL_INT32(first, along ? voltage.d : voltage.q);
+        TEST_ASSERT_EQUAL_INT32(5, along ? voltage.q : voltage.d);
+        note(1U);
+        voltage = probe_voltage(&probe, (dq_t){0, 0});
+        TEST_ASSERT_EQUAL_INT32(second, along ? voltage.d : voltage.q);
+    }
+}
+
+/* The voltage that is held ends at 16 bits, that with the pulse at ±32767. */
+static void test_the_voltage_of_pulses_saturates(void)
+{
+    check_voltage(22767, 32767, 12767);
+    check_voltage(22768, 32767, 12768);
+    check_voltage(-22767, -12767, -32767);
+    check_voltage(-22768, -12768, -32767);
+    check_voltage(100000, 32767, 22767);
+    check_voltage(-100000, -22768, -32767);
+}
+
+/* Sample k of a window is the (k+1)th: what is demanded in tick k changes the current from sample k+1 to k+2. */
+static void check_changes(uint32_t ticks, uint32_t quarter, bool along)
+{
+    dq_t current[SAMPLES];
+    seeded_t seed = {0x9B0BEU};
+    dq_t change = {0, 0};
+    int32_t carried = 0;
+
+    for (uint32_t k = 0U; k < (ticks + 6U); k++) {
+        current[k] = (dq_t){seeded_in(&seed, -34400, 34400), seeded_in(&seed, -34400, 34400)};
+    }
+    for (uint32_t k = 0U; k < ticks; k++) {
+        const dq_t from = current[k + 1U];
+        const dq_t to = current[k + 2U];
+
+        change.d += sign_in(k, quarter) * (to.d - from.d);
+        change.q += sign_in(k, quarter) * (to.q - from.q);
+        carried += sign_in(k, quarter) * (along ? (from.d + to.d) : (from.q + to.q));
+    }
+    setUp();
+    sample.current = (dq_t){12345, -23456};
+    note(1U);
+    set(along ? PROBE_PULSE_D : PROBE_PULSE_Q, 1);
+    set(PROBE_PULSE_TICKS, (int32_t)quarter);
+    set(PROBE_WINDOW, (int32_t)ticks);
+    for (uint32_t k = 0U; k < (ticks + 6U); k++) {
+        sample.current = current[k];
+        note(1U);
+    }
+    TEST_ASSERT_EQUAL_INT32(change.d, probe.sums.change.d);
+    TEST_ASSERT_EQUAL_INT32(change.q, probe.sums.change.q);
+    TEST_ASSERT_EQUAL_INT32(carried, probe.sums.carried);
+}
+
+static void test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before(void)
+{
+    for (uint32_t w = 0U; w < COUNT(WINDOWS); w++) {
+        check_changes(WINDOWS[w][0], WINDOWS[w][1], true);
+        check_changes(WINDOWS[w][0], WINDOWS[w][1], false);
+    }
+}
+
+/* ---- sums at their ends ---- */
+
+static void test_a_sum_that_was_beyond_its_end_counts_from_there(void)
+{
+    int32_t *const sums[] = {&probe.sums.voltage.d, &probe.sums.voltage.q, &probe.sums.current.d,
+                             &probe.sums.current.q, &probe.sums.bus,       &probe.sums.noise_a,
+                             &probe.sums.noise_b,   &probe.sums.torque};
+    static const int32_t beyond[][2] = {{INT32_MAX, SUM_MAX},  {SUM_MAX + 1, SUM_MAX},
+                                        {SUM_MAX, SUM_MAX},    {SUM_MAX - 1, SUM_MAX - 1},
+                                        {INT32_MIN, -SUM_MAX}, {-SUM_MAX - 1, -SUM_MAX},
+                                        {-SUM_MAX, -SUM_MAX},  {1 - SUM_MAX, 1 - SUM_MAX}};
+
+    for (uint32_t s = 0U; s < COUNT(sums); s++) {
+        for (uint32_t k = 0U; k < COUNT(beyond); k++) {
+            setUp();
+            set(PROBE_WINDOW, 5);
+            sample = (probe_sample_t){.phase_a = 1,
+                                      .phase_b = 1,
+                                      .current = {1, 1},
+                                      .voltage = {1, 1},
+                                      .bus = 4,
+                                      .emf = {1, 0},
+                                      .speed_q15 = 1};
+            *sums[s] = beyond[k][0];
+            note(1U);
+            TEST_ASSERT_EQUAL_INT32(beyond[k][1] + 1, *sums[s]);
+        }
+    }
+}
+
+static void test_sums_of_the_pulses_end_likewise(void)
+{
+    set(PROBE_WINDOW, 5);
+    note(2U);
+    probe.sums.change = (dq_t){INT32_MAX, INT32_MIN};
+    probe.sums.carried = INT32_MAX;
+    set(PROBE_PULSE_D, 1);
+    sample.current = (dq_t){3, 4};
+    note(1U);
+    TEST_ASSERT_EQUAL_INT32(SUM_MAX + 3, probe.sums.change.d);
+    TEST_ASSERT_EQUAL_INT32(-SUM_MAX + 4, probe.sums.change.q);
+    TEST_ASSERT_EQUAL_INT32(SUM_MAX + 3, probe.sums.carried);
+}
+
+/* ---- a vector at rest ---- */
+
+static void test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate(void)
+{
+    static const struct {
+        angle_t to;
+        angle_t from;
+        int32_t rate;
+        step_t step;
+    } ways[] = {{0x10U, 0xFFFFFFF0U, 100, 0x20},
+                {0xFFFFFFF0U, 0x10U, 100, -0x20},
+                {1000U, 0U, 999, 999},
+                {1000U, 0U, 1000, 1000},
+                {1000U, 0U, 1001, 1000},
+                {0U, 1000U, 999, -999},
+                {0x7FFFFFFFU, 0U, SPEED_MAX, SPEED_MAX},
+                {0x80000000U, 0U, SPEED_MAX, -SPEED_MAX},
+                {0x80000001U, 0U, SPEED_MAX, -SPEED_MAX},
+                {5U, 5U, SPEED_MAX, 0},
+                {1000U, 0U, 0, 0}};
+
+    for (uint32_t k = 0U; k < COUNT(ways); k++) {
+        set(PROBE_ANGLE, (int32_t)ways[k].to);
+        set(PROBE_RATE, ways[k].rate);
+        TEST_ASSERT_EQUAL_INT32(ways[k].step, probe_turn(&probe, ways[k].from, (dq_t){3000, 4000}));
+        TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
+        TEST_ASSERT_EQUAL_INT32(0, probe.own_speed);
+    }
+}
+
+/* ---- a vector that turns ---- */
+
+static step_t turn(dq_t emf)
+{
+    return probe_turn(&probe, 0x12345678U, emf);
+}
+
+/* With no lag it turns with its own speed. */
+static void test_the_speed_follows_its_word_along_a_ramp(void)
+{
+    static const step_t up[] = {30, 60, 90, 100, 100};
+    static const step_t through[] = {70, 40, 10, -20, -50, -50};
+
+    set(PROBE_RAMP, 30);
+    set(PROBE_SPEED, 100);
+    for (uint32_t k = 0U; k < COUNT(up); k++) {
+        TEST_ASSERT_EQUAL_INT32(up[k], turn((dq_t){0, 4000}));
+        TEST_ASSERT_EQUAL_INT32(up[k], probe.own_speed);
+    }
+    set(PROBE_SPEED, -50);
+    for (uint32_t k = 0U; k < COUNT(through); k++) {
+        TEST_ASSERT_EQUAL_INT32(through[k], turn((dq_t){0, -4000}));
+    }
+}
+
+static void test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle(void)
+{
+    set(PROBE_RATE, 7);
+    set(PROBE_ANGLE, 0x12345678 + 1000);
+    set(PROBE_RAMP, 100);
+    set(PROBE_SPEED, 100);
+    TEST_ASSERT_EQUAL_INT32(100, turn((dq_t){3000, 4000}));
+    set(PROBE_RAMP, 60);
+    set(PROBE_SPEED, 0);
+    TEST_ASSERT_EQUAL_INT32(40, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_TRUE(probe.lag_q15 != 0);
+    TEST_ASSERT_TRUE(probe.mean_lag_q27 != 0);
+    TEST_ASSERT_EQUAL_INT32(7, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
+    TEST_ASSERT_EQUAL_INT32(0, probe.mean_lag_q27);
+}
+
+static void test_a_vector_that_is_to_turn_has_a_lag_before_it_does(void)
+{
+    set(PROBE_RATE, 7);
+    set(PROBE_SPEED, -100);
+    TEST_ASSERT_EQUAL_INT32(0, turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660, probe.lag_q15);
+}
+
+/* With its full speed in the first tick. */
+static void begin_to_turn(step_t speed)
+{
+    setUp();
+    set(PROBE_RAMP, SPEED_MAX);
+    set(PROBE_SPEED, speed);
+}
+
+static int32_t lag(dq_t emf)
+{
+    (void)turn(emf);
+    return probe.lag_q15;
+}
+
+/* 32767·e_d/|e|, both rounded towards 0. */
+static void test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed(void)
+{
+    static const struct {
+        dq_t emf;
+        int32_t lag;
+    } words[] = {{{3000, 4000}, 19660},
+                 {{-3000, 4000}, -19660},
+                 {{3000, -4000}, 19660},
+                 {{4000, 3000}, 26213},
+                 {{2000, 4000}, 14654},
+                 {{0, 4000}, 0},
+                 {{0, 0}, 0},
+                 {{1, 0}, 32767},
+                 {{-1, 0}, -32767},
+                 {{100000, 0}, 32767},
+                 {{-100000, 0}, -32767},
+                 {{3000, 100000}, 2987},
+                 {{3000, -100000}, 2987}};
+
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        begin_to_turn(1000);
+        TEST_ASSERT_EQUAL_INT32(words[k].lag, lag(words[k].emf));
+        begin_to_turn(-1000);
+        TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
+        begin_to_turn(-1);
+        TEST_ASSERT_EQUAL_INT32(-words[k].lag, lag(words[k].emf));
+    }
+}
+
+static void test_what_the_legs_lose_is_no_lag_while_a_current_flows(void)
+{
+    begin_to_turn(1000);
+    set(PROBE_LOSS, 1000);
+    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+    set(PROBE_CURRENT, 1);
+    TEST_ASSERT_EQUAL_INT32(14654, lag((dq_t){3000, 4000}));
+    set(PROBE_LOSS, 32767);
+    TEST_ASSERT_EQUAL_INT32(-32767, lag((dq_t){-32768, 0}));
+}
+
+static void test_an_emf_below_the_full_one_counts_less(void)
+{
+    begin_to_turn(1000);
+    set(PROBE_EMF, 10000);
+    TEST_ASSERT_EQUAL_INT32(9830, lag((dq_t){3000, 4000}));
+    set(PROBE_EMF, 5001);
+    TEST_ASSERT_EQUAL_INT32(19656, lag((dq_t){3000, 4000}));
+    set(PROBE_EMF, 5000);
+    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+    set(PROBE_EMF, 4999);
+    TEST_ASSERT_EQUAL_INT32(19660, lag((dq_t){3000, 4000}));
+}
+
+#define K_1 (0x100000) /* 2^20: 16 steps for an LSB of the lag */
+#define SPEED (1000000)
+
+/* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/1024. */
+static void test_the_vector_is_damped_by_what_the_lag_is_off_its_mean(void)
+{
+    begin_to_turn(SPEED);
+    set(PROBE_DAMPING, K_1);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660, probe.mean_lag_q27);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * (19660 - 19)), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660 + 19660 - 19, probe.mean_lag_q27);
+    TEST_ASSERT_EQUAL_INT32(SPEED, probe.own_speed);
+}
+
+static void test_damping_is_of_the_same_size_backwards(void)
+{
+    begin_to_turn(-SPEED);
+    set(PROBE_DAMPING, K_1);
+    TEST_ASSERT_EQUAL_INT32(-SPEED + (16 * 19660), turn((dq_t){3000, 4000}));
+}
+
+/* 1024·ln(19660) ticks to an LSB, and 1024 for that. */
+static void test_a_constant_lag_does_not_slow_the_vector_down(void)
+{
+    step_t step = 0;
+
+    begin_to_turn(SPEED);
+    set(PROBE_DAMPING, K_1);
+    for (uint32_t k = 0U; k < 20000U; k++) {
+        step = turn((dq_t){3000, 4000});
+    }
+    TEST_ASSERT_EQUAL_INT32(SPEED, step);
+    TEST_ASSERT_EQUAL_INT32(1024 * 19660, probe.mean_lag_q27);
+}
+
+static void test_damping_takes_or_adds_half_of_the_speed_at_most(void)
+{
+    static const dq_t ahead = {-3000, 4000};
+    static const dq_t behind = {3000, 4000};
+
+    begin_to_turn(1000001);
+    set(PROBE_DAMPING, SPEED_MAX);
+    TEST_ASSERT_EQUAL_INT32(1000001 - 500000, turn(behind));
+    begin_to_turn(1000001);
+    set(PROBE_DAMPING, SPEED_MAX);
+    TEST_ASSERT_EQUAL_INT32(1000001 + 500000, turn(ahead));
+    begin_to_turn(-1000001);
+    set(PROBE_DAMPING, SPEED_MAX);
+    TEST_ASSERT_EQUAL_INT32(-1000001 + 500000, turn(behind));
+    begin_to_turn(-1000001);
+    set(PROBE_DAMPING, SPEED_MAX);
+    TEST_ASSERT_EQUAL_INT32(-1000001 - 500000, turn(ahead));
+}
+
+/* 3000 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
+static void test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one(void)
+{
+    begin_to_turn(SPEED);
+    set(PROBE_DAMPING, 0x10000);
+    for (uint32_t k = 0U; k < 3000U; k++) {
+        (void)turn((dq_t){4000, 0});
+    }
+    TEST_ASSERT_EQUAL_INT32(SPEED + 32768, turn((dq_t){-4000, 0}));
+}
+
+/* ---- tracking ---- */
+
+static void test_tracking_moves_the_own_speed_by_the_whole_lag(void)
+{
+    begin_to_turn(SPEED);
+    TEST_ASSERT_EQUAL_INT32(SPEED, turn((dq_t){3000, 4000})); /* a mean that is not 0 */
+    set(PROBE_RAMP, 0);
+    set(PROBE_TRACKING, K_1);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), probe.own_speed);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (32 * 19660), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(3 * 19660, probe.mean_lag_q27);
+}
+
+/* The first 2000 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off. */
+static void test_tracking_damps_with_the_whole_lag(void)
+{
+    begin_to_turn(SPEED);
+    for (uint32_t k = 0U; k < 2000U; k++) {
+        (void)turn((dq_t){3000, 4000});
+    }
+    set(PROBE_DAMPING, K_1);
+    set(PROBE_RAMP, 0);
+    set(PROBE_TRACKING, 1);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
+}
+
+static void test_the_mean_of_a_lag_that_stays_ends_at_28_bits(void)
+{
+    begin_to_turn(SPEED);
+    set(PROBE_TRACKING, 1);
+    for (uint32_t k = 0U; k < 5000U; k++) { /* 2^27 over 32767 is 4096 */
+        (void)turn((dq_t){4000, 0});
+    }
+    TEST_ASSERT_EQUAL_INT32(0x7FFFFFF, probe.mean_lag_q27);
+    for (uint32_t k = 0U; k < 10000U; k++) {
+        (void)turn((dq_t){-4000, 0});
+    }
+    TEST_ASSERT_EQUAL_INT32(-0x8000000, probe.mean_lag_q27);
+}
+
+static void test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        begin_to_turn(sign * SPEED_MAX);
+        set(PROBE_TRACKING, SPEED_MAX);
+        TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, turn((dq_t){-4000, 0}));
+        TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, probe.own_speed);
+        set(PROBE_TRACKING, 0);
+        set(PROBE_DAMPING, SPEED_MAX);
+        TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, turn((dq_t){-4000, 0}));
+        TEST_ASSERT_EQUAL_INT32(sign * SPEED_MAX, probe.own_speed);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_reset_leaves_no_current_no_window_and_the_smallest_divisors);
+    RUN_TEST(test_each_word_is_stored_and_limited_to_its_range);
+    RUN_TEST(test_the_reactance_is_that_of_both_axes);
+    RUN_TEST(test_any_word_is_an_angle);
+    RUN_TEST(test_a_gain_is_a_mantissa_of_15_bits_and_a_shift_of_1_to_30);
+    RUN_TEST(test_what_is_no_word_changes_nothing);
+    RUN_TEST(test_a_window_has_its_ticks_of_samples_and_closes_two_ticks_behind_them);
+    RUN_TEST(test_the_ticks_of_a_window_end_at_1_and_131071_whatever_its_number);
+    RUN_TEST(test_a_window_opens_once_for_its_word_and_begins_at_zero);
+    RUN_TEST(test_without_a_window_nothing_is_summed_up);
+    RUN_TEST(test_voltage_current_and_a_quarter_of_the_bus_are_summed_up);
+    RUN_TEST(test_noise_is_the_size_of_each_change_from_sample_to_sample);
+    RUN_TEST(test_the_largest_current_across_counts_whatever_its_sign);
+    RUN_TEST(test_the_turn_of_the_vector_wraps);
+    RUN_TEST(test_the_torque_is_the_power_of_the_emf_over_the_speed_to_the_nearest);
+    RUN_TEST(test_a_vector_at_rest_has_no_torque);
+    RUN_TEST(test_torque_saturates_as_emf_current_and_quotient_do);
+    RUN_TEST(test_what_the_legs_lose_is_no_torque);
+    RUN_TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again);
+    RUN_TEST(test_control_pauses_in_a_window_with_a_pulse_voltage_only);
+    RUN_TEST(test_the_voltage_of_pulses_saturates);
+    RUN_TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before);
+    RUN_TEST(test_a_sum_that_was_beyond_its_end_counts_from_there);
+    RUN_TEST(test_sums_of_the_pulses_end_likewise);
+    RUN_TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate);
+    RUN_TEST(test_the_speed_follows_its_word_along_a_ramp);
+    RUN_TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle);
+    RUN_TEST(test_a_vector_that_is_to_turn_has_a_lag_before_it_does);
+    RUN_TEST(test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed);
+    RUN_TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows);
+    RUN_TEST(test_an_emf_below_the_full_one_counts_less);
+    RUN_TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean);
+    RUN_TEST(test_damping_is_of_the_same_size_backwards);
+    RUN_TEST(test_a_constant_lag_does_not_slow_the_vector_down);
+    RUN_TEST(test_damping_takes_or_adds_half_of_the_speed_at_most);
+    RUN_TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one);
+    RUN_TEST(test_tracking_moves_the_own_speed_by_the_whole_lag);
+    RUN_TEST(test_tracking_damps_with_the_whole_lag);
+    RUN_TEST(test_the_mean_of_a_lag_that_stays_ends_at_28_bits);
+    RUN_TEST(test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick);
+    return UNITY_END();
+}

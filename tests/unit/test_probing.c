@@ -1,0 +1,598 @@
+/* SPDX-License-Identifier: MIT */
+/* PROBE: when it begins and ends, what protects the drive in it, and what a motor shows of its words. */
+#include "drive.h"
+#include "example_cfg.h"
+#include "example_motor.h"
+#include "fault_frames.h"
+#include "probing.h"
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MID_COUNTS (2048U) /* zero current */
+#define BUS_COUNTS (2822U) /* 310 V */
+#define CALIBRATION_TICKS (256U)
+#define STEPS_PER_RPM (14316.56) /* 2 pole pairs, 10 kHz */
+#define SPEED_MAX (536870912)    /* 2^29 */
+#define STALE (77)
+#define CURRENT (5504)  /* 6.719 A, continuous */
+#define FLUX_WB (0.387) /* of motor A */
+#define PAIRS (2.0)
+#define CURRENT_A (40.0) /* I_b */
+#define VOLTAGE_V (450.0)
+#define SPEED_RAD (981.748)
+
+static drive_cfg_t cfg;
+static drive_t drive;
+static drive_in_t in;
+static drive_out_t out;
+static example_motor_t motor;
+static double load_nm;
+
+static void power_on(void)
+{
+    cfg.crc = config_guard_crc(&cfg);
+    memset(&drive, 0, sizeof drive);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    in = (drive_in_t){.adc_ia = MID_COUNTS, .adc_ib = MID_COUNTS, .adc_bus = BUS_COUNTS};
+    memset(&out, 0xA5, sizeof out);
+    motor = example_motor_at(0.0, 0.0);
+    load_nm = 0.0;
+    for (uint32_t k = 0U; k <= CALIBRATION_TICKS; k++) {
+        drive_step(&drive, &in, &out);
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+}
+
+void setUp(void)
+{
+    cfg = example_drive_cfg();
+    power_on();
+}
+
+void tearDown(void)
+{
+}
+
+static void tick(void)
+{
+    example_motor_measure(&motor, &in);
+    drive_step(&drive, &in, &out);
+    example_motor_tick(&motor, &out, load_nm);
+}
+
+static void ticks(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        tick();
+    }
+}
+
+static void request(uint8_t what)
+{
+    in.command.request = what;
+    tick();
+}
+
+static void begin(void)
+{
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+}
+
+static void word(probe_word_t which, int32_t value)
+{
+    in.command.mode = (uint8_t)which;
+    in.command.target = value;
+    tick();
+}
+
+static void assert_gates_open(void)
+{
+    TEST_ASSERT_FALSE(out.gate_enable);
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(4250U, out.compare.phase[p]); /* half of 8500 */
+    }
+}
+
+/* The gains of example_cfg.h: 500 Hz. */
+static void tune(void)
+{
+    const int32_t proportional = (13 << 16) | 26537;
+    const int32_t integral = (7 << 16) | 26678;
+
+    word(PROBE_GAIN_D, proportional);
+    word(PROBE_GAIN_Q, proportional);
+    word(PROBE_INTEGRAL_D, integral);
+    word(PROBE_INTEGRAL_Q, integral);
+    word(PROBE_RESISTANCE, 1547);
+    word(PROBE_REACTANCE, 8293);
+}
+
+/* ---- begin and end ---- */
+
+static void test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the_next_tick(void)
+{
+    begin();
+    assert_gates_open();
+    tick();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+    TEST_ASSERT_TRUE(out.gate_enable);
+}
+
+static void test_the_request_to_run_wins(void)
+{
+    request(DRIVE_REQUEST_RUN | DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, drive.state);
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+    assert_gates_open();
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+}
+
+static void test_probe_ends_with_open_gates_when_its_own_request_goes(void)
+{
+    static const uint8_t others[] = {0U, DRIVE_REQUEST_CLEAR, DRIVE_REQUEST_RUN};
+
+    for (uint32_t k = 0U; k < 3U; k++) {
+        setUp();
+        begin();
+        ticks(10U);
+        request(DRIVE_REQUEST_PROBE | DRIVE_REQUEST_RUN);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+        TEST_ASSERT_TRUE(out.gate_enable);
+        request(others[k]);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_READY, drive.state);
+        assert_gates_open();
+    }
+}
+
+static void test_no_other_state_obeys_the_request_to_probe(void)
+{
+    cfg.sampling.offset_log2 = 4U;
+    cfg.crc = config_guard_crc(&cfg);
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_OFFSET_CAL, drive.state);
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_OFFSET_CAL, drive.state);
+    in.flags = DRIVE_FLAG_BREAK;
+    request(DRIVE_REQUEST_PROBE);
+    in.flags = 0U;
+    request(DRIVE_REQUEST_PROBE);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    assert_gates_open();
+}
+
+static void test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left(void)
+{
+    probe_t fresh;
+
+    probe_reset(&fresh);
+    memset(&drive.probe, 0x55, sizeof drive.probe);
+    drive.attempts = STALE;
+    drive.supervision.late = STALE;
+    drive.supervision.unexplained = STALE;
+    drive.oscillation.halves = STALE;
+    drive.vector.position.turns_q32 = STALE;
+    drive.vector.step = STALE;
+    drive.vector.current_mean = (dq_t){STALE, STALE};
+    drive.signals.current_ref = (dq_t){STALE, STALE};
+    drive.signals.voltage = (dq_t){STALE, STALE};
+    drive.signals.ratio_ab = (ab_t){STALE, STALE};
+    pi_reset(&drive.current_loop.pi_d, STALE);
+    pi_reset(&drive.current_loop.pi_q, STALE);
+    drive.current_loop.constant = (dq_t){STALE, STALE};
+    drive.current_loop.reactance_q14 = (dq_t){STALE, STALE};
+    in.command.mode = (uint8_t)PROBE_CURRENT; /* of the first tick with a current */
+    in.command.target = STALE;
+    begin();
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &drive.probe, sizeof fresh);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.attempts);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.late);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.supervision.unexplained);
+    TEST_ASSERT_EQUAL_UINT32(0U, drive.oscillation.halves);
+    TEST_ASSERT_EQUAL_INT64(0, drive.vector.position.turns_q32);
+    TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
+    TEST_ASSERT_EQUAL_INT32(0, drive.vector.current_mean.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.vector.current_mean.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.voltage.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.ratio_ab.alpha);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.ratio_ab.beta);
+    TEST_ASSERT_EQUAL_INT32(0, pi_output(&drive.current_loop.pi_d));
+    TEST_ASSERT_EQUAL_INT32(0, pi_output(&drive.current_loop.pi_q));
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.constant.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.constant.q);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.reactance_q14.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.current_loop.reactance_q14.q);
+}
+
+/* The current of a voltage drive is compared with its mean: the last run's is no reference of this one. */
+static void test_after_a_run_of_the_voltage_drive_no_current_is_missed(void)
+{
+    drive.voltage_drive.active = true;
+    drive.voltage_drive.damping.mean_q30 = (dq_t){SPEED_MAX, SPEED_MAX};
+    begin();
+    TEST_ASSERT_FALSE(drive.voltage_drive.active);
+    ticks(20000U);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+}
+
+/* ---- protection ---- */
+
+static void test_each_fault_opens_the_gates_in_its_tick(void)
+{
+    static const struct {
+        void (*make)(drive_in_t *frame);
+        fault_id_t id;
+    } faults[] = {{make_break, FAULT_BREAK},
+                  {make_overcurrent, FAULT_OVERCURRENT},
+                  {make_overvoltage, FAULT_OVERVOLTAGE},
+                  {make_undervoltage, FAULT_UNDERVOLTAGE}};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        setUp();
+        begin();
+        ticks(10U);
+        TEST_ASSERT_TRUE(out.gate_enable);
+        faults[k].make(&in);
+        drive_step(&drive, &in, &out);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL(faults[k].id, drive.fault.id);
+        assert_gates_open();
+    }
+}
+
+static void test_late_ticks_are_a_fault_as_ever(void)
+{
+    begin();
+    in.flags = DRIVE_FLAG_LATE;
+    for (uint32_t k = 0U; (k < 100U) && (drive.state == DRIVE_STATE_PROBE); k++) {
+        tick();
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_LATE, drive.fault.id);
+    assert_gates_open();
+}
+
+/* Found by the slow schedule, after the compare values are there. */
+static void test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick(void)
+{
+    begin();
+    ticks(10U);
+    in.adc_temperature = 4000U;
+    for (uint32_t k = 0U; (k < 2000U) && (drive.state == DRIVE_STATE_PROBE); k++) {
+        TEST_ASSERT_TRUE(out.gate_enable);
+        tick();
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL(FAULT_OVERTEMPERATURE, drive.fault.id);
+    assert_gates_open();
+}
+
+/* A step of i²t in each round of the checks, as in RUN. */
+static void test_the_heat_of_the_imposed_current_is_counted(void)
+{
+    int32_t before;
+
+    begin();
+    tune();
+    word(PROBE_CURRENT, CURRENT);
+    ticks(500U);
+    before = drive.derating.heat_q24;
+    ticks(4U * cfg.slow_ticks);
+    TEST_ASSERT_GREATER_THAN_INT32(before, drive.derating.heat_q24);
+    word(PROBE_CURRENT, 0);
+    ticks(500U);
+    before = drive.derating.heat_q24;
+    ticks(4U * cfg.slow_ticks);
+    TEST_ASSERT_LESS_THAN_INT32(before, drive.derating.heat_q24);
+}
+
+/* ---- words ---- */
+
+static void test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one(void)
+{
+    begin();
+    word(PROBE_CURRENT, 1234);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.signals.current_ref.d);
+    TEST_ASSERT_EQUAL_INT32(0, drive.signals.current_ref.q);
+    word(PROBE_RATE, 55);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
+    TEST_ASSERT_EQUAL_INT32(55, drive.probe.rate);
+    word((probe_word_t)DRIVE_MODE_POSITION, 77);
+    TEST_ASSERT_EQUAL_INT32(1234, drive.probe.current);
+    TEST_ASSERT_EQUAL_INT32(55, drive.probe.rate);
+}
+
+/* Two windows begin in the ticks of their words: the sample of that tick is the first. */
+static void test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window(void)
+{
+    begin();
+    word(PROBE_WINDOW, 2);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.bus / 4, drive.probe.sums.bus);
+    ticks(2U);
+    TEST_ASSERT_FALSE(probe_is_done(&drive.probe, 2));
+    tick();
+    TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 2));
+    TEST_ASSERT_EQUAL_INT32(2 * (drive.signals.bus / 4), drive.probe.sums.bus);
+}
+
+static void test_the_samples_of_a_window_are_what_the_drive_has_measured(void)
+{
+    begin();
+    tune();
+    word(PROBE_CURRENT, CURRENT);
+    word(PROBE_RAMP, 1000);
+    word(PROBE_SPEED, (int32_t)(100.0 * STEPS_PER_RPM));
+    ticks(50U);
+    for (uint32_t k = 0U; k < 5U; k++) {
+        const dq_t demanded = drive.signals.voltage;
+        const int32_t turns = (int32_t)(drive.vector.position.turns_q32 >> 16U);
+        const int32_t phase_a = drive.signals.phase_a;
+        const int32_t phase_b = drive.signals.phase_b;
+
+        word(PROBE_WINDOW, ((int32_t)(k + 1U) << PROBE_WINDOW_BITS) | 1);
+        TEST_ASSERT_EQUAL_INT32(demanded.d, drive.probe.sums.voltage.d);
+        TEST_ASSERT_EQUAL_INT32(demanded.q, drive.probe.sums.voltage.q);
+        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.probe.sums.current.d);
+        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.probe.sums.current.q);
+        TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_a - phase_a), drive.probe.sums.noise_a);
+        TEST_ASSERT_EQUAL_INT32(abs(drive.signals.phase_b - phase_b), drive.probe.sums.noise_b);
+        TEST_ASSERT_EQUAL_INT32(turns, drive.probe.start_q16);
+        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.d, drive.signals.current.d);
+        TEST_ASSERT_EQUAL_INT32(drive.signals.current_frame.q, drive.signals.current.q);
+        ticks(2U);
+    }
+}
+
+/* Without an error it would demand its integrals and R·i*. */
+static void test_pulses_ride_on_what_the_control_demands_without_an_error(void)
+{
+    begin();
+    word(PROBE_PULSE_D, 3000);
+    pi_reset(&drive.current_loop.pi_d, 1000);
+    pi_reset(&drive.current_loop.pi_q, -300);
+    drive.current_loop.constant = (dq_t){200, -50};
+    word(PROBE_WINDOW, 8);
+    TEST_ASSERT_EQUAL_INT32(1000 + 200 + 3000, drive.signals.voltage.d);
+    TEST_ASSERT_EQUAL_INT32(-300 - 50, drive.signals.voltage.q);
+}
+
+/* The voltage of the last demand less the model: R·i* of the plan; its reactances are 0. Torque: e·i over the speed. */
+static void test_the_emf_is_the_demand_less_what_the_model_needs(void)
+{
+    dq_t i;
+    int32_t speed;
+
+    begin();
+    tick();
+    word(PROBE_RAMP, SPEED_MAX);
+    word(PROBE_SPEED, 3000000);
+    speed = 3000000 / 2048;
+    in.adc_ia = MID_COUNTS + 300U;
+    in.adc_ib = MID_COUNTS - 20U;
+    in.command.mode = (uint8_t)PROBE_WINDOW;
+    in.command.target = 1;
+    drive.signals.voltage = (dq_t){2000, -3000};
+    drive.current_loop.constant = (dq_t){300, 400};
+    drive_step(&drive, &in, &out);
+    i = drive.signals.current_frame;
+    TEST_ASSERT_TRUE((i.d != 0) && (i.q != 0));
+    TEST_ASSERT_INT32_WITHIN(1, ((1700 * i.d) - (3400 * i.q)) / speed, drive.probe.sums.torque);
+}
+
+/* ---- the vector ---- */
+
+static void test_the_vector_turns_with_its_speed_and_is_the_position(void)
+{
+    begin();
+    word(PROBE_RAMP, SPEED_MAX);
+    word(PROBE_SPEED, 3000000);
+    for (int64_t k = 1; k < 1000; k++) {
+        TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.vector.position.turns_q32);
+        TEST_ASSERT_EQUAL_INT64(3000000 * k, drive.position.turns_q32);
+        TEST_ASSERT_EQUAL_INT32(3000000, drive.vector.step);
+        tick();
+    }
+    word(PROBE_ANGLE, 0x40000000);
+    word(PROBE_RATE, SPEED_MAX);
+    word(PROBE_SPEED, 0);
+    ticks(10U);
+    TEST_ASSERT_EQUAL_UINT32(0x40000000U, rotor_position_angle(&drive.vector.position));
+    TEST_ASSERT_EQUAL_INT32(0, drive.vector.step);
+}
+
+/* What the legs lose is to be measured: with a dead time in the configuration the compare values are those without. */
+static void test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period(void)
+{
+    cfg.modulator = example_modulator_cfg_with_dead_time();
+    power_on();
+    begin();
+    tune();
+    word(PROBE_CURRENT, CURRENT);
+    word(PROBE_RAMP, SPEED_MAX);
+    word(PROBE_SPEED, 3000001);
+    for (uint32_t k = 0U; k < 100U; k++) {
+        const ab_t before = drive.signals.ratio_ab;
+        const uint32_t middle =
+            rotor_position_angle(&drive.vector.position) + 3000001U + (3000001U / 2U);
+        dq_t ratio;
+        ab_t expected;
+        compare_t plain;
+
+        tick();
+        ratio = modulator_ratio(&drive.modulator, drive.signals.voltage);
+        expected = transforms_park_inverse(ratio, trig_sincos(middle));
+        modulator_compare(&cfg.modulator, expected, &plain);
+        TEST_ASSERT_EQUAL_INT32(expected.alpha, drive.signals.ratio_ab.alpha);
+        TEST_ASSERT_EQUAL_INT32(expected.beta, drive.signals.ratio_ab.beta);
+        TEST_ASSERT_EQUAL_INT32(before.alpha, drive.ratio_acting.alpha);
+        TEST_ASSERT_EQUAL_INT32(before.beta, drive.ratio_acting.beta);
+        TEST_ASSERT_EQUAL_MEMORY(&plain, &out.compare, sizeof plain);
+    }
+}
+
+/* ---- a motor ---- */
+
+/* The converter has 8 LSB a count; the integral holds its mean to that. */
+static void test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it(void)
+{
+    begin();
+    tune();
+    word(PROBE_CURRENT, CURRENT);
+    ticks(2000U);
+    TEST_ASSERT_INT32_WITHIN(16, CURRENT, drive.signals.current_frame.d);
+    TEST_ASSERT_INT32_WITHIN(16, 0, drive.signals.current_frame.q);
+    /* R·i, to the step of the voltage over R: 1547/8192 */
+    TEST_ASSERT_INT32_WITHIN(8, (CURRENT * 1547) / 8192, drive.signals.voltage.d);
+}
+
+/* L·di/dt = v: Q15 of U_b a tick make so much of I_b, T/L·U_b/I_b. */
+#define RISE (1e-4 / 0.0116 * 450.0 / 40.0)
+
+static void test_control_pauses_while_pulses_ride_on_its_voltage(void)
+{
+    dq_t held;
+    int32_t integral;
+
+    begin();
+    tune();
+    word(PROBE_CURRENT, CURRENT / 2);
+    ticks(2000U);
+    word(PROBE_PULSE_D, 3000);
+    word(PROBE_PULSE_TICKS, 4);
+    held = drive.signals.voltage;
+    integral = drive.current_loop.pi_d.integral_q26;
+    word(PROBE_WINDOW, 64);
+    for (uint32_t k = 0U; k < 64U; k++) {
+        const uint32_t quarter = (k / 4U) % 4U;
+        const int32_t sign = ((quarter == 1U) || (quarter == 2U)) ? -1 : 1;
+
+        TEST_ASSERT_INT32_WITHIN(32, held.d + (sign * 3000), drive.signals.voltage.d);
+        TEST_ASSERT_INT32_WITHIN(32, held.q, drive.signals.voltage.q);
+        TEST_ASSERT_EQUAL_INT32(integral, drive.current_loop.pi_d.integral_q26);
+        tick();
+    }
+    TEST_ASSERT_INT32_WITHIN(32, held.d, drive.signals.voltage.d);
+    ticks(1U);
+    TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 64));
+    TEST_ASSERT_TRUE(integral != drive.current_loop.pi_d.integral_q26);
+    /* R·t/L of a quarter is 0.073: to second order it takes 0.073²/2 a quarter; and a count of 8 LSB at both ends */
+    TEST_ASSERT_INT32_WITHIN((int32_t)(64.0 * 3000.0 * RISE * 0.01) + 128,
+                             (int32_t)lround(64.0 * 3000.0 * RISE), drive.probe.sums.change.d);
+}
+
+/*
+ * A load holds the rotor back, by δ against the way it turns: T = 1.5·P·φ·i·sin δ, with the friction of 0.001 Nm·s. The EMF at 300 rpm is 24.3 V: 1770 LSB,
+ * of which a count of each current in R and L·ω takes up to 4, and Q13 of R and L another 1: 0.003 of sin δ. The torque is
+ * 3 % off at most: 1 LSB of the sine of the frame, half a count in each current of 6.7 A, and the same EMF.
+ */
+static void test_a_load_shows_as_lag_and_torque_in_both_directions(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        const double speed = 300.0 * EXAMPLE_PI / 30.0;
+        const double torque = 2.0 + (0.001 * speed);
+        const double share = torque / (1.5 * PAIRS * FLUX_WB * (CURRENT / 32768.0) * CURRENT_A);
+        double found;
+
+        setUp();
+        begin();
+        tune();
+        word(PROBE_CURRENT, CURRENT);
+        ticks(500U);
+        word(PROBE_EMF, 300);
+        word(PROBE_DAMPING, 20000000);
+        word(PROBE_RAMP, 500);
+        word(PROBE_SPEED, sign * (int32_t)(300.0 * STEPS_PER_RPM));
+        ticks(15000U);
+        load_nm = sign * 2.0;
+        ticks(15000U);
+        TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, drive.state);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, sign * share, drive.probe.lag_q15 / 32767.0);
+        word(PROBE_WINDOW, 1000);
+        ticks(1002U);
+        TEST_ASSERT_TRUE(probe_is_done(&drive.probe, 1000));
+        found = drive.probe.sums.torque / 1000.0 / 32768.0 * 1.5 * PAIRS * VOLTAGE_V * CURRENT_A /
+                SPEED_RAD;
+        TEST_ASSERT_DOUBLE_WITHIN(0.03 * torque, sign * torque, found);
+    }
+}
+
+/* ---- any words and frames ---- */
+
+static void assert_in_range(void)
+{
+#define FREE(path, quantity)
+#define FIELD(path, lowest, highest, quantity) \
+    TEST_ASSERT_TRUE_MESSAGE(((int64_t)(drive.path) >= (int64_t)(lowest)) && \
+                                 ((int64_t)(drive.path) <= (int64_t)(highest)), \
+                             #path);
+#include "state.def"
+#undef FREE
+#undef FIELD
+}
+
+static int32_t any_word(seeded_t *seed)
+{
+    const int32_t bits = seeded_in(seed, 0, 31);
+
+    return seeded_i32(seed) >> bits;
+}
+
+static void test_any_words_and_samples_leave_each_field_in_its_range(void)
+{
+    seeded_t seed = {0x9B0B1U};
+    uint32_t probing = 0U;
+
+    example_supervise_nothing(&cfg);
+    power_on();
+    for (uint32_t k = 0U; k < 100000U; k++) {
+        in.adc_ia = (uint16_t)(MID_COUNTS + (uint32_t)(seeded_in(&seed, 0, 1) * 700));
+        in.adc_ib = (uint16_t)(MID_COUNTS - (uint32_t)(seeded_in(&seed, 0, 1) * 700));
+        in.adc_bus = (uint16_t)seeded_in(&seed, 1830, 3600);
+        in.command.mode = (uint8_t)seeded_in(&seed, 0, (int32_t)PROBE_WORDS);
+        in.command.target = any_word(&seed);
+        in.command.request =
+            (seeded_in(&seed, 0, 9999) == 0) ? DRIVE_REQUEST_CLEAR : DRIVE_REQUEST_PROBE;
+        drive_step(&drive, &in, &out);
+        assert_in_range();
+        probing += (drive.state == DRIVE_STATE_PROBE) ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(90000U, probing);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_probe_begins_when_it_is_asked_for_and_its_gates_are_on_from_the_next_tick);
+    RUN_TEST(test_the_request_to_run_wins);
+    RUN_TEST(test_probe_ends_with_open_gates_when_its_own_request_goes);
+    RUN_TEST(test_no_other_state_obeys_the_request_to_probe);
+    RUN_TEST(test_it_begins_with_no_word_no_current_and_nothing_that_a_run_has_left);
+    RUN_TEST(test_after_a_run_of_the_voltage_drive_no_current_is_missed);
+    RUN_TEST(test_each_fault_opens_the_gates_in_its_tick);
+    RUN_TEST(test_late_ticks_are_a_fault_as_ever);
+    RUN_TEST(test_a_fault_of_the_slow_part_opens_the_gates_in_its_tick);
+    RUN_TEST(test_the_heat_of_the_imposed_current_is_counted);
+    RUN_TEST(test_each_tick_gives_the_probe_its_word_and_nothing_else_is_one);
+    RUN_TEST(test_the_sample_of_the_tick_with_its_word_is_the_first_of_a_window);
+    RUN_TEST(test_the_samples_of_a_window_are_what_the_drive_has_measured);
+    RUN_TEST(test_the_vector_turns_with_its_speed_and_is_the_position);
+    RUN_TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period);
+    RUN_TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it);
+    RUN_TEST(test_control_pauses_while_pulses_ride_on_its_voltage);
+    RUN_TEST(test_a_load_shows_as_lag_and_torque_in_both_directions);
+    RUN_TEST(test_any_words_and_samples_leave_each_field_in_its_range);
+    RUN_TEST(test_pulses_ride_on_what_the_control_demands_without_an_error);
+    RUN_TEST(test_the_emf_is_the_demand_less_what_the_model_needs);
+    return UNITY_END();
+}
