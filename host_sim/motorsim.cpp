@@ -477,7 +477,8 @@ std::string joined(const std::vector<std::string> &lines)
 
 // What has been measured goes to the files that were asked for, and to the screen.
 void show(const IdentifyArguments &arguments, const nf::identify::Result &result,
-          const std::optional<nf::identify::Truth> &truth, const std::string &head)
+          const std::optional<nf::identify::Truth> &truth, double duration_s,
+          const std::string &head)
 {
     if (!arguments.output.empty()) {
         nf::write_text(arguments.output,
@@ -486,7 +487,7 @@ void show(const IdentifyArguments &arguments, const nf::identify::Result &result
     if (arguments.json.empty()) {
         nf::write_text("-", nf::identify::table_text(result, truth));
     } else {
-        nf::write_text(arguments.json, nf::identify::json_text(result, truth));
+        nf::write_text(arguments.json, nf::identify::json_text(result, truth, duration_s));
     }
 }
 
@@ -510,6 +511,7 @@ int identify_records(const IdentifyArguments &arguments)
     const nf::identify::Records records =
         nf::identify::read_records(lines_of(arguments.records), arguments.records);
     show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c), std::nullopt,
+         records.duration_s,
          fmt::format("Measured by the drive, of the records {}.", arguments.records));
     return LIMITS_HOLD;
 }
@@ -535,7 +537,7 @@ int identify_simulated(const IdentifyArguments &arguments)
     }
     const nf::identify::Records records = nf::identify::read_records(found.lines, "the console");
     show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c),
-         nf::identify::truth_of(config),
+         nf::identify::truth_of(config), found.duration_s,
          fmt::format("Measured by the drive in {:.0f} s, on the simulated motor of {}.",
                      found.duration_s, arguments.scenario));
     return LIMITS_HOLD;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "identify.h"
 
+#include "fault_text.h"
 #include "identify_aim.h"
 #include "identify_rest.h"
 #include "identify_turn.h"
@@ -190,6 +191,9 @@ static void say_phase(const identify_t *identify, text_t *text)
     default: /* the end */
         text_add(text, (identify->why == NULL) ? "identify done" : "identify refused: ");
         text_add(text, (identify->why == NULL) ? "" : identify->why);
+        if (identify->app->drive.state == DRIVE_STATE_FAULT) {
+            text_add(text, fault_text(identify->app->drive.fault.id)->name);
+        }
         break;
     }
     text_end_line(text);
@@ -383,7 +387,7 @@ void identify_step(identify_t *identify, text_t *text)
     } else if (state == DRIVE_STATE_PROBE) {
         say_or_go_on(identify, text);
     } else if (state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal(identify, "a fault has ended it");
+        identify_aim_refusal(identify, "the drive has a fault: ");
         say_or_go_on(identify, text);
     } else {
         /* READY: the first word has not been taken yet */

@@ -165,10 +165,10 @@ bool identify_rest_plan_pulse(identify_t *identify)
 
 /* ---- CATCH ---- */
 
-#define CATCH_RISES (8U)
-#define CATCH_TURNS (2U)
+#define CATCH_MOVES (10U)
+#define CATCH_HALFWAY (2U) /* the move in which the vector begins to turn */
 #define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
-#define CATCH_RISE_MS (30)  /* each: a rotor that falls into the field does so at a small current */
+#define CATCH_RISE_MS (30)  /* each */
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
@@ -184,24 +184,34 @@ static bool swings_no_more(const identify_t *identify)
     return identify_aim_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
 }
 
-/* The current rises opposite to where the rotor is to be; then the vector turns there in two quarters. */
+/*
+ * A small current rises opposite to where the rotor is to be, the vector turns there in two quarters, and the rest of the
+ * current follows. A rotor that falls into the field falls into a small one: its EMF drives no over-current.
+ */
 static void aim_catch(identify_t *identify)
 {
-    const int32_t rises = fx_min((int32_t)identify->step + 1, (int32_t)CATCH_RISES);
-    const uint32_t turns =
-        (identify->step < CATCH_RISES) ? 0U : ((identify->step - CATCH_RISES) + 1U);
-    const angle_t angle = (turns >= CATCH_TURNS) ? 0U : (HALF_TURN >> turns);
+    static const uint8_t eighths[CATCH_MOVES] = {1, 2, 2, 2, 3, 4, 5, 6, 7, 8};
+    const uint32_t step = identify->step;
+    const bool looks = step >= CATCH_MOVES;
+    const int32_t share = looks ? 8 : (int32_t)eighths[step];
+    angle_t angle = 0U;
 
-    identify_aim_current(identify,
-                         (identify_aim_continuous(identify) * rises) / (int32_t)CATCH_RISES);
+    if (step < CATCH_HALFWAY) {
+        angle = HALF_TURN;
+    } else if (step == CATCH_HALFWAY) {
+        angle = HALF_TURN / 2U;
+    } else {
+        /* where it is to be */
+    }
+    identify_aim_current(identify, (identify_aim_continuous(identify) * share) / 8);
     identify_aim_gains(identify, true);
     *identify_aim_word(identify, PROBE_RAMP) = FASTEST;
     *identify_aim_word(identify, PROBE_SPEED) = 0;
-    if (turns > 0U) {
+    if (step >= CATCH_HALFWAY) {
         *identify_aim_word(identify, PROBE_RATE) = turn_rate(identify, CATCH_TURN_MS);
     }
     *identify_aim_word(identify, PROBE_ANGLE) = fx_signed(angle);
-    if (turns > CATCH_TURNS) {
+    if (looks) {
         identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
     } else {
         identify_aim_window(identify, "catch", CATCH_RISE_MS * identify->ms_ticks,
@@ -211,13 +221,13 @@ static void aim_catch(identify_t *identify)
 
 bool identify_rest_plan_catch(identify_t *identify)
 {
-    const bool looked = identify->step > (CATCH_RISES + CATCH_TURNS);
+    const bool looked = identify->step > CATCH_MOVES;
 
     if (looked && swings_no_more(identify)) {
         /* the second time it is for those who turn it */
         identify_aim_phase(identify,
                            (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
-    } else if (identify->step > (CATCH_RISES + CATCH_TURNS + CATCH_LOOKS)) {
+    } else if (identify->step > (CATCH_MOVES + CATCH_LOOKS)) {
         identify_aim_refusal(
             identify, "the rotor does not come to rest on the current: does a load turn it?");
     } else {

@@ -13,6 +13,7 @@
 #define MANTISSA_BITS (16U)
 #define SHIFT_MAX (30)
 #define TICKS_MASK (0xFFFFFU)
+#define LAG_MOST (23170) /* sin 45°: a rotor that lags further may fall out of step */
 #define MEAN_BITS (10U) /* the mean lag is over 2^10 ticks, and so much finer */
 
 void probe_reset(probe_t *probe)
@@ -170,11 +171,20 @@ static step_t damped(const probe_t *probe, int32_t lag)
     return fx_clamp(fx_mul_32x16(probe->damping, fx_sat16(lag)), -most, most);
 }
 
+/* A ramp waits for a rotor that it strains: one that lags while it goes up, or leads while it goes down. */
+static step_t ramped(const probe_t *probe, int32_t lag)
+{
+    const bool rises = fx_abs(probe->speed) > fx_abs(probe->own_speed);
+    const bool strains = (rises ? lag : -lag) > LAG_MOST;
+
+    return strains ? probe->own_speed : fx_towards(probe->own_speed, probe->speed, probe->ramp);
+}
+
 step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
 {
     step_t step;
 
-    probe->own_speed = fx_towards(probe->own_speed, probe->speed, probe->ramp);
+    probe->own_speed = ramped(probe, probe->lag_q15);
     if ((probe->own_speed == 0) && (probe->speed == 0)) {
         probe->lag_q15 = 0;
         probe->mean_lag_q27 = 0;
@@ -281,8 +291,10 @@ void probe_note(probe_t *probe, const probe_sample_t *sample)
             note_means(probe, sample);
         }
         note_change(probe, sample->current);
-        probe->sums.turn_q16 =
-            fx_signed(fx_unsigned(sample->turns_q16) - fx_unsigned(probe->start_q16));
+        if (probe->tick <= (ticks + 1U)) {
+            probe->sums.turn_q16 =
+                fx_signed(fx_unsigned(sample->turns_q16) - fx_unsigned(probe->start_q16));
+        }
         probe->tick = (probe->tick < (ticks + DELAY_TICKS)) ? (probe->tick + 1U) : 0U;
     }
     probe->before = (dq_t){sample->phase_a, sample->phase_b};

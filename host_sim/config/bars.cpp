@@ -16,6 +16,7 @@ using M = MotorSettings;
 using E = MeasuredSettings;
 
 constexpr double PER_CENT = 0.01;
+constexpr double SIGMAS = 2; // 95 % of a normal distribution
 
 // A value with its bars in % of it.
 struct Relative {
@@ -83,7 +84,7 @@ double bar_of(const MotorSettings &motor, const MeasuredSettings &measured, cons
     for (const Relative &row : RELATIVE) {
         if (row.key == key) {
             return std::abs(motor.*row.value) * PER_CENT *
-                   std::hypot(measured.*row.std_pct, measured.*row.bound_pct);
+                   std::hypot(SIGMAS * measured.*row.std_pct, measured.*row.bound_pct);
         }
     }
     const auto *row = std::find_if(std::begin(ABSOLUTE), std::end(ABSOLUTE),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "findings.h"
 
+#include "bars.h"
+
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,17 +19,9 @@ struct Row {
     const char *unit;
     double scale; // units of the table in one SI unit
     double value;
-    double bar;
     double truth;
+    double bar = 0;
 };
-
-constexpr double SIGMAS = 2; // 95 % of a normal distribution
-
-double bar_of_pct(double value, double std_pct, double bound_pct)
-{
-    constexpr double per_cent = 0.01;
-    return value * (SIGMAS * std_pct + bound_pct) * per_cent;
-}
 
 std::vector<Row> rows_of(const Result &r, const Truth &t)
 {
@@ -35,28 +29,23 @@ std::vector<Row> rows_of(const Result &r, const Truth &t)
     const MeasuredSettings &m = r.measured;
     constexpr double milli = 1e3;
     constexpr double nano = 1e9;
-    return {
-        {"resistance_ohm", "R", "ohm", 1, v.resistance_ohm,
-         bar_of_pct(v.resistance_ohm, m.resistance_std_pct, m.resistance_bound_pct),
-         t.resistance_ohm},
-        {"inductance_d_h", "L_d", "mH", milli, v.inductance_d_h,
-         bar_of_pct(v.inductance_d_h, m.inductance_d_std_pct, m.inductance_d_bound_pct),
-         t.inductance_d_h},
-        {"inductance_q_h", "L_q", "mH", milli, v.inductance_q_h,
-         bar_of_pct(v.inductance_q_h, m.inductance_q_std_pct, m.inductance_q_bound_pct),
-         t.inductance_q_h},
-        {"flux_linkage_wb", "flux linkage", "mWb", milli, v.flux_linkage_wb,
-         bar_of_pct(v.flux_linkage_wb, m.flux_linkage_std_pct, m.flux_linkage_bound_pct),
-         t.flux_linkage_wb},
-        {"inertia_kg_m2", "J", "kg m2", 1, v.inertia_kg_m2,
-         bar_of_pct(v.inertia_kg_m2, m.inertia_std_pct, m.inertia_bound_pct), t.inertia_kg_m2},
+    std::vector<Row> rows = {
+        {"resistance_ohm", "R", "ohm", 1, v.resistance_ohm, t.resistance_ohm},
+        {"inductance_d_h", "L_d", "mH", milli, v.inductance_d_h, t.inductance_d_h},
+        {"inductance_q_h", "L_q", "mH", milli, v.inductance_q_h, t.inductance_q_h},
+        {"flux_linkage_wb", "flux linkage", "mWb", milli, v.flux_linkage_wb, t.flux_linkage_wb},
+        {"inertia_kg_m2", "J", "kg m2", 1, v.inertia_kg_m2, t.inertia_kg_m2},
         {"viscous_friction_nm_s", "viscous friction", "N m s", 1, v.viscous_friction_nm_s,
-         SIGMAS * m.viscous_friction_bar_nm_s, t.viscous_friction_nm_s},
-        {"coulomb_friction_nm", "Coulomb friction", "N m", 1, m.coulomb_friction_nm,
-         SIGMAS * m.coulomb_friction_bar_nm, t.coulomb_friction_nm},
-        {"lost_time_s", "lost by a leg", "ns", nano, r.lost_time_s, r.lost_time_bar_s,
-         lost_time_s(t.dead_time_s, t.knee_a, t.current_a)},
+         t.viscous_friction_nm_s},
     };
+    for (Row &row : rows) {
+        row.bar = bar_of(v, m, std::string("motor.") + row.key);
+    }
+    rows.push_back({"coulomb_friction_nm", "Coulomb friction", "N m", 1, m.coulomb_friction_nm,
+                    t.coulomb_friction_nm, m.coulomb_friction_bar_nm});
+    rows.push_back({"lost_time_s", "lost by a leg", "ns", nano, r.lost_time_s,
+                    lost_time_s(t.dead_time_s, t.knee_a, t.current_a), r.lost_time_bar_s});
+    return rows;
 }
 
 } // namespace
@@ -80,7 +69,7 @@ std::string table_text(const Result &result, const std::optional<Truth> &truth)
     return text;
 }
 
-std::string json_text(const Result &result, const std::optional<Truth> &truth)
+std::string json_text(const Result &result, const std::optional<Truth> &truth, double duration_s)
 {
     nlohmann::ordered_json json;
     for (const Row &row : rows_of(result, truth.value_or(Truth{}))) {
@@ -91,6 +80,7 @@ std::string json_text(const Result &result, const std::optional<Truth> &truth)
             entry["truth"] = row.truth;
         }
     }
+    json["duration_s"] = duration_s;
     json["remarks"] = result.remarks;
     return json.dump(2) + '\n';
 }

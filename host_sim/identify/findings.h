@@ -11,11 +11,11 @@
 namespace nf::identify
 {
 
-// A table: each value with its error bar, and beside it the true one where the motor is simulated. The bar is twice the
-// standard deviation and the bound: 95 % of values lie within.
+// A table: each value with its error bar, and beside it the true one where the motor is simulated. The bars are
+// those of bar_of().
 std::string table_text(const Result &result, const std::optional<Truth> &truth);
 
-// The same as JSON: of each value `value`, `bar` and `truth`, in SI units.
-std::string json_text(const Result &result, const std::optional<Truth> &truth);
+// The same as JSON: of each value `value`, `bar` and `truth`, in SI units. duration_s: of the identification.
+std::string json_text(const Result &result, const std::optional<Truth> &truth, double duration_s);
 
 } // namespace nf::identify

@@ -21,6 +21,9 @@ constexpr double SAME_SPEED = 0.1;
 constexpr double HALF_CURRENT = 1.4; // times it is more than half
 constexpr double INERTIA_SCALE = 2e-3;
 constexpr double TORQUE_UNSURE = 6e-4; // of what the current can pull: angle of the voltage, delays
+constexpr double HELD_UNSURE = 2e-3; // likewise, at constant speed
+constexpr double COAST_SETTLED_TICKS = 1500; // the frame has found the rotor, and its current is over
+constexpr double TURN_UNSURE = 0.01; // rad, of the frame's angle at the ends of a window
 constexpr double FLUX_SCALE = 3e-3;    // voltage and speed are known to
 
 double sinc(double x)
@@ -206,36 +209,68 @@ double pulled_share(const std::vector<Pair> &pairs, const Flux &flux)
     return torque / (flux.wb.value * std::abs(up.i_a));
 }
 
-// dω/dt = −(B·ω + C)/J over the windows of coasting.
-void add_friction(const Records &records, const Flux &flux, Shaft &shaft)
+// One statement on the friction: B·speed + C = torque, to about `unsure`.
+struct Drag {
+    double speed;
+    double torque;
+    double unsure;
+};
+
+// At constant speed the motor's torque is that of the friction.
+void add_held_drags(const std::vector<Pair> &pairs, const Scales &scales, const Flux &flux,
+                    std::vector<Drag> &drags)
 {
-    std::vector<double> speed;
-    std::vector<double> time;
-    double now = 0;
-    for (const Record &r : records.of("coast")) {
-        const double duration = r.ticks * records.scales.period_s;
-        if (r.speed_el_rad_s > 0 && std::abs(std::abs(r.voltage_v) / r.speed_el_rad_s -
-                                             flux.wb.value) < 2 * COAST_OFF * flux.wb.value) {
-            speed.push_back(r.speed_el_rad_s / records.scales.pole_pairs);
-            time.push_back(now + duration / 2);
+    const double factor = TORQUE_FACTOR * scales.pole_pairs;
+    for (const Pair &pair : pairs) {
+        for (const Record *r : {pair.low, pair.high}) {
+            drags.push_back({r->speed_el_rad_s / scales.pole_pairs, factor * r->torque / r->ticks,
+                             factor * HELD_UNSURE * flux.wb.value * std::abs(r->i_a)});
         }
-        now += duration;
     }
-    if (speed.size() < 6) {
-        return;
+}
+
+// Without current the friction brakes the rotor; what current is left is taken off. The frame has to have found the rotor.
+void add_coasting_drags(const Records &records, double inertia, const Flux &flux,
+                        std::vector<Drag> &drags)
+{
+    const double period_s = records.scales.period_s;
+    const double factor = TORQUE_FACTOR * records.scales.pole_pairs;
+    std::vector<Record> windows;
+    double ticks = 0;
+    for (const Record &r : records.of("coast")) {
+        const double wb = std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
+        if (ticks >= COAST_SETTLED_TICKS && std::abs(wb - flux.wb.value) < COAST_OFF * wb) {
+            windows.push_back(r);
+        }
+        ticks += r.ticks;
     }
-    const auto count = static_cast<Eigen::Index>(speed.size()) - 2;
-    Eigen::MatrixXd rows(count, 2);
-    Eigen::VectorXd fall(count);
-    for (Eigen::Index k = 0; k < count; k++) {
-        const auto at = static_cast<std::size_t>(k);
-        rows.row(k) << speed[at + 1], 1;
-        fall[k] = -(speed[at + 2] - speed[at]) / (time[at + 2] - time[at]);
+    for (std::size_t k = 0; k + 1 < windows.size(); k++) {
+        const Record &a = windows[k];
+        const Record &b = windows[k + 1];
+        const double between_s = (a.ticks + b.ticks) / 2 * period_s;
+        const double fall = (a.speed_el_rad_s - b.speed_el_rad_s) / records.scales.pole_pairs;
+        const double left = factor * (a.torque + b.torque) / (a.ticks + b.ticks);
+        const double turn_unsure = TURN_UNSURE / std::min(a.ticks, b.ticks) / period_s;
+        drags.push_back(
+            {(a.speed_el_rad_s + b.speed_el_rad_s) / 2 / records.scales.pole_pairs,
+             inertia * fall / between_s + left,
+             inertia * turn_unsure / records.scales.pole_pairs / between_s});
     }
-    const Fit fit = fit_linear(rows, fall);
-    const double inertia = shaft.inertia_kg_m2.value;
-    shaft.viscous_nm_s = {std::max(fit.value[0], 0.0) * inertia, fit.std[0] * inertia, 0};
-    shaft.coulomb_nm = {std::max(fit.value[1], 0.0) * inertia, fit.std[1] * inertia, 0};
+}
+
+void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
+{
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(drags.size()), 2);
+    Eigen::VectorXd torque(rows.rows());
+    for (Eigen::Index k = 0; k < rows.rows(); k++) {
+        const Drag &drag = drags[static_cast<std::size_t>(k)];
+        rows.row(k) << drag.speed / drag.unsure, 1 / drag.unsure;
+        torque[k] = drag.torque / drag.unsure;
+    }
+    const Fit fit = fit_linear(rows, torque);
+    const double scale = fit.rms > 1 ? 1 : 1 / std::max(fit.rms, 1e-9);
+    shaft.viscous_nm_s = {std::max(fit.value[0], 0.0), fit.std[0] * scale, 0};
+    shaft.coulomb_nm = {std::max(fit.value[1], 0.0), fit.std[1] * scale, 0};
 }
 
 } // namespace
@@ -270,7 +305,10 @@ Shaft fit_shaft(const Records &records, const Flux &flux)
     shaft.inertia_kg_m2 = inertia_of(pairs, records.scales);
     const double share = std::max(pulled_share(pairs, flux), 1e-3);
     shaft.inertia_kg_m2.bound += TORQUE_UNSURE / share * shaft.inertia_kg_m2.value;
-    add_friction(records, flux, shaft);
+    std::vector<Drag> drags;
+    add_held_drags(pairs, records.scales, flux, drags);
+    add_coasting_drags(records, shaft.inertia_kg_m2.value, flux, drags);
+    fit_friction(drags, shaft);
     return shaft;
 }
 
