@@ -243,7 +243,7 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
 #define LEVEL_SETTLE_MS (20)
 #define AXIS_SETTLE_MS (200)
-#define BURSTS (7U)
+#define BURSTS (8U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
 #define UNLIKE_SHARE \
@@ -277,8 +277,8 @@ typedef struct {
 /* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. */
 static void aim_burst(identify_t *identify)
 {
-    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0}, {3, 2, 0},
-                                           {2, 0, 6}, {2, 0, 11}, {2, 0, 16}};
+    static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0},  {3, 2, 0},
+                                           {2, 0, 6}, {2, 0, 11}, {2, 0, 16}, {8, 0, 14}};
     const identify_rest_t *const rest = &identify->rest;
     const burst_t *const burst = &bursts[(identify->step - LEVELS) % BURSTS];
     const bool along = burst->along > 0U;

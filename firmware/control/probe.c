@@ -306,17 +306,21 @@ bool probe_pulses(const probe_t *probe)
     return (probe->tick > 0U) && ((probe->pulse.d > 0) || (probe->pulse.q > 0));
 }
 
-dq_t probe_voltage(probe_t *probe, dq_t steady)
+dq_t probe_controlled(const probe_t *probe, dq_t reference, dq_t measured)
 {
-    int32_t sign;
-
-    if (probe->tick == 2U) {
-        probe->held = (dq_t){fx_sat16(steady.d), fx_sat16(steady.q)};
-    }
-    sign = sign_of_pulse(probe, probe->tick - 2U);
     return (dq_t){
-        .d = fx_clamp(probe->held.d + (sign * probe->pulse.d), -FX_Q15_MAX, FX_Q15_MAX),
-        .q = fx_clamp(probe->held.q + (sign * probe->pulse.q), -FX_Q15_MAX, FX_Q15_MAX),
+        .d = (probe->pulse.d > 0) ? reference.d : measured.d,
+        .q = (probe->pulse.q > 0) ? reference.q : measured.q,
+    };
+}
+
+dq_t probe_voltage(const probe_t *probe, dq_t steady)
+{
+    const int32_t sign = sign_of_pulse(probe, probe->tick - 2U);
+
+    return (dq_t){
+        .d = fx_clamp(steady.d + (sign * probe->pulse.d), -FX_Q15_MAX, FX_Q15_MAX),
+        .q = fx_clamp(steady.q + (sign * probe->pulse.q), -FX_Q15_MAX, FX_Q15_MAX),
     };
 }
 

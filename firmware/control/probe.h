@@ -97,7 +97,6 @@ typedef struct {
     step_t own_speed;     /* of the vector before damping */
     int32_t lag_q15;      /* sin δ */
     int32_t mean_lag_q27; /* its mean */
-    dq_t held;            /* voltage on which the pulses ride */
     dq_t before;          /* currents of phases a and b at the last sample, in d and q */
     dq_t current_before;  /* in the frame */
     int32_t start_q16;    /* angle of the vector at the start of the window */
@@ -129,11 +128,17 @@ typedef struct {
 /* Adds the sample to the window that is open, and opens and closes it. Before probe_voltage(). */
 void probe_note(probe_t *probe, const probe_sample_t *sample);
 
-/* Whether the current control pauses in this tick. */
+/* Whether pulses are added in this tick. */
 bool probe_pulses(const probe_t *probe);
 
-/* Then: the voltage to demand, saturated at ±32767. steady: what the current control would demand without an error. */
-dq_t probe_voltage(probe_t *probe, dq_t steady);
+/*
+ * Then: what the current control takes for measured. Along the pulses it sees its reference, and holds its voltage; in the
+ * other axis it goes on: what the legs lose there changes with the pulses.
+ */
+dq_t probe_controlled(const probe_t *probe, dq_t reference, dq_t measured);
+
+/* Then: the voltage to demand, that of the current control, 16 bits, with the pulse of this tick; saturated at ±32767. */
+dq_t probe_voltage(const probe_t *probe, dq_t steady);
 
 /* Whether the window of this word is complete. */
 bool probe_is_done(const probe_t *probe, int32_t window);

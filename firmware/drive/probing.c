@@ -53,22 +53,19 @@ static dq_t emf_of(const drive_t *drive)
 static dq_t demand(drive_t *drive)
 {
     const drive_signals_t *const s = &drive->signals;
-    current_loop_t *const loop = &drive->current_loop;
+    const probe_t *const probe = &drive->probe;
+    const bool pulses = probe_pulses(probe);
     const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
+    dq_t measured = s->current_frame;
     dq_t voltage;
 
-    if (probe_pulses(&drive->probe)) {
-        const dq_t steady = {pi_output(&loop->pi_d) + loop->constant.d,
-                             pi_output(&loop->pi_q) + loop->constant.q};
-
-        voltage = probe_voltage(&drive->probe, steady);
-    } else {
-        current_loop_plan(loop, &drive->probe.loop, s->current_ref,
-                          drive_speed_q15(drive, drive->vector.step));
-        voltage =
-            current_loop_step(loop, &drive->probe.loop, s->current_ref, s->current_frame, limit);
+    if (pulses) {
+        measured = probe_controlled(probe, s->current_ref, measured);
     }
-    return voltage;
+    current_loop_plan(&drive->current_loop, &probe->loop, s->current_ref,
+                      drive_speed_q15(drive, drive->vector.step));
+    voltage = current_loop_step(&drive->current_loop, &probe->loop, s->current_ref, measured, limit);
+    return pulses ? probe_voltage(probe, voltage) : voltage;
 }
 
 void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out)

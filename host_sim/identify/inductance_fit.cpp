@@ -3,9 +3,11 @@
 
 #include "config.h"
 #include "least_squares.h"
+#include "pulse_model.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace nf::identify
 {
@@ -13,13 +15,14 @@ namespace
 {
 
 constexpr std::size_t BURSTS_MIN = 6;
-constexpr int SUBSTEPS = 4;
 constexpr int SEARCHES = 30;
 constexpr double FOUND = 1e-6;
-constexpr double QUARTERS = 4;
 // What L of the loss is not known: the current ripples, and the edges of the pulses see another current than the mean.
 constexpr double LOSS_UNSURE = 0.02;
 constexpr double INDUCTANCE_SCALE = 2e-3; // voltage and ripple of the current
+// Of 1/L at the continuous current: what the fourth power makes of it, and what as much current along does.
+constexpr double QUARTIC_MOST = 0.03;
+constexpr double SHARED_MOST = 0.1;
 
 struct Burst {
     bool across = false;
@@ -30,39 +33,6 @@ struct Burst {
     double quarter_s = 0;
 };
 
-// The pulse's sign in a tick: +, −, −, + for a quarter each.
-double sign_of(int tick, int quarter)
-{
-    const int part = (tick / quarter) % 4;
-    return part == 1 || part == 2 ? -1 : 1;
-}
-
-// The sum of the changes, each with its pulse's sign, of a winding with this inductance.
-double modelled_change(const Record &r, const Legs &legs, double inductance_h)
-{
-    const std::complex<double> direction = r.across ? std::complex<double>(0, 1) : 1.0;
-    const std::complex<double> bias = r.current_a;
-    const double resistance = legs.resistance_ohm.value;
-    const double step_s = legs.period_s / SUBSTEPS;
-    // of the current to a volt in a step, with the resistance exactly
-    const double answer = -std::expm1(-resistance * step_s / inductance_h) / resistance;
-    const double held_v = (legs.lost_v(bias) * std::conj(direction)).real() +
-                          resistance * (bias * std::conj(direction)).real();
-    double i = (bias * std::conj(direction)).real();
-    const std::complex<double> rest = r.across ? bias : 0.0;
-    double sum = 0;
-    for (int tick = 0; tick < static_cast<int>(r.ticks); tick++) {
-        const double sign = sign_of(tick, r.quarter_ticks);
-        const double before = i;
-        for (int k = 0; k < SUBSTEPS; k++) {
-            const double lost = (legs.lost_v(rest + direction * i) * std::conj(direction)).real();
-            i += (sign * r.pulse_v + held_v - lost - resistance * i) * answer;
-        }
-        sum += sign * (i - before);
-    }
-    return sum;
-}
-
 // By the gain of the sensor that sees the pulses.
 double measured_change(const Record &r, const Legs &legs)
 {
@@ -70,6 +40,12 @@ double measured_change(const Record &r, const Legs &legs)
     const double along[] = {1 + half, 1 - half, 1};
     const double across[] = {1 - half, 1 + half, 1};
     return r.across ? r.change_a.imag() / across[r.axis] : r.change_a.real() / along[r.axis];
+}
+
+// The current along. Pulses across change what the legs lose along, and with it that current.
+double along_a(const Record &r)
+{
+    return r.across ? r.i_a.real() : r.current_a;
 }
 
 Burst burst_of(const Record &r, const Legs &legs)
@@ -88,7 +64,7 @@ Burst burst_of(const Record &r, const Legs &legs)
     }
     Burst burst;
     burst.across = r.across;
-    burst.bias_a = r.current_a;
+    burst.bias_a = along_a(r);
     burst.peak_a = change / r.ticks * r.quarter_ticks;
     burst.inductance_h = inductance;
     burst.lost_share = legs.loss_v.value / r.pulse_v;
@@ -96,19 +72,51 @@ Burst burst_of(const Record &r, const Legs &legs)
     return burst;
 }
 
-// 1/L over the powers of a regressor up to `order`, and the scatter.
-Fit fit_inverse(const std::vector<Burst> &bursts, int order, double (*regressor)(const Burst &))
+// How far the L of a burst may be off, a share of it: what the legs lose of small pulses is not known well.
+double unsure_of(const Burst &burst)
 {
-    Eigen::MatrixXd rows(static_cast<Eigen::Index>(bursts.size()), order + 1);
-    Eigen::VectorXd inverse(rows.rows());
-    for (Eigen::Index k = 0; k < rows.rows(); k++) {
+    return INDUCTANCE_SCALE + LOSS_UNSURE * burst.lost_share;
+}
+
+// L0/L of the bursts over the columns that `row` makes of each, every row by how sure it is. Behind them stand what is known
+// of iron beforehand, column by column: 0, to about so much; 0: nothing is.
+Fit fit_inverse(const std::vector<Burst> &bursts, const std::vector<double> &expected,
+                const std::function<std::vector<double>(const Burst &)> &row_of)
+{
+    const auto count = static_cast<Eigen::Index>(bursts.size());
+    const auto columns = static_cast<Eigen::Index>(expected.size());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count + columns, columns);
+    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(count + columns);
+    for (Eigen::Index k = 0; k < count; k++) {
         const Burst &burst = bursts[static_cast<std::size_t>(k)];
-        for (int power = 0; power <= order; power++) {
-            rows(k, power) = std::pow(regressor(burst), power);
-        }
-        inverse[k] = 1 / burst.inductance_h;
+        const std::vector<double> row = row_of(burst);
+        rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), columns) / unsure_of(burst);
+        inverse[k] = bursts.front().inductance_h / burst.inductance_h / unsure_of(burst);
+    }
+    for (Eigen::Index k = 0; k < columns; k++) {
+        const double most = expected[static_cast<std::size_t>(k)];
+        rows(count + k, k) = most > 0 ? 1 / most : 0;
     }
     return fit_linear(rows, inverse);
+}
+
+// Along: a parabola over the bias.
+Fit fit_along(const std::vector<Burst> &bursts, double scale_a)
+{
+    return fit_inverse(bursts, {0, 0, 0}, [&](const Burst &b) {
+        const double x = b.bias_a / scale_a;
+        return std::vector<double>{1, x, x * x};
+    });
+}
+
+// Across: over even powers of the pulses' current, and over the current along: at rest some is needed to hold the rotor, and
+// it saturates the iron too.
+Fit fit_across(const std::vector<Burst> &bursts, double scale_a)
+{
+    return fit_inverse(bursts, {0, 0, QUARTIC_MOST, SHARED_MOST}, [&](const Burst &b) {
+        const double square = std::pow(b.peak_a / scale_a, 2);
+        return std::vector<double>{1, square, square * square, b.bias_a / scale_a};
+    });
 }
 
 double largest(const std::vector<Burst> &bursts, double Burst::*field)
@@ -129,11 +137,11 @@ double mean_lost(const std::vector<Burst> &bursts)
     return sum / static_cast<double>(bursts.size());
 }
 
-// What is not known of 1/L: the scatter of the three axes is no noise that many bursts average out.
-Value value_of(const Fit &fit, double inverse, double lost_share)
+// Of a fit's share L0/L.
+Value value_of(double inductance_h, double share, double std, double lost_share)
 {
-    const double inductance = 1 / inverse;
-    return {inductance, inductance * fit.std[0] / inverse / 2,
+    const double inductance = inductance_h / share;
+    return {inductance, inductance * std / share,
             inductance * (INDUCTANCE_SCALE + LOSS_UNSURE * lost_share)};
 }
 
@@ -153,16 +161,14 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
         throw ConfigError(
             "the records have too few pulses at rest: the identification did not come that far");
     }
-    const Fit d = fit_inverse(along, 2, [](const Burst &b) { return b.bias_a; });
-    const Fit q = fit_inverse(across, 1, [](const Burst &b) { return b.peak_a * b.peak_a; });
     Inductances found;
     found.current_a = std::min(current_a, largest(across, &Burst::peak_a));
     found.quarter_s = largest(across, &Burst::quarter_s);
-    found.d_slope = d.value[1];
-    found.q_bend = q.value[1];
-    found.d_h = value_of(d, d.value[0], mean_lost(along));
-    found.q_h =
-        value_of(q, q.value[0] + q.value[1] * found.current_a * found.current_a, mean_lost(across));
+    const Fit d = fit_along(along, found.current_a);
+    const Fit q = fit_across(across, found.current_a);
+    found.d_h = value_of(along.front().inductance_h, d.value[0], d.std[0], mean_lost(along));
+    found.q_h = value_of(across.front().inductance_h, q.value[0] + q.value[1] + q.value[2],
+                         q.std[0], mean_lost(across));
     return found;
 }
 

@@ -12,13 +12,12 @@ struct Inductances {
     Value q_h;            // flux over current at current_a, without i_d
     double current_a = 0; // of the pulses across, for which L_q is stated
     double quarter_s = 0; // duration of their quarter
-    double d_slope = 0;   // of 1/L_d over i_d, 1/(H·A): saturation where it is positive
-    double q_bend = 0;    // 1/L_q = 1/L_q0 + this·i_q²
 };
 
-// Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d over
-// the bias and 1/L_q over the pulse's current are parabolas, as iron saturates. The sensors' mismatch cancels in the
-// mean of the three axes. current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there are too few bursts.
+// Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d is
+// a parabola over the bias, 1/L_q a polynomial of the pulse's current, as iron saturates. The sensors' mismatch cancels in
+// the mean of the three axes. current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there
+// are too few bursts.
 Inductances fit_inductances(const Records &records, const Legs &legs, double current_a);
 
 } // namespace nf::identify
