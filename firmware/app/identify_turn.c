@@ -19,8 +19,8 @@
 #define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
 #define RAMP_TICKS_LEAST (64)
 #define RAMP_MS_MOST (600) /* a longer one goes less far down */
-#define EDGE_TICKS (2048)  /* before and behind a ramp in its window, at least */
-#define EDGE_MS_MOST (450)
+#define EDGE_TICKS (1024)  /* before and behind a ramp in its window, at least */
+#define EDGE_MS_MOST (600)
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
     (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */

@@ -14,7 +14,12 @@
 #define SHIFT_MAX (30)
 #define TICKS_MASK (0xFFFFFU)
 #define LAG_MOST (23170) /* sin 45°: a rotor that lags further may fall out of step */
-#define MEAN_BITS (10U) /* the mean lag is over 2^10 ticks, and so much finer */
+#define MEAN_BITS_LEAST (8U) /* the mean lag is over 2^8 ticks at least */
+#define MEAN_BITS_MOST (14U)
+#define MEAN_FINER_BITS (14U)
+#define LAG_FINER (16384) /* 2^14 */
+/* Over 8/K ticks, so that it leaves the swing to the damping: for a K above this 2^8 ticks are enough. */
+#define MEAN_FAST_DAMPING (42722830)
 
 void probe_reset(probe_t *probe)
 {
@@ -180,6 +185,25 @@ static step_t ramped(const probe_t *probe, int32_t lag)
     return strains ? probe->own_speed : fx_towards(probe->own_speed, probe->speed, probe->ramp);
 }
 
+static uint32_t mean_bits(const probe_t *probe)
+{
+    uint32_t bits = MEAN_BITS_LEAST;
+    step_t enough = MEAN_FAST_DAMPING;
+
+    while ((bits < MEAN_BITS_MOST) && (probe->damping < enough)) {
+        bits++;
+        enough /= 2;
+    }
+    return bits;
+}
+
+static void average_lag(probe_t *probe, int32_t lag)
+{
+    const int32_t finer = lag * LAG_FINER;
+
+    probe->mean_lag_q29 += fx_asr(finer - probe->mean_lag_q29, mean_bits(probe));
+}
+
 step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
 {
     step_t step;
@@ -187,14 +211,14 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
     probe->own_speed = ramped(probe, probe->lag_q15);
     if ((probe->own_speed == 0) && (probe->speed == 0)) {
         probe->lag_q15 = 0;
-        probe->mean_lag_q27 = 0;
+        probe->mean_lag_q29 = 0;
         step = towards_angle(probe, angle);
     } else {
         const int32_t lag = lag_of(probe, emf, probe->own_speed);
-        const int32_t mean = (probe->tracking > 0) ? 0 : fx_asr(probe->mean_lag_q27, MEAN_BITS);
+        const int32_t mean = (probe->tracking > 0) ? 0 : fx_asr(probe->mean_lag_q29, MEAN_FINER_BITS);
 
         probe->lag_q15 = lag;
-        probe->mean_lag_q27 = fx_sat28(probe->mean_lag_q27 + lag - mean);
+        average_lag(probe, lag);
         probe->own_speed -= fx_mul_32x16(probe->tracking, lag);
         probe->own_speed = fx_clamp(probe->own_speed, -SPEED_MAX, SPEED_MAX);
         step = probe->own_speed - damped(probe, lag - mean);

@@ -96,7 +96,7 @@ typedef struct {
     probe_sums_t sums;
     step_t own_speed;     /* of the vector before damping */
     int32_t lag_q15;      /* sin δ */
-    int32_t mean_lag_q27; /* its mean */
+    int32_t mean_lag_q29; /* its mean */
     dq_t before;          /* currents of phases a and b at the last sample, in d and q */
     dq_t current_before;  /* in the frame */
     int32_t start_q16;    /* angle of the vector at the start of the window */
