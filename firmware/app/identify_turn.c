@@ -15,12 +15,12 @@
 
 /* ---- ramps ---- */
 
-#define RAMP_MS_FIRST (1200) /* from half of the speed to the whole: a second and a quarter */
+#define RAMP_MS_FIRST (1000) /* from half of the speed to the whole */
 #define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
 #define RAMP_TICKS_LEAST (64)
-#define RAMP_MS_MOST (600) /* a longer one goes less far down */
+#define RAMP_MS_MOST (500) /* a longer one goes less far down */
 #define EDGE_TICKS (1024)  /* before and behind a ramp in its window, at least */
-#define EDGE_MS_MOST (600)
+#define EDGE_MS_MOST (450)
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
     (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
@@ -404,7 +404,7 @@ bool identify_turn_plan_ramp(identify_t *identify)
 #define COAST_WINDOWS (18U)
 #define COAST_SETTLE_TICKS (60) /* the current falls in 8 of them */
 #define COAST_MS_FIRST (5)
-#define COAST_MS_MOST (80)
+#define COAST_MS_MOST (60)
 #define COAST_TRACKING \
     (300000) /* 2·k: K²/4 is the double pole of the frame that follows the rotor */
 
