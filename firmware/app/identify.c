@@ -158,6 +158,29 @@ static void add_amperes(const identify_t *identify, text_t *text, int32_t curren
     text_add(text, " A");
 }
 
+/* Rounded up: a name plate with the current that is said has enough of it. */
+static void add_needed(const identify_t *identify, text_t *text, int32_t current)
+{
+    const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
+
+    text_number(text, units_thousandths(current, CURRENT_ONE, base_ua) + 1, 3U);
+    text_add(text, " A");
+}
+
+static void say_end(const identify_t *identify, text_t *text)
+{
+    if (identify->why == NULL) {
+        text_add(text, "identify done");
+    } else {
+        text_add(text, "identify refused: ");
+        text_add(text, identify->why);
+        text_add(text, identify->detail);
+    }
+    if (identify->needed > 0) {
+        add_needed(identify, text, identify->needed);
+    }
+}
+
 /* Before each phase: what it will do, with which current and speed. */
 static void say_phase(const identify_t *identify, text_t *text)
 {
@@ -189,11 +212,7 @@ static void say_phase(const identify_t *identify, text_t *text)
         text_add(text, "no current, the shaft coasts");
         break;
     default: /* the end */
-        text_add(text, (identify->why == NULL) ? "identify done" : "identify refused: ");
-        text_add(text, (identify->why == NULL) ? "" : identify->why);
-        if (identify->app->drive.state == DRIVE_STATE_FAULT) {
-            text_add(text, fault_text(identify->app->drive.fault.id)->name);
-        }
+        say_end(identify, text);
         break;
     }
     text_end_line(text);
@@ -321,6 +340,12 @@ static void begin_identifying(identify_t *identify)
     identify->in_force[emf] = 1;
     identify->aim.words[emf] = 1;
     identify_aim_phase(identify, IDENTIFY_BEGINS);
+    if (identify_aim_continuous(identify) < CURRENT_LEAST) {
+        identify->needed = CURRENT_LEAST;
+        identify_aim_refusal(
+            identify,
+            "the continuous current of the name plate is too small for this board's sensors, it takes at least ");
+    }
 }
 
 bool identify_is_busy(const identify_t *identify)
@@ -336,9 +361,6 @@ const char *identify_start(identify_t *identify)
         why = "it is under way";
     } else if (identify->app->drive.state != DRIVE_STATE_READY) {
         why = "the drive is not READY";
-    } else if (identify_aim_continuous(identify) < CURRENT_LEAST) {
-        why =
-            "the continuous current is below 1.2 % of the converter's range: nothing would be seen";
     } else {
         begin_identifying(identify);
     }
@@ -384,10 +406,11 @@ void identify_step(identify_t *identify, text_t *text)
         /* nothing is asked */
     } else if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
-    } else if (state == DRIVE_STATE_PROBE) {
+    } else if ((state == DRIVE_STATE_PROBE) || (identify->phase == IDENTIFY_ENDS)) {
         say_or_go_on(identify, text);
     } else if (state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal(identify, "the drive has a fault: ");
+        identify_aim_refusal_of(
+            identify, "the drive has a fault: ", fault_text(identify->app->drive.fault.id)->name);
         say_or_go_on(identify, text);
     } else {
         /* READY: the first word has not been taken yet */

@@ -247,7 +247,7 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
 #define UNLIKE_SHARE \
-    (4) /* R of an axis may be 1/4 off that of the first: mismatch of sensors, unlike wires */
+    (4) /* R of a phase may be 1/4 off that in the middle: mismatch of sensors, unlike wires */
 
 int32_t identify_rest_largest(const identify_t *identify)
 {
@@ -348,13 +348,48 @@ static void note_still(identify_t *identify)
     }
 }
 
-static bool is_alike(const identify_rest_t *rest)
+/*
+ * R of a phase, Q13. Along the axis of a phase flows its whole current, and half of it back through each other one:
+ * R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of the three axes)/2.
+ */
+static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
-    const int32_t first = rest->resistance_q13[0];
-    const int32_t second = fx_abs(rest->resistance_q13[1] - first);
-    const int32_t third = fx_abs(rest->resistance_q13[2] - first);
+    const int32_t all = rest->resistance_q13[0] + rest->resistance_q13[1] + rest->resistance_q13[2];
 
-    return fx_max(second, third) <= ((first / UNLIKE_SHARE) + 1);
+    return (2 * rest->resistance_q13[phase]) - (all / 3);
+}
+
+/* Refuses a phase whose R is far from that in the middle. */
+static bool are_alike(identify_t *identify)
+{
+    static const char *const names[IDENTIFY_AXES] = {"a", "b", "c"};
+    uint32_t low = 0U;
+    uint32_t high = 0U;
+    int32_t r[IDENTIFY_AXES];
+    int32_t middle;
+    int32_t most;
+
+    for (uint32_t phase = 0U; phase < IDENTIFY_AXES; phase++) {
+        r[phase] = phase_resistance(&identify->rest, phase);
+        low = (r[phase] < r[low]) ? phase : low;
+        high = (r[phase] > r[high]) ? phase : high;
+    }
+    middle = (r[0] + r[1] + r[2]) - (r[low] + r[high]);
+    most = (middle / UNLIKE_SHARE) + 1;
+    if ((middle - r[low]) > most) {
+        identify_aim_refusal_of(
+            identify,
+            "less than 3/4 of the resistance of the other phases, is the winding shorted: phase ",
+            names[low]);
+    } else if ((r[high] - middle) > most) {
+        identify_aim_refusal_of(
+            identify,
+            "more than 5/4 of the resistance of the other phases, is a contact bad: phase ",
+            names[high]);
+    } else {
+        /* three windings of a kind */
+    }
+    return identify->phase != IDENTIFY_ENDS;
 }
 
 /* The levels and pulses of an axis have ended. */
@@ -369,12 +404,10 @@ static bool leave_axis(identify_t *identify)
         aim_axis(identify);
         identify_aim_window(identify, "catch", AXIS_SETTLE_MS * identify->ms_ticks,
                             identify->ms_ticks);
-    } else if (is_alike(rest)) {
+    } else if (are_alike(identify)) {
         identify_aim_phase(identify, IDENTIFY_SPIN);
     } else {
-        identify_aim_refusal(
-            identify,
-            "the resistances of the three phases differ: is a winding shorted, or a contact bad?");
+        /* refused */
     }
     return identify->phase == IDENTIFY_STILL;
 }

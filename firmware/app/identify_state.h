@@ -83,6 +83,8 @@ typedef struct {
     uint32_t step;         /* experiments of the phase so far */
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */
+    const char *detail;    /* said behind `why`: the name of a phase or a fault */
+    int32_t needed;        /* and the current that it takes, Q15 of I_b; 0: none */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
     int32_t in_force[IDENTIFY_WORDS];

@@ -85,12 +85,21 @@ static void test_it_starts_from_ready_only(void)
     TEST_ASSERT_EQUAL_STRING("", said());
 }
 
-static void test_a_current_that_the_converter_hardly_sees_is_refused(void)
+/* 192/32768 of 40 A are 0.2344 A. */
+static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes(void)
 {
     cfg.derating.current_continuous = 191;
-    TEST_ASSERT_NOT_NULL(strstr(identify_start(&identify), "1.2 %"));
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_STRING(
+        "identify refused: the continuous current of the name plate is too small for this board's "
+        "sensors, it takes at least 0.235 A\r\n",
+        said());
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    tick_period();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
     cfg.derating.current_continuous = 192;
     TEST_ASSERT_NULL(identify_start(&identify));
+    assert_starts("identify 1 ", said());
 }
 
 static void test_it_says_its_scales_and_what_it_will_do(void)
@@ -146,7 +155,7 @@ static void test_a_fault_ends_it_with_a_line(void)
     (void)said();
     tick_period();
     fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: a fault has ended it\r\n", said());
+    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", said());
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
 }
 
@@ -420,28 +429,49 @@ static void test_three_axes_give_r_and_the_loss(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-static void expect_windings(int32_t b, int32_t c, bool alike)
+/* Of three phases: along an axis two thirds of its own R and a sixth of each other one. */
+static void measure_windings(int32_t a, int32_t b, int32_t c)
 {
-    const int32_t axes[] = {4000, b, c};
+    const int32_t phases[] = {a, b, c};
 
     setUp();
     begin_still();
     for (uint32_t axis = 0U; axis < 3U; axis++) {
-        measure_axis(axes[axis]);
+        measure_axis((phases[axis] / 2) + ((a + b + c) / 6));
         (void)identify_rest_plan_still(&identify);
-    }
-    if (alike) {
-        TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
-    } else {
-        assert_refused("resistances of the three phases differ");
     }
 }
 
-static void test_windings_that_differ_by_more_than_a_quarter_are_refused(void)
+static void expect_unlike(const char *why, const char *phase)
 {
-    expect_windings(4900, 3100, true);
-    expect_windings(5200, 4000, false);
-    expect_windings(4000, 2800, false);
+    assert_refused(why);
+    TEST_ASSERT_EQUAL_STRING(phase, identify.detail);
+}
+
+static void test_windings_that_differ_by_less_than_a_quarter_go_on(void)
+{
+    measure_windings(4000, 4900, 3100);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+static void test_a_winding_with_less_resistance_is_named_as_shorted(void)
+{
+    measure_windings(2900, 4000, 4100);
+    expect_unlike("is the winding shorted", "a");
+    measure_windings(4000, 2900, 4100);
+    expect_unlike("is the winding shorted", "b");
+    measure_windings(4000, 4100, 2900);
+    expect_unlike("is the winding shorted", "c");
+}
+
+static void test_a_phase_with_more_resistance_is_named_as_a_bad_contact(void)
+{
+    measure_windings(5200, 4000, 3900);
+    expect_unlike("is a contact bad", "a");
+    measure_windings(4000, 5200, 3900);
+    expect_unlike("is a contact bad", "b");
+    measure_windings(4000, 3900, 5200);
+    expect_unlike("is a contact bad", "c");
 }
 
 static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
@@ -783,7 +813,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_it_starts_from_ready_only);
-    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused);
+    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes);
     RUN_TEST(test_it_says_its_scales_and_what_it_will_do);
     RUN_TEST(test_a_record_has_20_numbers);
     RUN_TEST(test_stop_opens_the_gates);
@@ -803,7 +833,9 @@ int main(void)
     RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
     RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
     RUN_TEST(test_three_axes_give_r_and_the_loss);
-    RUN_TEST(test_windings_that_differ_by_more_than_a_quarter_are_refused);
+    RUN_TEST(test_windings_that_differ_by_less_than_a_quarter_go_on);
+    RUN_TEST(test_a_winding_with_less_resistance_is_named_as_shorted);
+    RUN_TEST(test_a_phase_with_more_resistance_is_named_as_a_bad_contact);
     RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
     RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
     RUN_TEST(test_long_pulses_share_their_volts);
