@@ -172,16 +172,27 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
+#define NOISE_PEAK \
+    (5) /* largest of some thousand samples, over the mean change from one to the next */
 
 static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 {
     return INT32_MAX / (half_turn_ms * identify->ms_ticks);
 }
 
-/* |i_q| of a rotor that swings or slips. */
+/* |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. */
 static bool swings_no_more(const identify_t *identify)
 {
-    return identify_aim_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
+
+    return sums->across < ((identify->aim.words[0] / CALM_SHARE) + (NOISE_PEAK * noise));
+}
+
+static void refuse_restless(identify_t *identify)
+{
+    identify_aim_refusal(identify,
+                         "the rotor does not come to rest on the current: does a load turn it?");
 }
 
 /*
@@ -228,8 +239,7 @@ bool identify_rest_plan_catch(identify_t *identify)
         identify_aim_phase(identify,
                            (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
     } else if (identify->step > (CATCH_MOVES + CATCH_LOOKS)) {
-        identify_aim_refusal(
-            identify, "the rotor does not come to rest on the current: does a load turn it?");
+        refuse_restless(identify);
     } else {
         aim_catch(identify);
         identify->step++;
@@ -242,7 +252,7 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define LEVELS (14U)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
 #define LEVEL_SETTLE_MS (20)
-#define AXIS_SETTLE_MS (200)
+#define AXIS_SETTLE_MS (100) /* and then a look at least */
 #define BURSTS (8U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
@@ -399,11 +409,12 @@ static bool leave_axis(identify_t *identify)
 
     if ((rest->axis + 1U) < IDENTIFY_AXES) {
         rest->axis++;
+        rest->looks = 1U;
         identify->step = 0U;
         identify_aim_current(identify, identify_aim_continuous(identify));
         aim_axis(identify);
         identify_aim_window(identify, "catch", AXIS_SETTLE_MS * identify->ms_ticks,
-                            identify->ms_ticks);
+                            CATCH_LOOK_MS * identify->ms_ticks);
     } else if (are_alike(identify)) {
         identify_aim_phase(identify, IDENTIFY_SPIN);
     } else {
@@ -412,12 +423,35 @@ static bool leave_axis(identify_t *identify)
     return identify->phase == IDENTIFY_STILL;
 }
 
+/* The vector has come to the next axis, and the rotor swings there for a while. */
+static void look_again(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+
+    if (swings_no_more(identify)) {
+        rest->looks = 0U;
+    } else if (rest->looks > CATCH_LOOKS) {
+        refuse_restless(identify);
+    } else {
+        rest->looks++;
+        identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
+    }
+}
+
 bool identify_rest_plan_still(identify_t *identify)
 {
+    identify_rest_t *const rest = &identify->rest;
     bool aims = true;
 
     note_still(identify);
-    if (identify->step < LEVELS) {
+    if (rest->looks > 0U) {
+        look_again(identify);
+    }
+    if (identify->phase == IDENTIFY_ENDS) {
+        aims = false;
+    } else if (rest->looks > 0U) {
+        /* it is looked at once more */
+    } else if (identify->step < LEVELS) {
         aim_level(identify);
         identify->step++;
     } else if (identify->step < (LEVELS + (BURST_ROUNDS * BURSTS))) {

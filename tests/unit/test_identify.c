@@ -368,9 +368,27 @@ static void test_a_rotor_at_rest_goes_on(void)
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
 }
 
+static void test_noise_is_no_swing(void)
+{
+    cfg.derating.current_continuous = 1600;
+    identify.phase = IDENTIFY_CATCH;
+    look(0);
+    for (uint32_t k = 0U; k < 11U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    }
+    sums()->noise_b =
+        20 * identify.aim.ticks; /* its largest sample is five times its mean change */
+    look(200);
+    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    look(199);
+    TEST_ASSERT_FALSE(identify_rest_plan_catch(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
+}
+
 static void test_a_rotor_that_was_lost_goes_on_turning(void)
 {
     cfg.derating.current_continuous = 1600;
+    identify.aim.ticks = 1;
     identify.phase = IDENTIFY_CATCH;
     identify.turn.slower = 1U;
     identify.step = 11U;
@@ -427,6 +445,34 @@ static void test_three_axes_give_r_and_the_loss(void)
         TEST_ASSERT_INT32_WITHIN(4, 100, identify.rest.loss);
     }
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+static void test_on_the_next_axis_the_levels_wait_until_the_rotor_rests(void)
+{
+    begin_still();
+    measure_axis(4000);
+    look(100); /* of 1600 */
+    for (uint32_t k = 0U; k < 41U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.axis);
+        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+    }
+    look(99);
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
+    TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+}
+
+static void test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused(void)
+{
+    begin_still();
+    measure_axis(4000);
+    look(100);
+    for (uint32_t k = 0U; k < 41U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    }
+    TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
+    assert_refused("does a load turn it?");
 }
 
 /* Of three phases: along an axis two thirds of its own R and a sixth of each other one. */
@@ -830,9 +876,12 @@ int main(void)
     RUN_TEST(test_the_current_rises_opposite_and_takes_the_rotor_along);
     RUN_TEST(test_a_rotor_that_swings_is_waited_for_four_seconds);
     RUN_TEST(test_a_rotor_at_rest_goes_on);
+    RUN_TEST(test_noise_is_no_swing);
     RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
     RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
     RUN_TEST(test_three_axes_give_r_and_the_loss);
+    RUN_TEST(test_on_the_next_axis_the_levels_wait_until_the_rotor_rests);
+    RUN_TEST(test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused);
     RUN_TEST(test_windings_that_differ_by_less_than_a_quarter_go_on);
     RUN_TEST(test_a_winding_with_less_resistance_is_named_as_shorted);
     RUN_TEST(test_a_phase_with_more_resistance_is_named_as_a_bad_contact);
