@@ -181,6 +181,16 @@ static void say_end(const identify_t *identify, text_t *text)
     }
 }
 
+/* That of the vector, and a third of it for the rotor's swings. */
+static void add_highest_speed(const identify_t *identify, text_t *text, const char *before)
+{
+    const step_t speed = identify_turn_speed(identify);
+
+    text_add(text, before);
+    text_number(text, units_rpm(&identify->about->rotation, speed + (speed / 3)), 0U);
+    text_add(text, " rpm");
+}
+
 /* Before each phase: what it will do, with which current and speed. */
 static void say_phase(const identify_t *identify, text_t *text)
 {
@@ -188,21 +198,21 @@ static void say_phase(const identify_t *identify, text_t *text)
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
-        text_add(text, "pulses on each phase, the shaft rests, up to ");
+        text_add(text, "pulses on each phase, the shaft hardly moves, up to ");
         add_amperes(identify, text, current);
+        add_highest_speed(identify, text, "; behind them it turns, up to ");
         break;
     case IDENTIFY_CATCH:
-        text_add(text, "the shaft turns by up to one electrical turn, with ");
+        text_add(text, "the shaft turns by up to one and a half electrical turns, with ");
         add_amperes(identify, text, current);
         break;
     case IDENTIFY_STILL:
-        text_add(text, "the shaft goes to three angles, up to ");
+        text_add(text, "the shaft goes to three angles of an electrical turn, up to ");
         add_amperes(identify, text, identify_rest_largest(identify));
         break;
     case IDENTIFY_SPIN:
-        text_add(text, "the shaft turns, up to ");
-        text_number(text, units_rpm(&identify->about->rotation, identify_turn_speed(identify)), 0U);
-        text_add(text, " rpm, with ");
+        add_highest_speed(identify, text, "the shaft turns, up to ");
+        text_add(text, ", with ");
         add_amperes(identify, text, identify_turn_current(identify));
         break;
     case IDENTIFY_RAMP:

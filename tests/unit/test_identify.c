@@ -109,7 +109,7 @@ static void test_it_says_its_scales_and_what_it_will_do(void)
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", said());
     tick_period();
     TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
-    assert_starts("pulses on each phase, the shaft rests, up to ", next_line());
+    assert_starts("pulses on each phase, the shaft hardly moves, up to ", next_line());
     assert_starts("= pulse 0 0 0 ", next_line());
     TEST_ASSERT_TRUE(app.out.gate_enable);
 }
@@ -165,8 +165,8 @@ static void test_every_phase_is_said_before_it_begins(void)
         identify_phase_t phase;
         const char *line;
     } phases[] = {
-        {IDENTIFY_CATCH, "the shaft turns by up to one electrical turn, with "},
-        {IDENTIFY_STILL, "the shaft goes to three angles, up to "},
+        {IDENTIFY_CATCH, "the shaft turns by up to one and a half electrical turns, with "},
+        {IDENTIFY_STILL, "the shaft goes to three angles of an electrical turn, up to "},
         {IDENTIFY_SPIN, "the shaft turns, up to "},
         {IDENTIFY_RAMP, "between half of that speed and the whole"},
         {IDENTIFY_COAST, "no current, the shaft coasts"},
