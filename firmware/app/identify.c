@@ -278,13 +278,14 @@ static int32_t noise_most(const identify_t *identify)
     return identify_aim_continuous(identify) / NOISE_SHARE;
 }
 
-/* Pulses and what turns change the current themselves. */
+/* Of the first pulses on each axis. Larger ones and what turns change the current themselves. */
 static bool is_noisy(const identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
 
-    return (identify->phase == IDENTIFY_CATCH) && (noise > noise_most(identify));
+    return (identify->phase == IDENTIFY_PULSE) && (identify->step <= IDENTIFY_AXES) &&
+           (noise > noise_most(identify));
 }
 
 static void end_experiment(identify_t *identify, text_t *text)
@@ -394,6 +395,18 @@ static void start_probing(identify_t *identify, text_t *text)
     post(identify, 0U);
 }
 
+/* A current beyond the one that was said, and the overshoot of the current control: of a rotor that drives it. */
+static bool runs_away(const identify_t *identify)
+{
+    const dq_t current = identify->app->drive.signals.current_frame;
+    const bool begins = (identify->phase == IDENTIFY_PULSE) || (identify->phase == IDENTIFY_CATCH);
+    const int32_t largest =
+        begins ? identify_aim_continuous(identify) : identify_rest_largest(identify);
+
+    return (identify->phase != IDENTIFY_ENDS) &&
+           (fx_max(fx_abs(current.d), fx_abs(current.q)) > (largest + (largest / 4)));
+}
+
 /* A new phase is said before anything else. */
 static void say_or_go_on(identify_t *identify, text_t *text)
 {
@@ -417,6 +430,10 @@ void identify_step(identify_t *identify, text_t *text)
     } else if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
     } else if ((state == DRIVE_STATE_PROBE) || (identify->phase == IDENTIFY_ENDS)) {
+        if (runs_away(identify)) {
+            identify_aim_refusal(
+                identify, "more current flows than was asked for: does a load turn the rotor?");
+        }
         say_or_go_on(identify, text);
     } else if (state == DRIVE_STATE_FAULT) {
         identify_aim_refusal_of(

@@ -72,6 +72,12 @@ static void find_inductance(identify_rest_t *rest)
     rest->across_q16 = rest->inductance_q16;
 }
 
+/* So large a current says which phases are connected, long before the drive misses one. */
+static bool shows_current(const identify_t *identify)
+{
+    return largest_peak(&identify->rest) >= (identify_aim_continuous(identify) / 16);
+}
+
 /* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
 static void enlarge_pulse(identify_t *identify)
 {
@@ -81,7 +87,7 @@ static void enlarge_pulse(identify_t *identify)
     const int32_t more = rest->pulse + (rest->pulse / 4);
 
     rest->before = peak;
-    rest->fine = (peak >= (identify_aim_continuous(identify) / 16)) && (more <= most);
+    rest->fine = shows_current(identify) && (more <= most);
     if (rest->fine) {
         rest->pulse = more;
     } else if ((2 * rest->pulse) <= most) {
@@ -127,7 +133,7 @@ static bool judge_pulses(identify_t *identify)
     identify_rest_t *const rest = &identify->rest;
     const bool enough =
         rest->fine && (largest_peak(rest) >= (identify_aim_continuous(identify) / 4));
-    const char *const why = enough ? find_wrong_phase(rest) : NULL;
+    const char *const why = shows_current(identify) ? find_wrong_phase(rest) : NULL;
 
     if (why != NULL) {
         identify_aim_refusal(identify, why);
@@ -172,6 +178,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
+#define STEADY_LOOKS (5U)
 #define NOISE_PEAK \
     (5) /* largest of some thousand samples, over the mean change from one to the next */
 
@@ -180,13 +187,26 @@ static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
     return INT32_MAX / (half_turn_ms * identify->ms_ticks);
 }
 
-/* |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. */
-static bool swings_no_more(const identify_t *identify)
+/*
+ * |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. Windings that differ have a mean of
+ * i_q, which stays for STEADY_LOOKS.
+ */
+static bool swings_no_more(identify_t *identify)
 {
+    identify_rest_t *const rest = &identify->rest;
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
+    const int32_t most = (identify->aim.words[0] / CALM_SHARE) + (NOISE_PEAK * noise);
+    const int32_t mean = sums->current.q / identify->aim.ticks;
+    const int32_t swing = sums->across - fx_abs(mean);
 
-    return sums->across < ((identify->aim.words[0] / CALM_SHARE) + (NOISE_PEAK * noise));
+    if ((swing < most) && (fx_abs(mean - rest->mean_across) < (most / 2))) {
+        rest->steady++;
+    } else {
+        rest->steady = 0U;
+        rest->mean_across = mean;
+    }
+    return (sums->across < most) || (rest->steady >= STEADY_LOOKS);
 }
 
 static void refuse_restless(identify_t *identify)
@@ -284,7 +304,7 @@ typedef struct {
     uint8_t across;
 } burst_t;
 
-/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. */
+/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most the largest current. */
 static void aim_burst(identify_t *identify)
 {
     static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0},  {3, 2, 0},
@@ -301,8 +321,10 @@ static void aim_burst(identify_t *identify)
     const int32_t quarter = fx_min(bounded_word(needed), PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;
     const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
+    const int32_t most_bias = identify_rest_largest(identify) - (int32_t)current;
+    const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;
 
-    identify_aim_current(identify, (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16);
+    identify_aim_current(identify, along ? fx_max(fx_min(bias, most_bias), 0) : bias);
     *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
         bounded_word((each < most) ? each : most);
     *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;

@@ -55,6 +55,8 @@ typedef struct {
     int32_t along_q16;         /* the same along and across a current, of the last pulses */
     int32_t across_q16;
     uint32_t looks;       /* at a rotor that has come to another axis; 0: it is at rest */
+    int32_t mean_across;  /* i_q of an earlier look, */
+    uint32_t steady;      /* and how many since then have about the same */
     int32_t high_voltage; /* means at the largest current of this axis */
     int32_t high_current;
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */

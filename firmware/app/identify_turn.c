@@ -201,7 +201,7 @@ static int32_t largest_voltage(const identify_t *identify)
     return modulator_limit(&drive->cfg->modulator, drive->signals.bus);
 }
 
-/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. */
+/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i, and up to twice the L that the pulses have shown. */
 static bool turns_along(const identify_t *identify)
 {
     const int32_t limit = largest_voltage(identify);
@@ -212,7 +212,37 @@ static bool turns_along(const identify_t *identify)
     const int32_t inductive_q14 =
         (reactance_q13(identify) * 2 * (identify->aim.words[0] / 64)) / 512;
 
-    return (flux_q14(identify) - inductive_q14) >= least_q14;
+    return (flux_q14(identify) - inductive_q14) >= fx_max(least_q14, inductive_q14);
+}
+
+/* |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags has an EMF along the current too. */
+static int32_t lag_q10(const identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const int32_t resistive = (rest->resistance_q13[2] * identify->aim.words[0]) / 8192;
+    const int32_t along =
+        (identify_aim_sums(identify)->voltage.d / identify->aim.ticks) - resistive - rest->loss;
+    const int32_t across = identify_aim_sums(identify)->voltage.q / identify->aim.ticks;
+    const dq_t e = {fx_sat16(along), fx_sat16(across)};
+    const int64_t size = (int64_t)trig_sqrt(transforms_square(e)) * 1024;
+    const int64_t share = size / fx_max(fx_abs(across), 1);
+
+    return (share < INT16_MAX) ? (int32_t)share : INT16_MAX;
+}
+
+/* The EMF of a rotor is there without current; what half of the current halves is not. */
+static bool has_stood(const identify_t *identify)
+{
+    const int64_t whole = identify->turn.flux_q14;
+    const int64_t half = ((int64_t)flux_q14(identify) * lag_q10(identify)) / 1024;
+
+    return ((2 * half) - whole) < (whole / 4);
+}
+
+static void refuse_standing(identify_t *identify)
+{
+    identify_aim_refusal(
+        identify, "the rotor does not turn with the current: is it blocked, braked, or loaded?");
 }
 
 /* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
@@ -229,9 +259,7 @@ static void bound_speed(identify_t *identify)
     const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
 
     if (!turns_along(identify)) {
-        identify_aim_refusal(
-            identify,
-            "the rotor does not turn with the current: is it blocked, braked, or loaded?");
+        refuse_standing(identify);
     } else if (reached < least) {
         identify_aim_refusal(
             identify, "the bus voltage is too low to turn the motor at 1/16 of its highest speed");
@@ -315,6 +343,8 @@ static void note_spin(identify_t *identify)
         identify->turn.flux_q14 = flux_q14(identify);
     } else if ((identify->step == 4U) && is_lost(identify)) {
         catch_again(identify);
+    } else if ((identify->step == 5U) && has_stood(identify)) {
+        refuse_standing(identify);
     } else {
         /* for the record only */
     }

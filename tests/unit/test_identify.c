@@ -187,9 +187,6 @@ static void test_noise_beyond_a_sixteenth_of_the_current_is_refused(void)
 {
     TEST_ASSERT_NULL(identify_start(&identify));
     (void)said();
-    (void)next_line();
-    identify.phase = IDENTIFY_CATCH;
-    identify.said = IDENTIFY_CATCH;
     /* ±a quarter of the range from sample to sample, and no current on average */
     for (uint32_t k = 0U; (k < 20000U) && identify_is_busy(&identify); k++) {
         measured.adc_ia = (uint16_t)(EXAMPLE_MIDDLE + ((k % 2U) * 300U));
@@ -268,7 +265,7 @@ static void test_pulses_become_longer_when_a_quarter_of_the_bus_is_not_enough(vo
     TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
     TEST_ASSERT_EQUAL_INT32(3125, identify.rest.pulse);
     identify.rest.pulse = 5000;
-    TEST_ASSERT_TRUE(pulse(200, 10, 10)); /* fine, but a quarter more is too much */
+    TEST_ASSERT_TRUE(pulse(200, 50, 50)); /* fine, but a quarter more is too much */
     TEST_ASSERT_FALSE(identify.rest.fine);
     TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
 }
@@ -326,7 +323,9 @@ static void test_the_current_rises_opposite_and_takes_the_rotor_along(void)
     for (int32_t k = 1; k <= 8; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
         TEST_ASSERT_EQUAL_INT32(200 * k, *identify_aim_word(&identify, PROBE_CURRENT));
-        TEST_ASSERT_EQUAL_INT32(INT32_MIN, *identify_aim_word(&identify, PROBE_ANGLE));
+        /* the first two a quarter of a turn aside */
+        TEST_ASSERT_EQUAL_INT32((k <= 2) ? (INT32_MIN / 2) : INT32_MIN,
+                                *identify_aim_word(&identify, PROBE_ANGLE));
     }
     TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
     TEST_ASSERT_EQUAL_INT32(0x40000000, *identify_aim_word(&identify, PROBE_ANGLE));
