@@ -395,16 +395,48 @@ static void start_probing(identify_t *identify, text_t *text)
     post(identify, 0U);
 }
 
-/* A current beyond the one that was said, and the overshoot of the current control: of a rotor that drives it. */
+/* From it on a rotor drives the current. */
+static int32_t largest_current(const identify_t *identify)
+{
+    const int32_t pulses = (identify_aim_continuous(identify) * 5) / 4;
+    const int32_t fault = identify->app->drive.cfg->protection.current_max;
+    const int32_t middle = (identify_rest_largest(identify) + fault) / 2;
+    int32_t largest;
+
+    switch (identify->phase) {
+    case IDENTIFY_PULSE: /* nothing turns, and nothing regulates */
+        largest = fx_min(pulses, middle);
+        break;
+    case IDENTIFY_RAMP: /* a rotor that is lost is caught again */
+    case IDENTIFY_COAST:
+        largest = fault;
+        break;
+    case IDENTIFY_SPIN:
+        largest = (identify->step > 1U) ? fault : middle;
+        break;
+    default: /* a rotor falls into the field */
+        largest = middle;
+        break;
+    }
+    return largest;
+}
+
 static bool runs_away(const identify_t *identify)
 {
     const dq_t current = identify->app->drive.signals.current_frame;
-    const bool begins = (identify->phase == IDENTIFY_PULSE) || (identify->phase == IDENTIFY_CATCH);
-    const int32_t largest =
-        begins ? identify_aim_continuous(identify) : identify_rest_largest(identify);
 
     return (identify->phase != IDENTIFY_ENDS) &&
-           (fx_max(fx_abs(current.d), fx_abs(current.q)) > (largest + (largest / 4)));
+           (fx_max(fx_abs(current.d), fx_abs(current.q)) > largest_current(identify));
+}
+
+static void refuse_runaway(identify_t *identify)
+{
+    if (identify_turn_lacks_voltage(identify)) {
+        identify_turn_refuse_voltage(identify);
+    } else {
+        identify_aim_refusal(identify,
+                             "more current flows than was asked for: does a load turn the rotor?");
+    }
 }
 
 /* A new phase is said before anything else. */
@@ -431,8 +463,7 @@ void identify_step(identify_t *identify, text_t *text)
         start_probing(identify, text);
     } else if ((state == DRIVE_STATE_PROBE) || (identify->phase == IDENTIFY_ENDS)) {
         if (runs_away(identify)) {
-            identify_aim_refusal(
-                identify, "more current flows than was asked for: does a load turn the rotor?");
+            refuse_runaway(identify);
         }
         say_or_go_on(identify, text);
     } else if (state == DRIVE_STATE_FAULT) {

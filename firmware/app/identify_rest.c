@@ -358,6 +358,9 @@ static void note_level(identify_t *identify)
     if (identify->step == 1U) {
         rest->high_voltage = voltage;
         rest->high_current = current;
+        if (current < ((identify->aim.words[0] * 7) / 8)) {
+            identify_aim_refusal(identify, "the bus voltage is too low for the current");
+        }
     } else if (identify->step == LEVEL_FOR_R) {
         const int32_t apart = fx_max(rest->high_current - current, 1);
         const int32_t found = (fx_max(rest->high_voltage - voltage, 0) * 8192) / apart;

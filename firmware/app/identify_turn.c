@@ -149,6 +149,7 @@ static void steepen(identify_t *identify, int32_t torque)
 #define SPIN_MS (2500) /* from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
+#define VOLTAGE_LEFT (32)  /* and so much of it is left where all is used */
 #define SPEED_SHARE_LEAST (16)
 #define FLUX_SHARE_LEAST \
     (20) /* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
@@ -239,6 +240,22 @@ static bool has_stood(const identify_t *identify)
     return ((2 * half) - whole) < (whole / 4);
 }
 
+bool identify_turn_lacks_voltage(const identify_t *identify)
+{
+    const int32_t limit = largest_voltage(identify);
+    const int32_t used =
+        (int32_t)trig_sqrt(transforms_square(identify->app->drive.signals.voltage));
+
+    return (identify->phase == IDENTIFY_SPIN) && (identify->step == 1U) &&
+           (used > (limit - (limit / VOLTAGE_LEFT)));
+}
+
+void identify_turn_refuse_voltage(identify_t *identify)
+{
+    identify_aim_refusal(
+        identify, "the bus voltage is too low to turn the motor at 1/8 of its highest speed");
+}
+
 static void refuse_standing(identify_t *identify)
 {
     identify_aim_refusal(
@@ -258,11 +275,12 @@ static void bound_speed(identify_t *identify)
     const int64_t reached = (quarter * root_of(room)) / across;
     const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
 
-    if (!turns_along(identify)) {
+    if (identify_turn_lacks_voltage(identify)) {
+        identify_turn_refuse_voltage(identify);
+    } else if (!turns_along(identify)) {
         refuse_standing(identify);
     } else if (reached < least) {
-        identify_aim_refusal(
-            identify, "the bus voltage is too low to turn the motor at 1/16 of its highest speed");
+        identify_turn_refuse_voltage(identify);
     } else {
         identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
     }

@@ -381,6 +381,31 @@ void test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it()
                              outcome.measurement.refusal.find("too small for this board"));
 }
 
+// Motor A with its bus, and a name plate that asks for more than eight times of what that reaches.
+void test_a_bus_too_low_for_the_speed_is_refused()
+{
+    for (const char *const rpm : {"18000", "30000", "60000"}) {
+        expect_refused("the bus voltage is too low to turn the motor at 1/8 of its highest speed",
+                       nf::load_scenario("s1", {},
+                                         {fmt::format("motor.max_speed_rpm={}", rpm),
+                                          "board.pwm_frequency_hz=20000"}),
+                       rpm);
+    }
+}
+
+// Contacts that take half of the bus with the continuous current, more than it has for a phase beside the winding.
+void test_a_bus_too_low_for_the_current_is_refused()
+{
+    for (const char *const machine : MACHINES) {
+        const nf::Config real = nf::load_scenario(machine);
+        const double ohm = 0.5 * real.board.bus_nominal_v / nf::continuous_current(real.motor);
+        expect_refused(
+            "the bus voltage is too low",
+            nf::load_scenario(machine, {}, {fmt::format("plant.contact_ohm=[{0},{0},{0}]", ohm)}),
+            machine);
+    }
+}
+
 // A mean change from sample to sample of a tenth of the continuous current.
 void test_noise_as_large_as_the_current_is_refused()
 {
@@ -414,6 +439,8 @@ int main()
     RUN_TEST(test_a_rotor_that_its_load_turns_is_refused);
     RUN_TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes);
     RUN_TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it);
+    RUN_TEST(test_a_bus_too_low_for_the_speed_is_refused);
+    RUN_TEST(test_a_bus_too_low_for_the_current_is_refused);
     RUN_TEST(test_noise_as_large_as_the_current_is_refused);
     return UNITY_END();
 }

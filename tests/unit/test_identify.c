@@ -474,6 +474,20 @@ static void test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused(void)
     assert_refused("does a load turn it?");
 }
 
+static void test_a_current_that_the_bus_does_not_drive_is_refused(void)
+{
+    begin_still();
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->current.d = ((3200 * 7) / 8) * identify.aim.ticks;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    setUp();
+    begin_still();
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->current.d = 2700 * identify.aim.ticks;
+    TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
+    assert_refused("the bus voltage is too low for the current");
+}
+
 /* Of three phases: along an axis two thirds of its own R and a sixth of each other one. */
 static void measure_windings(int32_t a, int32_t b, int32_t c)
 {
@@ -881,6 +895,7 @@ int main(void)
     RUN_TEST(test_three_axes_give_r_and_the_loss);
     RUN_TEST(test_on_the_next_axis_the_levels_wait_until_the_rotor_rests);
     RUN_TEST(test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused);
+    RUN_TEST(test_a_current_that_the_bus_does_not_drive_is_refused);
     RUN_TEST(test_windings_that_differ_by_less_than_a_quarter_go_on);
     RUN_TEST(test_a_winding_with_less_resistance_is_named_as_shorted);
     RUN_TEST(test_a_phase_with_more_resistance_is_named_as_a_bad_contact);
