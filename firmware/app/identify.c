@@ -411,6 +411,9 @@ static int32_t largest_current(const identify_t *identify)
     case IDENTIFY_COAST:
         largest = fault;
         break;
+    case IDENTIFY_CATCH:
+        largest = (identify->turn.slower > 0U) ? fault : middle;
+        break;
     case IDENTIFY_SPIN:
         largest = (identify->step > 1U) ? fault : middle;
         break;
@@ -433,6 +436,8 @@ static void refuse_runaway(identify_t *identify)
 {
     if (identify_turn_lacks_voltage(identify)) {
         identify_turn_refuse_voltage(identify);
+    } else if (identify->turn.slower > 0U) {
+        identify_turn_refuse_lost(identify);
     } else {
         identify_aim_refusal(identify,
                              "more current flows than was asked for: does a load turn the rotor?");

@@ -292,6 +292,12 @@ static bool is_lost(const identify_t *identify)
     return flux_q14(identify) < (identify->turn.flux_q14 / 2);
 }
 
+void identify_turn_refuse_lost(identify_t *identify)
+{
+    identify_aim_refusal(identify,
+                         "the rotor falls out of step: is the load too large, or does it change?");
+}
+
 /* The rotor has fallen out of step: it is caught again, and goes more slowly. */
 static void catch_again(identify_t *identify)
 {
@@ -301,8 +307,7 @@ static void catch_again(identify_t *identify)
         identify->aim.leads = false;
         identify_aim_phase(identify, IDENTIFY_CATCH);
     } else {
-        identify_aim_refusal(
-            identify, "the rotor falls out of step: is the load too large, or does it change?");
+        identify_turn_refuse_lost(identify);
     }
 }
 

@@ -196,6 +196,59 @@ static void test_noise_beyond_a_sixteenth_of_the_current_is_refused(void)
     TEST_ASSERT_NOT_NULL(strstr(identify.why, "noise"));
 }
 
+static const char *line_with_current(identify_phase_t phase, uint32_t step, int32_t current)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = phase;
+    identify.said = phase;
+    identify.step = step;
+    app.drive.signals.current_frame = (dq_t){0, -current};
+    return said();
+}
+
+static void expect_runaway(identify_phase_t phase, uint32_t step, int32_t most)
+{
+    setUp();
+    TEST_ASSERT_NULL(strstr(line_with_current(phase, step, most), "refused"));
+    setUp();
+    assert_starts("identify refused: more current flows than was asked for: does a load turn",
+                  line_with_current(phase, step, most + 1));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+}
+
+static void test_a_current_of_a_rotor_that_was_lost_is_no_load(void)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = IDENTIFY_CATCH;
+    identify.said = IDENTIFY_CATCH;
+    identify.turn.slower = 1U;
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max, 0};
+    TEST_ASSERT_EQUAL_STRING("", said());
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max - 1, 0};
+    assert_starts("identify refused: the rotor falls out of step", said());
+}
+
+static void test_a_current_that_nobody_asked_for_opens_the_gates(void)
+{
+    setUp();
+    {
+        const int32_t continuous = cfg.derating.current_continuous;
+        const int32_t fault = cfg.protection.current_max;
+        const int32_t middle = (identify_rest_largest(&identify) + fault) / 2;
+
+        expect_runaway(IDENTIFY_PULSE, 1U, (continuous * 5) / 4);
+        expect_runaway(IDENTIFY_CATCH, 1U, middle);
+        expect_runaway(IDENTIFY_STILL, 1U, middle);
+        expect_runaway(IDENTIFY_SPIN, 1U, middle);
+        expect_runaway(IDENTIFY_SPIN, 2U, fault);
+        expect_runaway(IDENTIFY_RAMP, 1U, fault);
+    }
+}
+
 /* ---- PULSE ---- */
 
 /* The current of the pulses in the frames of the three axes, as peaks of 64 changes. */
@@ -643,6 +696,39 @@ static void test_a_bus_that_is_far_too_low_is_refused(void)
     assert_refused("bus voltage is too low");
 }
 
+static void use_all_voltage(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    app.drive.signals.voltage = (dq_t){0, limit};
+}
+
+static void test_a_bus_that_does_not_bring_the_first_speed_is_refused(void)
+{
+    begin_spin();
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+    use_all_voltage();
+    TEST_ASSERT_TRUE(identify_turn_lacks_voltage(&identify));
+    turn(identify.turn.top / 4, 10, 300); /* the rotor is lost by then */
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("bus voltage is too low");
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+}
+
+/* ωL·i of twice the L that the pulses have shown, in the EMF's Q14 of U_b/Ω_b: 2π·1200·2/32768 per volt-tick. */
+static void test_a_standing_rotor_with_much_saliency_is_refused(void)
+{
+    int32_t inductive;
+
+    begin_spin();
+    inductive = (((*identify_aim_word(&identify, PROBE_REACTANCE) * 2) / 8) *
+                 (identify.aim.words[0] / 64)) /
+                64;
+    turn(identify.turn.top / 4, 20 + (2 * inductive), 300);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("does not turn with the current");
+}
+
 static void test_a_rotor_without_an_emf_is_refused(void)
 {
     begin_spin();
@@ -679,6 +765,27 @@ static void test_half_of_the_current_comes_last(void)
     TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
     TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
     TEST_ASSERT_EQUAL_INT32(1200, *identify_aim_word(&identify, PROBE_CURRENT));
+}
+
+static void test_an_emf_that_half_of_the_current_halves_is_none(void)
+{
+    spin_to(5U);
+    turn(identify.turn.top, 3600, 0); /* 6000 with all of it */
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("does not turn with the current");
+    setUp();
+    spin_to(5U);
+    turn(identify.turn.top, 3800, 0);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+}
+
+static void test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it(void)
+{
+    spin_to(5U);
+    turn(identify.turn.top, 2000, 10000);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
 }
 
 static void test_a_rotor_that_is_lost_is_caught_twice_and_then_refused(void)
@@ -879,6 +986,8 @@ int main(void)
     RUN_TEST(test_a_stop_of_what_is_not_busy_stops_nothing);
     RUN_TEST(test_a_fault_ends_it_with_a_line);
     RUN_TEST(test_every_phase_is_said_before_it_begins);
+    RUN_TEST(test_a_current_of_a_rotor_that_was_lost_is_no_load);
+    RUN_TEST(test_a_current_that_nobody_asked_for_opens_the_gates);
     RUN_TEST(test_noise_beyond_a_sixteenth_of_the_current_is_refused);
     RUN_TEST(test_pulses_grow_twofold_and_then_by_a_quarter);
     RUN_TEST(test_the_pulses_inductance_leaves_out_what_the_legs_lose);
@@ -906,7 +1015,11 @@ int main(void)
     RUN_TEST(test_the_highest_speed_is_half_of_the_name_plate);
     RUN_TEST(test_a_bus_that_is_short_lowers_the_speed);
     RUN_TEST(test_a_bus_that_is_far_too_low_is_refused);
+    RUN_TEST(test_a_bus_that_does_not_bring_the_first_speed_is_refused);
+    RUN_TEST(test_a_standing_rotor_with_much_saliency_is_refused);
     RUN_TEST(test_a_rotor_without_an_emf_is_refused);
+    RUN_TEST(test_an_emf_that_half_of_the_current_halves_is_none);
+    RUN_TEST(test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it);
     RUN_TEST(test_the_third_way_is_a_ramp_in_its_window);
     RUN_TEST(test_half_of_the_current_comes_last);
     RUN_TEST(test_a_rotor_that_is_lost_is_caught_twice_and_then_refused);
