@@ -368,22 +368,26 @@ static void test_exchanged_phases_are_named(void)
 
 /* ---- CATCH ---- */
 
-static void test_the_current_rises_opposite_and_takes_the_rotor_along(void)
+static void test_a_small_current_rises_opposite_and_takes_the_rotor_along(void)
 {
+    static const struct {
+        int32_t eighths;
+        int32_t angle;
+    } moves[] = {{1, INT32_MIN}, {2, INT32_MIN}, {2, 0x40000000}, {2, 0}, {3, 0}, {4, 0}};
+
     cfg.derating.current_continuous = 1600;
     identify.phase = IDENTIFY_CATCH;
     identify.rest.inductance_q16 = 65536;
-    for (int32_t k = 1; k <= 8; k++) {
+    for (uint32_t k = 0U; k < 6U; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-        TEST_ASSERT_EQUAL_INT32(200 * k, *identify_aim_word(&identify, PROBE_CURRENT));
-        /* the first two a quarter of a turn aside */
-        TEST_ASSERT_EQUAL_INT32((k <= 2) ? (INT32_MIN / 2) : INT32_MIN,
-                                *identify_aim_word(&identify, PROBE_ANGLE));
+        TEST_ASSERT_EQUAL_INT32(200 * moves[k].eighths,
+                                *identify_aim_word(&identify, PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_INT32(moves[k].angle, *identify_aim_word(&identify, PROBE_ANGLE));
     }
-    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-    TEST_ASSERT_EQUAL_INT32(0x40000000, *identify_aim_word(&identify, PROBE_ANGLE));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX / 4000, *identify_aim_word(&identify, PROBE_RATE));
-    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    for (uint32_t k = 6U; k < 10U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    }
     TEST_ASSERT_EQUAL_INT32(0, *identify_aim_word(&identify, PROBE_ANGLE));
     TEST_ASSERT_EQUAL_INT32(1600, *identify_aim_word(&identify, PROBE_CURRENT));
 }
@@ -455,7 +459,7 @@ static void test_a_rotor_that_was_lost_goes_on_turning(void)
 /* All levels and bursts of an axis, with a winding of R = ohms (Q13) and a loss of 100. */
 static void measure_axis(int32_t resistance_q13)
 {
-    for (uint32_t k = 0U; k < 28U; k++) {
+    for (uint32_t k = 0U; k < 30U; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
         {
             const int32_t current = *identify_aim_word(&identify, PROBE_CURRENT);
@@ -995,7 +999,7 @@ int main(void)
     RUN_TEST(test_no_current_is_refused);
     RUN_TEST(test_an_open_phase_is_named);
     RUN_TEST(test_exchanged_phases_are_named);
-    RUN_TEST(test_the_current_rises_opposite_and_takes_the_rotor_along);
+    RUN_TEST(test_a_small_current_rises_opposite_and_takes_the_rotor_along);
     RUN_TEST(test_a_rotor_that_swings_is_waited_for_four_seconds);
     RUN_TEST(test_a_rotor_at_rest_goes_on);
     RUN_TEST(test_noise_is_no_swing);
