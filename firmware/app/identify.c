@@ -396,7 +396,7 @@ static void start_probing(identify_t *identify, text_t *text)
 }
 
 /* From it on a rotor drives the current. */
-static int32_t largest_current(const identify_t *identify)
+static int32_t runaway_current(const identify_t *identify)
 {
     const int32_t pulses = (identify_aim_continuous(identify) * 5) / 4;
     const int32_t fault = identify->app->drive.cfg->protection.current_max;
@@ -429,7 +429,7 @@ static bool runs_away(const identify_t *identify)
     const dq_t current = identify->app->drive.signals.current_frame;
 
     return (identify->phase != IDENTIFY_ENDS) &&
-           (fx_max(fx_abs(current.d), fx_abs(current.q)) > largest_current(identify));
+           (fx_max(fx_abs(current.d), fx_abs(current.q)) > runaway_current(identify));
 }
 
 static void refuse_runaway(identify_t *identify)

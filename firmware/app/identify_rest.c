@@ -389,9 +389,9 @@ static void note_still(identify_t *identify)
  */
 static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
-    const int32_t all = rest->resistance_q13[0] + rest->resistance_q13[1] + rest->resistance_q13[2];
+    const int32_t sum = rest->resistance_q13[0] + rest->resistance_q13[1] + rest->resistance_q13[2];
 
-    return (2 * rest->resistance_q13[phase]) - (all / 3);
+    return (2 * rest->resistance_q13[phase]) - (sum / 3);
 }
 
 /* Refuses a phase whose R is far from that in the middle. */
@@ -465,7 +465,7 @@ static void look_again(identify_t *identify)
 
 bool identify_rest_plan_still(identify_t *identify)
 {
-    identify_rest_t *const rest = &identify->rest;
+    const identify_rest_t *const rest = &identify->rest;
     bool aims = true;
 
     note_still(identify);
