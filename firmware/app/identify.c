@@ -461,21 +461,20 @@ static void say_or_go_on(identify_t *identify, text_t *text)
 void identify_step(identify_t *identify, text_t *text)
 {
     const drive_state_t state = identify->app->drive.state;
+    const bool busy = identify_is_busy(identify);
 
-    if (identify->phase == IDENTIFY_IDLE) {
-        /* nothing is asked */
-    } else if (identify->phase == IDENTIFY_BEGINS) {
+    if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
-    } else if ((state == DRIVE_STATE_PROBE) || (identify->phase == IDENTIFY_ENDS)) {
+    } else if ((identify->phase == IDENTIFY_ENDS) || (busy && (state == DRIVE_STATE_PROBE))) {
         if (runs_away(identify)) {
             refuse_runaway(identify);
         }
         say_or_go_on(identify, text);
-    } else if (state == DRIVE_STATE_FAULT) {
+    } else if (busy && (state == DRIVE_STATE_FAULT)) {
         identify_aim_refusal_of(
             identify, "the drive has a fault: ", fault_text(identify->app->drive.fault.id)->name);
         say_or_go_on(identify, text);
     } else {
-        /* READY: the first word has not been taken yet */
+        /* nothing is asked, or READY: the first word has not been taken yet */
     }
 }

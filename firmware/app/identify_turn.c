@@ -275,12 +275,12 @@ static void bound_speed(identify_t *identify)
     const int64_t reached = (quarter * root_of(room)) / across;
     const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
 
-    if (identify_turn_lacks_voltage(identify)) {
+    const bool turns = turns_along(identify);
+
+    if (identify_turn_lacks_voltage(identify) || (turns && (reached < least))) {
         identify_turn_refuse_voltage(identify);
-    } else if (!turns_along(identify)) {
+    } else if (!turns) {
         refuse_standing(identify);
-    } else if (reached < least) {
-        identify_turn_refuse_voltage(identify);
     } else {
         identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
     }

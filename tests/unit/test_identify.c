@@ -232,6 +232,21 @@ static void test_a_current_of_a_rotor_that_was_lost_is_no_load(void)
     assert_starts("identify refused: the rotor falls out of step", said());
 }
 
+static void test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = IDENTIFY_SPIN;
+    identify.said = IDENTIFY_SPIN;
+    identify.step = 1U;
+    app.drive.signals.voltage = (dq_t){-limit, 0};
+    app.drive.signals.current_frame = (dq_t){cfg.protection.current_max, 0};
+    assert_starts("identify refused: the bus voltage is too low", said());
+}
+
 static void test_a_current_that_nobody_asked_for_opens_the_gates(void)
 {
     setUp();
@@ -991,6 +1006,7 @@ int main(void)
     RUN_TEST(test_a_fault_ends_it_with_a_line);
     RUN_TEST(test_every_phase_is_said_before_it_begins);
     RUN_TEST(test_a_current_of_a_rotor_that_was_lost_is_no_load);
+    RUN_TEST(test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus);
     RUN_TEST(test_a_current_that_nobody_asked_for_opens_the_gates);
     RUN_TEST(test_noise_beyond_a_sixteenth_of_the_current_is_refused);
     RUN_TEST(test_pulses_grow_twofold_and_then_by_a_quarter);
