@@ -32,6 +32,7 @@ CALIBRATION_TICKS = 260
 LONGEST_TICKS = 250_000  # 25 s
 OPENS_TICKS = 40         # a command is taken once in a slow period
 LEAST_A = 192 / 32768 * 2 * FULL_SCALE_A  # continuous current that shows: CURRENT_LEAST of identify.c
+STANDS = "the rotor does not turn with the current: is it blocked, braked, or loaded?"
 NAME_PLATE = """[motor]
 name = "motor A, its name plate"
 pole_pairs = 2
@@ -181,6 +182,12 @@ class Windings(Case):
                             self.bench(settings=["plant.contact_ohm=[0,0,0.9]"]))
 
 
+class Rotor(Case):
+    def test_a_braked_one_is_named(self):
+        """Its friction is twice the torque of the continuous current."""
+        self.assert_refused(STANDS, self.bench(settings=["plant.coulomb_friction_nm=20"]))
+
+
 class NamePlate(Case):
     """Images for motor files that do not say what motor A is."""
 
@@ -232,7 +239,7 @@ class Measures(Case):
         return f"{bench.end()} {bench.gates_on()} {bench.trips}"
 
     def test_a_blocked_rotor_is_named(self):
-        self.assertEqual(self.blocked, "refused: the rotor does not turn with the current: is it blocked, braked, or loaded? False 0")
+        self.assertEqual(self.blocked, f"refused: {STANDS} False 0")
 
     def test_it_comes_to_its_end_with_open_gates_and_without_a_fault(self):
         self.assertEqual(self.ending, "done")

@@ -357,6 +357,20 @@ void test_a_rotor_that_its_load_turns_is_refused()
     }
 }
 
+// Coasting at half of the rated speed: its EMF drives a current through the closed switches. The lightest of the machines is
+// braked by that before it is of any importance.
+void test_a_rotor_that_turns_already_is_refused()
+{
+    for (const char *const machine :
+         {"s1", "zoo:outrunner:401@31:user", "zoo:industrial:405@31:user"}) {
+        const double rpm = 0.5 * nf::load_scenario(machine).motor.rated_speed_rpm;
+        expect_refused(
+            "does a load turn the rotor?",
+            nf::load_scenario(machine, {}, {fmt::format("scenario.initial_speed_rpm={}", rpm)}),
+            machine);
+    }
+}
+
 // ---- name plate and board ----
 
 void test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes()
@@ -437,6 +451,7 @@ int main()
     RUN_TEST(test_a_blocked_rotor_is_refused);
     RUN_TEST(test_a_braked_rotor_is_refused);
     RUN_TEST(test_a_rotor_that_its_load_turns_is_refused);
+    RUN_TEST(test_a_rotor_that_turns_already_is_refused);
     RUN_TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes);
     RUN_TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it);
     RUN_TEST(test_a_bus_too_low_for_the_speed_is_refused);
