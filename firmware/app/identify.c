@@ -158,6 +158,39 @@ static void add_amperes(const identify_t *identify, text_t *text, int32_t curren
     text_add(text, " A");
 }
 
+/* Rounded up: a name plate with the current that is said has enough of it. */
+static void add_needed(const identify_t *identify, text_t *text, int32_t current)
+{
+    const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
+
+    text_number(text, units_thousandths(current, CURRENT_ONE, base_ua) + 1, 3U);
+    text_add(text, " A");
+}
+
+static void say_end(const identify_t *identify, text_t *text)
+{
+    if (identify->why == NULL) {
+        text_add(text, "identify done");
+    } else {
+        text_add(text, "identify refused: ");
+        text_add(text, identify->why);
+        text_add(text, identify->detail);
+    }
+    if (identify->needed > 0) {
+        add_needed(identify, text, identify->needed);
+    }
+}
+
+/* That of the vector, and a third of it for the rotor's swings. */
+static void add_highest_speed(const identify_t *identify, text_t *text, const char *before)
+{
+    const step_t speed = identify_turn_speed(identify);
+
+    text_add(text, before);
+    text_number(text, units_rpm(&identify->about->rotation, speed + (speed / 3)), 0U);
+    text_add(text, " rpm");
+}
+
 /* Before each phase: what it will do, with which current and speed. */
 static void say_phase(const identify_t *identify, text_t *text)
 {
@@ -165,21 +198,21 @@ static void say_phase(const identify_t *identify, text_t *text)
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
-        text_add(text, "pulses on each phase, the shaft rests, up to ");
+        text_add(text, "pulses on each phase, the shaft hardly moves, up to ");
         add_amperes(identify, text, current);
+        add_highest_speed(identify, text, "; behind them it turns, up to ");
         break;
     case IDENTIFY_CATCH:
-        text_add(text, "the shaft turns by up to one electrical turn, with ");
+        text_add(text, "the shaft turns by up to one and a half electrical turns, with ");
         add_amperes(identify, text, current);
         break;
     case IDENTIFY_STILL:
-        text_add(text, "the shaft goes to three angles, up to ");
+        text_add(text, "the shaft goes to three angles of an electrical turn, up to ");
         add_amperes(identify, text, identify_rest_largest(identify));
         break;
     case IDENTIFY_SPIN:
-        text_add(text, "the shaft turns, up to ");
-        text_number(text, units_rpm(&identify->about->rotation, identify_turn_speed(identify)), 0U);
-        text_add(text, " rpm, with ");
+        add_highest_speed(identify, text, "the shaft turns, up to ");
+        text_add(text, ", with ");
         add_amperes(identify, text, identify_turn_current(identify));
         break;
     case IDENTIFY_RAMP:
@@ -189,11 +222,7 @@ static void say_phase(const identify_t *identify, text_t *text)
         text_add(text, "no current, the shaft coasts");
         break;
     default: /* the end */
-        text_add(text, (identify->why == NULL) ? "identify done" : "identify refused: ");
-        text_add(text, (identify->why == NULL) ? "" : identify->why);
-        if (identify->app->drive.state == DRIVE_STATE_FAULT) {
-            text_add(text, fault_text(identify->app->drive.fault.id)->name);
-        }
+        say_end(identify, text);
         break;
     }
     text_end_line(text);
@@ -249,13 +278,14 @@ static int32_t noise_most(const identify_t *identify)
     return identify_aim_continuous(identify) / NOISE_SHARE;
 }
 
-/* Pulses and what turns change the current themselves. */
+/* Of the first pulses on each axis. Larger ones and what turns change the current themselves. */
 static bool is_noisy(const identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
 
-    return (identify->phase == IDENTIFY_CATCH) && (noise > noise_most(identify));
+    return (identify->phase == IDENTIFY_PULSE) && (identify->step <= IDENTIFY_AXES) &&
+           (noise > noise_most(identify));
 }
 
 static void end_experiment(identify_t *identify, text_t *text)
@@ -321,6 +351,12 @@ static void begin_identifying(identify_t *identify)
     identify->in_force[emf] = 1;
     identify->aim.words[emf] = 1;
     identify_aim_phase(identify, IDENTIFY_BEGINS);
+    if (identify_aim_continuous(identify) < CURRENT_LEAST) {
+        identify->needed = CURRENT_LEAST;
+        identify_aim_refusal(
+            identify,
+            "the continuous current of the name plate is too small for this board's sensors, it takes at least ");
+    }
 }
 
 bool identify_is_busy(const identify_t *identify)
@@ -336,9 +372,6 @@ const char *identify_start(identify_t *identify)
         why = "it is under way";
     } else if (identify->app->drive.state != DRIVE_STATE_READY) {
         why = "the drive is not READY";
-    } else if (identify_aim_continuous(identify) < CURRENT_LEAST) {
-        why =
-            "the continuous current is below 1.2 % of the converter's range: nothing would be seen";
     } else {
         begin_identifying(identify);
     }
@@ -362,6 +395,55 @@ static void start_probing(identify_t *identify, text_t *text)
     post(identify, 0U);
 }
 
+/* From it on a rotor drives the current. */
+static int32_t runaway_current(const identify_t *identify)
+{
+    const int32_t pulses = (identify_aim_continuous(identify) * 5) / 4;
+    const int32_t fault = identify->app->drive.cfg->protection.current_max;
+    const int32_t middle = (identify_rest_largest(identify) + fault) / 2;
+    int32_t largest;
+
+    switch (identify->phase) {
+    case IDENTIFY_PULSE: /* nothing turns, and nothing regulates */
+        largest = fx_min(pulses, middle);
+        break;
+    case IDENTIFY_RAMP: /* a rotor that is lost is caught again */
+    case IDENTIFY_COAST:
+        largest = fault;
+        break;
+    case IDENTIFY_CATCH:
+        largest = (identify->turn.slower > 0U) ? fault : middle;
+        break;
+    case IDENTIFY_SPIN:
+        largest = (identify->step > 1U) ? fault : middle;
+        break;
+    default: /* a rotor falls into the field */
+        largest = middle;
+        break;
+    }
+    return largest;
+}
+
+static bool runs_away(const identify_t *identify)
+{
+    const dq_t current = identify->app->drive.signals.current_frame;
+
+    return (identify->phase != IDENTIFY_ENDS) &&
+           (fx_max(fx_abs(current.d), fx_abs(current.q)) > runaway_current(identify));
+}
+
+static void refuse_runaway(identify_t *identify)
+{
+    if (identify_turn_lacks_voltage(identify)) {
+        identify_turn_refuse_voltage(identify);
+    } else if (identify->turn.slower > 0U) {
+        identify_turn_refuse_lost(identify);
+    } else {
+        identify_aim_refusal(identify,
+                             "more current flows than was asked for: does a load turn the rotor?");
+    }
+}
+
 /* A new phase is said before anything else. */
 static void say_or_go_on(identify_t *identify, text_t *text)
 {
@@ -379,17 +461,20 @@ static void say_or_go_on(identify_t *identify, text_t *text)
 void identify_step(identify_t *identify, text_t *text)
 {
     const drive_state_t state = identify->app->drive.state;
+    const bool busy = identify_is_busy(identify);
 
-    if (identify->phase == IDENTIFY_IDLE) {
-        /* nothing is asked */
-    } else if (identify->phase == IDENTIFY_BEGINS) {
+    if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
-    } else if (state == DRIVE_STATE_PROBE) {
+    } else if ((identify->phase == IDENTIFY_ENDS) || (busy && (state == DRIVE_STATE_PROBE))) {
+        if (runs_away(identify)) {
+            refuse_runaway(identify);
+        }
         say_or_go_on(identify, text);
-    } else if (state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal(identify, "the drive has a fault: ");
+    } else if (busy && (state == DRIVE_STATE_FAULT)) {
+        identify_aim_refusal_of(
+            identify, "the drive has a fault: ", fault_text(identify->app->drive.fault.id)->name);
         say_or_go_on(identify, text);
     } else {
-        /* READY: the first word has not been taken yet */
+        /* nothing is asked, or READY: the first word has not been taken yet */
     }
 }

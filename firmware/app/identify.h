@@ -36,7 +36,7 @@
 
 void identify_init(identify_t *identify, app_t *app, const about_t *about);
 
-/* Begin. Returns NULL, or why it is refused: it has begun, or the drive is not READY, or the continuous current is too small. */
+/* Begin. Returns NULL, or why not: it has begun, or the drive is not READY. All other refusals are its last line. */
 const char *identify_start(identify_t *identify);
 
 /* Whether it has begun and not ended. */

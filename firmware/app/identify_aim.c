@@ -56,8 +56,14 @@ void identify_aim_phase(identify_t *identify, identify_phase_t phase)
     identify->step = 0U;
 }
 
-void identify_aim_refusal(identify_t *identify, const char *why)
+void identify_aim_refusal_of(identify_t *identify, const char *why, const char *detail)
 {
     identify->why = why;
+    identify->detail = detail;
     identify_aim_phase(identify, IDENTIFY_ENDS);
+}
+
+void identify_aim_refusal(identify_t *identify, const char *why)
+{
+    identify_aim_refusal_of(identify, why, "");
 }

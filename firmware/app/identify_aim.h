@@ -39,4 +39,7 @@ void identify_aim_phase(identify_t *identify, identify_phase_t phase);
 /* Ends it, with the reason as text that outlives it. */
 void identify_aim_refusal(identify_t *identify, const char *why);
 
+/* The same, with the name of what it is about behind the reason. */
+void identify_aim_refusal_of(identify_t *identify, const char *why, const char *detail);
+
 #endif

@@ -72,6 +72,12 @@ static void find_inductance(identify_rest_t *rest)
     rest->across_q16 = rest->inductance_q16;
 }
 
+/* So large a current says which phases are connected, long before the drive misses one. */
+static bool shows_current(const identify_t *identify)
+{
+    return largest_peak(&identify->rest) >= (identify_aim_continuous(identify) / 16);
+}
+
 /* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
 static void enlarge_pulse(identify_t *identify)
 {
@@ -81,7 +87,7 @@ static void enlarge_pulse(identify_t *identify)
     const int32_t more = rest->pulse + (rest->pulse / 4);
 
     rest->before = peak;
-    rest->fine = (peak >= (identify_aim_continuous(identify) / 16)) && (more <= most);
+    rest->fine = shows_current(identify) && (more <= most);
     if (rest->fine) {
         rest->pulse = more;
     } else if ((2 * rest->pulse) <= most) {
@@ -127,7 +133,7 @@ static bool judge_pulses(identify_t *identify)
     identify_rest_t *const rest = &identify->rest;
     const bool enough =
         rest->fine && (largest_peak(rest) >= (identify_aim_continuous(identify) / 4));
-    const char *const why = enough ? find_wrong_phase(rest) : NULL;
+    const char *const why = shows_current(identify) ? find_wrong_phase(rest) : NULL;
 
     if (why != NULL) {
         identify_aim_refusal(identify, why);
@@ -166,22 +172,47 @@ bool identify_rest_plan_pulse(identify_t *identify)
 /* ---- CATCH ---- */
 
 #define CATCH_MOVES (10U)
-#define CATCH_HALFWAY (2U) /* the move in which the vector begins to turn */
+#define CATCH_HALFWAY (2U)  /* the move in which the vector begins to turn */
 #define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
 #define CATCH_RISE_MS (30)  /* each */
 #define CATCH_TURN_MS (400) /* half a turn */
 #define CATCH_LOOK_MS (100)
 #define CALM_SHARE (16)
+#define STEADY_LOOKS (5U)
+#define NOISE_PEAK \
+    (5) /* largest of some thousand samples, over the mean change from one to the next */
 
 static step_t turn_rate(const identify_t *identify, int32_t half_turn_ms)
 {
     return INT32_MAX / (half_turn_ms * identify->ms_ticks);
 }
 
-/* |i_q| of a rotor that swings or slips. */
-static bool swings_no_more(const identify_t *identify)
+/*
+ * |i_q| of a rotor that swings or slips, beyond what noise has for its largest sample. Windings that differ have a mean of
+ * i_q, which stays for STEADY_LOOKS.
+ */
+static bool swings_no_more(identify_t *identify)
 {
-    return identify_aim_sums(identify)->across < (identify->aim.words[0] / CALM_SHARE);
+    identify_rest_t *const rest = &identify->rest;
+    const probe_sums_t *const sums = identify_aim_sums(identify);
+    const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
+    const int32_t most = (identify->aim.words[0] / CALM_SHARE) + (NOISE_PEAK * noise);
+    const int32_t mean = sums->current.q / identify->aim.ticks;
+    const int32_t swing = sums->across - fx_abs(mean);
+
+    if ((swing < most) && (fx_abs(mean - rest->mean_across) < (most / 2))) {
+        rest->steady++;
+    } else {
+        rest->steady = 0U;
+        rest->mean_across = mean;
+    }
+    return (sums->across < most) || (rest->steady >= STEADY_LOOKS);
+}
+
+static void refuse_restless(identify_t *identify)
+{
+    identify_aim_refusal(identify,
+                         "the rotor does not come to rest on the current: does a load turn it?");
 }
 
 /*
@@ -228,8 +259,7 @@ bool identify_rest_plan_catch(identify_t *identify)
         identify_aim_phase(identify,
                            (identify->turn.slower == 0U) ? IDENTIFY_STILL : IDENTIFY_SPIN);
     } else if (identify->step > (CATCH_MOVES + CATCH_LOOKS)) {
-        identify_aim_refusal(
-            identify, "the rotor does not come to rest on the current: does a load turn it?");
+        refuse_restless(identify);
     } else {
         aim_catch(identify);
         identify->step++;
@@ -242,12 +272,12 @@ bool identify_rest_plan_catch(identify_t *identify)
 #define LEVELS (14U)
 #define LEVEL_FOR_R (5U) /* with the first one it gives R: half of its current */
 #define LEVEL_SETTLE_MS (20)
-#define AXIS_SETTLE_MS (200)
+#define AXIS_SETTLE_MS (100) /* and then a look at least */
 #define BURSTS (8U)
 #define BURST_ROUNDS (2U)
 #define BURST_TICKS (256)
 #define UNLIKE_SHARE \
-    (4) /* R of an axis may be 1/4 off that of the first: mismatch of sensors, unlike wires */
+    (4) /* R of a phase may be 1/4 off that in the middle: mismatch of sensors, unlike wires */
 
 int32_t identify_rest_largest(const identify_t *identify)
 {
@@ -274,7 +304,7 @@ typedef struct {
     uint8_t across;
 } burst_t;
 
-/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. */
+/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most the largest current. */
 static void aim_burst(identify_t *identify)
 {
     static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0},  {3, 2, 0},
@@ -291,8 +321,10 @@ static void aim_burst(identify_t *identify)
     const int32_t quarter = fx_min(bounded_word(needed), PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;
     const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
+    const int32_t most_bias = identify_rest_largest(identify) - (int32_t)current;
+    const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;
 
-    identify_aim_current(identify, (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16);
+    identify_aim_current(identify, along ? fx_max(fx_min(bias, most_bias), 0) : bias);
     *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
         bounded_word((each < most) ? each : most);
     *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
@@ -326,6 +358,9 @@ static void note_level(identify_t *identify)
     if (identify->step == 1U) {
         rest->high_voltage = voltage;
         rest->high_current = current;
+        if (current < ((identify->aim.words[0] * 7) / 8)) {
+            identify_aim_refusal(identify, "the bus voltage is too low for the current");
+        }
     } else if (identify->step == LEVEL_FOR_R) {
         const int32_t apart = fx_max(rest->high_current - current, 1);
         const int32_t found = (fx_max(rest->high_voltage - voltage, 0) * 8192) / apart;
@@ -348,13 +383,48 @@ static void note_still(identify_t *identify)
     }
 }
 
-static bool is_alike(const identify_rest_t *rest)
+/*
+ * R of a phase, Q13. Along the axis of a phase flows its whole current, and half of it back through each other one:
+ * R_axis = 2/3·R_phase + 1/6·(both others) = (R_phase + mean of the three axes)/2.
+ */
+static int32_t phase_resistance(const identify_rest_t *rest, uint32_t phase)
 {
-    const int32_t first = rest->resistance_q13[0];
-    const int32_t second = fx_abs(rest->resistance_q13[1] - first);
-    const int32_t third = fx_abs(rest->resistance_q13[2] - first);
+    const int32_t sum = rest->resistance_q13[0] + rest->resistance_q13[1] + rest->resistance_q13[2];
 
-    return fx_max(second, third) <= ((first / UNLIKE_SHARE) + 1);
+    return (2 * rest->resistance_q13[phase]) - (sum / 3);
+}
+
+/* Refuses a phase whose R is far from that in the middle. */
+static bool are_alike(identify_t *identify)
+{
+    static const char *const names[IDENTIFY_AXES] = {"a", "b", "c"};
+    uint32_t low = 0U;
+    uint32_t high = 0U;
+    int32_t r[IDENTIFY_AXES];
+    int32_t middle;
+    int32_t most;
+
+    for (uint32_t phase = 0U; phase < IDENTIFY_AXES; phase++) {
+        r[phase] = phase_resistance(&identify->rest, phase);
+        low = (r[phase] < r[low]) ? phase : low;
+        high = (r[phase] > r[high]) ? phase : high;
+    }
+    middle = (r[0] + r[1] + r[2]) - (r[low] + r[high]);
+    most = (middle / UNLIKE_SHARE) + 1;
+    if ((middle - r[low]) > most) {
+        identify_aim_refusal_of(
+            identify,
+            "less than 3/4 of the resistance of the other phases, is the winding shorted: phase ",
+            names[low]);
+    } else if ((r[high] - middle) > most) {
+        identify_aim_refusal_of(
+            identify,
+            "more than 5/4 of the resistance of the other phases, is a contact bad: phase ",
+            names[high]);
+    } else {
+        /* three windings of a kind */
+    }
+    return identify->phase != IDENTIFY_ENDS;
 }
 
 /* The levels and pulses of an axis have ended. */
@@ -364,27 +434,49 @@ static bool leave_axis(identify_t *identify)
 
     if ((rest->axis + 1U) < IDENTIFY_AXES) {
         rest->axis++;
+        rest->looks = 1U;
         identify->step = 0U;
         identify_aim_current(identify, identify_aim_continuous(identify));
         aim_axis(identify);
         identify_aim_window(identify, "catch", AXIS_SETTLE_MS * identify->ms_ticks,
-                            identify->ms_ticks);
-    } else if (is_alike(rest)) {
+                            CATCH_LOOK_MS * identify->ms_ticks);
+    } else if (are_alike(identify)) {
         identify_aim_phase(identify, IDENTIFY_SPIN);
     } else {
-        identify_aim_refusal(
-            identify,
-            "the resistances of the three phases differ: is a winding shorted, or a contact bad?");
+        /* refused */
     }
     return identify->phase == IDENTIFY_STILL;
 }
 
+/* The vector has come to the next axis, and the rotor swings there for a while. */
+static void look_again(identify_t *identify)
+{
+    identify_rest_t *const rest = &identify->rest;
+
+    if (swings_no_more(identify)) {
+        rest->looks = 0U;
+    } else if (rest->looks > CATCH_LOOKS) {
+        refuse_restless(identify);
+    } else {
+        rest->looks++;
+        identify_aim_window(identify, "catch", 0, CATCH_LOOK_MS * identify->ms_ticks);
+    }
+}
+
 bool identify_rest_plan_still(identify_t *identify)
 {
+    const identify_rest_t *const rest = &identify->rest;
     bool aims = true;
 
     note_still(identify);
-    if (identify->step < LEVELS) {
+    if (rest->looks > 0U) {
+        look_again(identify);
+    }
+    if (identify->phase == IDENTIFY_ENDS) {
+        aims = false;
+    } else if (rest->looks > 0U) {
+        /* it is looked at once more */
+    } else if (identify->step < LEVELS) {
         aim_level(identify);
         identify->step++;
     } else if (identify->step < (LEVELS + (BURST_ROUNDS * BURSTS))) {

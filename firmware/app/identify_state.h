@@ -54,6 +54,9 @@ typedef struct {
     int32_t inductance_q16;    /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
     int32_t along_q16;         /* the same along and across a current, of the last pulses */
     int32_t across_q16;
+    uint32_t looks;       /* at a rotor that has come to another axis; 0: it is at rest */
+    int32_t mean_across;  /* i_q of an earlier look, */
+    uint32_t steady;      /* and how many since then have about the same */
     int32_t high_voltage; /* means at the largest current of this axis */
     int32_t high_current;
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
@@ -83,6 +86,8 @@ typedef struct {
     uint32_t step;         /* experiments of the phase so far */
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */
+    const char *detail;    /* said behind `why`: the name of a phase or a fault */
+    int32_t needed;        /* and the current that it takes, Q15 of I_b; 0: none */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
     int32_t in_force[IDENTIFY_WORDS];

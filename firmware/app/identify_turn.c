@@ -149,6 +149,7 @@ static void steepen(identify_t *identify, int32_t torque)
 #define SPIN_MS (2500) /* from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
+#define VOLTAGE_LEFT (32)  /* and so much of it is left where all is used */
 #define SPEED_SHARE_LEAST (16)
 #define FLUX_SHARE_LEAST \
     (20) /* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
@@ -201,7 +202,7 @@ static int32_t largest_voltage(const identify_t *identify)
     return modulator_limit(&drive->cfg->modulator, drive->signals.bus);
 }
 
-/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. */
+/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i, and up to twice the L that the pulses have shown. */
 static bool turns_along(const identify_t *identify)
 {
     const int32_t limit = largest_voltage(identify);
@@ -212,7 +213,53 @@ static bool turns_along(const identify_t *identify)
     const int32_t inductive_q14 =
         (reactance_q13(identify) * 2 * (identify->aim.words[0] / 64)) / 512;
 
-    return (flux_q14(identify) - inductive_q14) >= least_q14;
+    return (flux_q14(identify) - inductive_q14) >= fx_max(least_q14, inductive_q14);
+}
+
+/* |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags has an EMF along the current too. */
+static int32_t lag_q10(const identify_t *identify)
+{
+    const identify_rest_t *const rest = &identify->rest;
+    const int32_t resistive = (rest->resistance_q13[2] * identify->aim.words[0]) / 8192;
+    const int32_t along =
+        (identify_aim_sums(identify)->voltage.d / identify->aim.ticks) - resistive - rest->loss;
+    const int32_t across = identify_aim_sums(identify)->voltage.q / identify->aim.ticks;
+    const dq_t e = {fx_sat16(along), fx_sat16(across)};
+    const int64_t size = (int64_t)trig_sqrt(transforms_square(e)) * 1024;
+    const int64_t share = size / fx_max(fx_abs(across), 1);
+
+    return (share < INT16_MAX) ? (int32_t)share : INT16_MAX;
+}
+
+/* The EMF of a rotor is there without current; what half of the current halves is not. */
+static bool has_stood(const identify_t *identify)
+{
+    const int64_t whole = identify->turn.flux_q14;
+    const int64_t half = ((int64_t)flux_q14(identify) * lag_q10(identify)) / 1024;
+
+    return ((2 * half) - whole) < (whole / 4);
+}
+
+bool identify_turn_lacks_voltage(const identify_t *identify)
+{
+    const int32_t limit = largest_voltage(identify);
+    const int32_t used =
+        (int32_t)trig_sqrt(transforms_square(identify->app->drive.signals.voltage));
+
+    return (identify->phase == IDENTIFY_SPIN) && (identify->step == 1U) &&
+           (used > (limit - (limit / VOLTAGE_LEFT)));
+}
+
+void identify_turn_refuse_voltage(identify_t *identify)
+{
+    identify_aim_refusal(
+        identify, "the bus voltage is too low to turn the motor at 1/8 of its highest speed");
+}
+
+static void refuse_standing(identify_t *identify)
+{
+    identify_aim_refusal(
+        identify, "the rotor does not turn with the current: is it blocked, braked, or loaded?");
 }
 
 /* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
@@ -228,13 +275,12 @@ static void bound_speed(identify_t *identify)
     const int64_t reached = (quarter * root_of(room)) / across;
     const step_t least = identify->app->drive.cfg->speed_loop.speed_max / SPEED_SHARE_LEAST;
 
-    if (!turns_along(identify)) {
-        identify_aim_refusal(
-            identify,
-            "the rotor does not turn with the current: is it blocked, braked, or loaded?");
-    } else if (reached < least) {
-        identify_aim_refusal(
-            identify, "the bus voltage is too low to turn the motor at 1/16 of its highest speed");
+    const bool turns = turns_along(identify);
+
+    if (identify_turn_lacks_voltage(identify) || (turns && (reached < least))) {
+        identify_turn_refuse_voltage(identify);
+    } else if (!turns) {
+        refuse_standing(identify);
     } else {
         identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
     }
@@ -246,6 +292,12 @@ static bool is_lost(const identify_t *identify)
     return flux_q14(identify) < (identify->turn.flux_q14 / 2);
 }
 
+void identify_turn_refuse_lost(identify_t *identify)
+{
+    identify_aim_refusal(identify,
+                         "the rotor falls out of step: is the load too large, or does it change?");
+}
+
 /* The rotor has fallen out of step: it is caught again, and goes more slowly. */
 static void catch_again(identify_t *identify)
 {
@@ -255,8 +307,7 @@ static void catch_again(identify_t *identify)
         identify->aim.leads = false;
         identify_aim_phase(identify, IDENTIFY_CATCH);
     } else {
-        identify_aim_refusal(
-            identify, "the rotor falls out of step: is the load too large, or does it change?");
+        identify_turn_refuse_lost(identify);
     }
 }
 
@@ -315,6 +366,8 @@ static void note_spin(identify_t *identify)
         identify->turn.flux_q14 = flux_q14(identify);
     } else if ((identify->step == 4U) && is_lost(identify)) {
         catch_again(identify);
+    } else if ((identify->step == 5U) && has_stood(identify)) {
+        refuse_standing(identify);
     } else {
         /* for the record only */
     }

@@ -486,7 +486,7 @@ current_loop_cfg_t make_current_loop(const MotorSettings &motor, const TuningSet
     keep(c.emf_q13, b.speed_el_rad_s * m.flux / b.voltage_v * Q13, 0, MANTISSA_MAX);
     store(c.resistance_q13, m.resistance * b.current_a / b.voltage_v * Q13, 0, MANTISSA_MAX,
           {"motor.resistance_ohm", motor.resistance_ohm},
-          "four times board.bus_full_scale_v over board.current_full_scale_a; a board for smaller "
+          "twice board.bus_full_scale_v over board.current_full_scale_a; a board for smaller "
           "currents takes this motor");
     return c;
 }

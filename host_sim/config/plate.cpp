@@ -18,6 +18,8 @@ constexpr double EMF_SHARE = 0.6; // at the highest speed, of bus/√3
 constexpr double REACTANCE = 0.13;
 constexpr double ACCELERATION_S = 0.1;
 constexpr double FRICTION = 0.02;
+constexpr double RESISTANCE_HELD =
+    1.999; // of bus over current full scale: the firmware holds 2, per_unit.cpp
 
 double within_range(const char *key, double value)
 {
@@ -72,7 +74,9 @@ MotorSettings typical(const MotorSettings &plate, const BoardSettings &board)
                                                                       std::sqrt(3.0) / speed_el);
     const double emf_v = motor.flux_linkage_wb * speed_el;
     const double copper_loss = zoo::usual_copper_loss(1.5 * emf_v * current_a);
-    motor.resistance_ohm = within_range("motor.resistance_ohm", copper_loss * emf_v / current_a);
+    const double held_ohm = RESISTANCE_HELD * board.bus_full_scale_v / board.current_full_scale_a;
+    motor.resistance_ohm =
+        within_range("motor.resistance_ohm", std::min(copper_loss * emf_v / current_a, held_ohm));
     motor.inductance_d_h =
         within_range("motor.inductance_d_h", REACTANCE * emf_v / (speed_el * current_a));
     motor.inductance_q_h = motor.inductance_d_h;

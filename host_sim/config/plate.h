@@ -33,7 +33,7 @@ MotorSettings plate_of(const MotorSettings &motor);
 //   rated speed    max_speed_rpm
 //   φ              0.6·bus_nominal_v/√3 over ω
 //   rated torque   1.5·P·φ·I
-//   R              0.15·(p/100 W)^−0.35 of the EMF over I, p = 1.5·EMF·I
+//   R              0.15·(p/100 W)^−0.35 of the EMF over I, p = 1.5·EMF·I; at most what the firmware's format holds
 //   L_d = L_q      0.13 of the EMF over ω·I
 //   J              0.1 s from rest to rated speed with rated torque
 //   friction       0.02 of rated torque at rated speed

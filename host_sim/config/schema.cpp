@@ -207,6 +207,8 @@ const std::vector<Field> FIELDS = {
     {"plant", "saturation_cross_pct", "%", 0, 100, OPTIONAL, plant<&P::saturation_cross_pct>, "share of the saturated iron that both axes have in common: i_q takes flux from the d axis", WITH_TWO_SATURATIONS},
     {"plant", "cogging_pct", "%", 0, 50, OPTIONAL, plant<&P::cogging_pct>, "peak of the cogging torque, of motor.rated_torque_nm"},
     {"plant", "cogging_order", "", 0, 1000, OPTIONAL, plant<&P::cogging_order>, "its periods in a turn of the shaft, the least common multiple of slots and poles; 0: 6·motor.pole_pairs", WITH_COGGING},
+    {"plant", "shorted_turns_pct", "%", 0, 90, OPTIONAL, plant<&P::shorted_turns_pct>, "shorted turns of the windings of phases a, b, c, of all their turns: less R, L and EMF"},
+    {"plant", "contact_ohm", "Ω", 0, 1000, OPTIONAL, plant<&P::contact_ohm>, "in series with the windings of phases a, b, c: bad contacts"},
     {"plant", "shaft_resonance_hz", "Hz", 0, 5000, OPTIONAL, plant<&P::shaft_resonance_hz>, "frequency at which rotor and load swing against each other on an elastic shaft; 0: rigid"},
     {"plant", "shaft_damping_pct", "%", 0, 100, OPTIONAL, plant<&P::shaft_damping_pct>, "damping of these swings, of the critical one", WITH_ELASTIC_SHAFT},
     {"plant", "load_inertia_ratio", "", 0.01, 100, OPTIONAL, plant<&P::load_inertia_ratio>, "inertia of the load behind the shaft / inertia of the rotor; together they are motor.inertia_kg_m2", WITH_ELASTIC_SHAFT},
@@ -446,6 +448,7 @@ std::string Field::allowed() const
                               return fmt::format("a string of {} to {} characters", min, max);
                           },
                           [&](const std::array<double, 2> *) { return "[a, b], each " + range; },
+                          [&](const std::array<double, 3> *) { return "[a, b, c], each " + range; },
                           [&](const std::vector<double> *) {
                               return fmt::format("[a, b, …], 2 to {} of them, each {}", POINTS_MAX,
                                                  range);
@@ -484,6 +487,9 @@ std::string Field::default_text() const
                           [](const std::string *text) { return '"' + *text + '"'; },
                           [](const std::array<double, 2> *pair) {
                               return fmt::format("[{}, {}]", (*pair)[0], (*pair)[1]);
+                          },
+                          [](const std::array<double, 3> *phases) {
+                              return fmt::format("[{}]", fmt::join(*phases, ", "));
                           },
                           [](const std::vector<double> *points) {
                               return fmt::format("[{}]", fmt::join(*points, ", "));
@@ -577,6 +583,7 @@ void check_value(const Field &field, const Node &value)
                    [&](const bool *) { check_boolean(field, value); },
                    [&](const std::string *) { check_string(field, value); },
                    [&](const std::array<double, 2> *) { check_list(field, value, 2, 2); },
+                   [&](const std::array<double, 3> *) { check_list(field, value, 3, 3); },
                    [&](const std::vector<double> *) { check_list(field, value, 2, POINTS_MAX); },
                    [&](const auto *choice) { check_choice(field, value, words_of(choice)); },
                },
@@ -593,6 +600,10 @@ void apply_value(const Field &field, const Node &value, Config &config)
                    [&](std::string *place) { *place = value.text; },
                    [&](std::array<double, 2> *place) {
                        *place = {value.items[0].number(), value.items[1].number()};
+                   },
+                   [&](std::array<double, 3> *place) {
+                       *place = {value.items[0].number(), value.items[1].number(),
+                                 value.items[2].number()};
                    },
                    [&](std::vector<double> *place) {
                        place->clear();

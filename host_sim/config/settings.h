@@ -216,9 +216,11 @@ struct PlantSettings {
     double saturation_cross_pct = 0; // share of the iron that both axes have in common
     double cogging_pct = 0;          // peak, of rated torque
     int cogging_order = 0;           // periods in a turn of the shaft; 0: six in an electrical one
-    double shaft_resonance_hz = 0;   // 0: a rigid shaft
-    double shaft_damping_pct = 2;    // of critical
-    double load_inertia_ratio = 1;   // load behind the shaft / rotor
+    std::array<double, 3> shorted_turns_pct = {0, 0, 0}; // of the windings a, b, c
+    std::array<double, 3> contact_ohm = {0, 0, 0};       // in series with them
+    double shaft_resonance_hz = 0;                       // 0: a rigid shaft
+    double shaft_damping_pct = 2;                        // of critical
+    double load_inertia_ratio = 1;                       // load behind the shaft / rotor
     double dead_time_s = AS_BOARD;
     double device_drop_v = AS_BOARD;
     double commutation_knee_a = 0; // 0: a leg loses all or nothing, as with ideal diodes

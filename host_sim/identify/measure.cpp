@@ -13,7 +13,8 @@ namespace
 {
 
 constexpr double LONGEST_S = 60;
-constexpr std::size_t LINE_END = 2; // CR, LF
+constexpr std::size_t LINE_END = 2;               // CR, LF
+const std::string REFUSED = "identify refused: "; // last line, with the cause behind it
 
 about_t about_of(const Bases &bases)
 {
@@ -59,8 +60,8 @@ Measurement measure(Simulation &sim, const Listener &listener, const Event &even
             }
         }
     }
-    if (identify.why != nullptr) {
-        found.refusal = identify.why;
+    if (identify.why != nullptr && !found.lines.empty()) {
+        found.refusal = found.lines.back().substr(REFUSED.length());
     }
     return found;
 }

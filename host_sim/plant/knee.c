@@ -56,7 +56,8 @@ static double rail_current(const plant_motor_t *motor, const plant_segment_t *se
 static double legs_rate(const plant_motor_t *motor, const plant_soft_legs_t *legs, double bus_v,
                         double duration_s)
 {
-    const double inverse = plant_motor_growth(motor) * larger(motor->inverse_d, motor->inverse_q);
+    const double inverse = motor->windings.compliance * plant_motor_growth(motor) *
+                           larger(motor->inverse_d, motor->inverse_q);
     const double emf_v = fabs(motor->now.omega_el_rad_s) * motor->flux_linkage_wb;
     const double swing_a = (bus_v + emf_v) * inverse * duration_s;
     double current[PLANT_LEGS];

@@ -46,6 +46,24 @@ static bool is_elastic(const plant_motor_cfg_t *cfg)
     return cfg->load_inertia_kg_m2 > 0.0;
 }
 
+static bool are_shorted_in_range(const double shorted[PLANT_LEGS])
+{
+    bool good = true;
+    for (int k = 0; k < PLANT_LEGS; k++) {
+        good = good && shorted[k] >= 0.0 && shorted[k] <= PLANT_SHORTED_MAX;
+    }
+    return good;
+}
+
+static bool are_contacts_in_range(const double ohm[PLANT_LEGS])
+{
+    bool good = true;
+    for (int k = 0; k < PLANT_LEGS; k++) {
+        good = good && plant_is_not_negative(ohm[k]);
+    }
+    return good;
+}
+
 static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
 {
     const plant_check_t checks[] = {
@@ -74,6 +92,8 @@ static const char *motor_bad_field(const plant_motor_cfg_t *cfg)
         {"motor.shaft_stiffness_nm",
          !is_elastic(cfg) || plant_is_positive(cfg->shaft_stiffness_nm)},
         {"motor.shaft_damping_nm_s", plant_is_not_negative(cfg->shaft_damping_nm_s)},
+        {"motor.shorted", are_shorted_in_range(cfg->shorted)},
+        {"motor.contact_ohm", are_contacts_in_range(cfg->contact_ohm)},
         {"motor.initial_angle_el_rad", fabs(cfg->initial_angle_el_rad) < ANGLE_MAX_RAD},
         {"motor.initial_speed_mech_rad_s", isfinite(cfg->initial_speed_mech_rad_s)},
     };
@@ -125,6 +145,13 @@ static double derive_shaft(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     return sqrt(both * motor->stiffness_nm) + both * motor->damping_nm_s;
 }
 
+/* By which R/L is larger where the windings differ, 1/s. */
+static double unequal_rate(const plant_motor_t *motor)
+{
+    const double more_ohm = motor->windings.resistance_max_ohm - motor->resistance_ohm;
+    return fmax(more_ohm, 0.0) * fmax(motor->inverse_d, motor->inverse_q);
+}
+
 /* What an ideal motor has not, and the steps for it. */
 static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
 {
@@ -140,12 +167,14 @@ static void derive_real(plant_motor_t *motor, const plant_motor_cfg_t *cfg)
     motor->cogging_nm = cfg->cogging_nm;
     motor->cogging_ratio = has_cogging ? order / motor->pole_pairs : 0.0;
     const double shaft_rate = derive_shaft(motor, cfg);
-    motor->is_real = has_harmonics || has_cogging || motor->iron.saturates || is_elastic(cfg);
+    plant_windings_init(&motor->windings, cfg->resistance_ohm, cfg->shorted, cfg->contact_ohm);
+    motor->is_real = has_harmonics || has_cogging || motor->iron.saturates || is_elastic(cfg) ||
+                     !motor->windings.are_alike;
     if (motor->is_real) {
         const double swing = sqrt(order * cfg->cogging_nm / cfg->inertia_kg_m2) + shaft_rate;
         const double sines = fmax(has_harmonics ? 6.0 : 0.0, motor->cogging_ratio);
         motor->step_bound = REAL_STEP;
-        motor->rate_constant += swing;
+        motor->rate_constant += swing + unequal_rate(motor);
         motor->rate_speed = fmax(motor->rate_speed, SINE_RATE * sines);
     }
 }
@@ -190,20 +219,29 @@ double plant_motor_growth(const plant_motor_t *motor)
     return motor->iron.saturates ? plant_real_growth(motor) : 1.0;
 }
 
-/* Rotor frame. */
+/* That makes the field; rotor frame. */
 static pair_t current_in(const plant_motor_t *motor)
 {
     return motor->is_real ? plant_real_current(motor) : current_of(motor, load(motor).flux);
 }
 
+static pair_t phase_current_in(const plant_motor_t *motor)
+{
+    const pair_t current = current_in(motor);
+    const pair_t axis = load(motor).axis;
+    return motor->windings.are_alike
+               ? current
+               : turned_back(axis, by_matrix(&motor->windings.inverse, turned(axis, current)));
+}
+
 double plant_motor_i_d(const plant_motor_t *motor)
 {
-    return current_in(motor)[0];
+    return phase_current_in(motor)[0];
 }
 
 double plant_motor_i_q(const plant_motor_t *motor)
 {
-    return current_in(motor)[1];
+    return phase_current_in(motor)[1];
 }
 
 double plant_motor_torque(const plant_motor_t *motor)
@@ -216,12 +254,15 @@ plant_vector_t plant_motor_current(const plant_motor_t *motor)
     const core_t core = load(motor);
     const pair_t current =
         motor->is_real ? plant_real_current(motor) : current_of(motor, core.flux);
-    const pair_t phases = turned(core.axis, current);
-    return (plant_vector_t){phases[0], phases[1]};
+    const pair_t field = turned(core.axis, current);
+    return plant_windings_inside(&motor->windings, (plant_vector_t){field[0], field[1]});
 }
 
 plant_vector_t plant_motor_emf(const plant_motor_t *motor)
 {
+    if (!motor->windings.are_alike) {
+        return plant_symmetric_times(&motor->windings.linkage, plant_real_emf(motor));
+    }
     if (motor->is_real) {
         return plant_real_emf(motor);
     }
@@ -280,7 +321,8 @@ static void real_run_driven(plant_motor_t *motor, unsigned count, const plant_in
                             double rate)
 {
     for (unsigned k = 0; k < count; k++) {
-        const plant_source_t source = {.constant = interval[k].v, .rate = rate};
+        const plant_source_t source = {
+            .constant = plant_windings_inside(&motor->windings, interval[k].v), .rate = rate};
         const double steps = plant_motor_steps(interval[k].duration_s * rate / motor->step_bound);
         for (int64_t left = (int64_t)steps; left > 0; left--) {
             plant_real_step_fed(motor, interval[k].duration_s / steps, &source, NULL);
@@ -302,7 +344,7 @@ void plant_motor_step_driven(plant_motor_t *motor, double step_s, plant_vector_t
     const plant_interval_t interval = {step_s, v};
     if (motor->is_real) {
         const plant_source_t source = {.constant = v, .rate = plant_motor_rate(motor)};
-        plant_real_step_fed(motor, step_s, &source, NULL);
+        plant_motor_step_fed(motor, step_s, &source, NULL);
     } else {
         plant_ideal_run_driven(motor, 1, &interval, 0.0);
     }
@@ -313,7 +355,7 @@ void plant_motor_step_tied(plant_motor_t *motor, double step_s, plant_vector_t v
 {
     if (motor->is_real) {
         const plant_source_t source = {.constant = v, .rate = plant_motor_rate(motor)};
-        plant_real_step_fed(motor, step_s, &source, &axis);
+        plant_motor_step_fed(motor, step_s, &source, &axis);
     } else {
         plant_ideal_step_tied(motor, step_s, v, axis);
     }
@@ -331,20 +373,32 @@ void plant_motor_step_open(plant_motor_t *motor, double step_s)
 void plant_motor_step_fed(plant_motor_t *motor, double step_s, const plant_source_t *source,
                           const plant_vector_t *tied_axis)
 {
-    plant_real_step_fed(motor, step_s, source, tied_axis);
+    if (motor->windings.are_alike) {
+        plant_real_step_fed(motor, step_s, source, tied_axis);
+    } else {
+        plant_source_t inside = *source;
+        inside.constant = plant_symmetric_times(&motor->windings.inverse, source->constant);
+        plant_vector_t axis = {0.0, 0.0};
+        if (tied_axis != NULL) {
+            axis = plant_symmetric_times(&motor->windings.inverse, *tied_axis);
+        }
+        plant_real_step_fed(motor, step_s, &inside, (tied_axis != NULL) ? &axis : NULL);
+    }
 }
 
 double plant_motor_floating_potential(const plant_motor_t *motor, plant_vector_t v,
                                       plant_vector_t axis)
 {
-    return motor->is_real ? plant_real_floating_potential(motor, v, axis)
+    const plant_windings_t *const windings = &motor->windings;
+    return motor->is_real ? plant_real_floating_potential(motor, plant_windings_inside(windings, v),
+                                                          plant_windings_inside(windings, axis))
                           : plant_ideal_floating_potential(motor, v, axis);
 }
 
 void plant_motor_clear_phase(plant_motor_t *motor, plant_vector_t axis)
 {
     if (motor->is_real) {
-        plant_real_clear_phase(motor, axis);
+        plant_real_clear_phase(motor, plant_windings_inside(&motor->windings, axis));
     } else {
         plant_ideal_clear_phase(motor, axis);
     }

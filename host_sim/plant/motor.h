@@ -26,6 +26,8 @@
  *
  * Cogging: -T_cog sin(N theta_m), of the energy T_cog/N (1 - cos(N theta_m)): nothing in the mean of a turn.
  *
+ * Windings: those of the three phases may differ, windings.h; the currents above are those that make the field then.
+ *
  * Stiction: a shaft at rest stays exactly at rest while |T_e - T_L| <= T_C. A shaft that passes
  * through zero speed stops there if that holds, else goes on against the reversed friction.
  *
@@ -37,7 +39,7 @@
  * 1.6e-8 in a step. Measured against 16 times finer steps the currents of a transient differ by less
  * than 1e-6 of phi/L_d for motors of some kW at 10 kHz, 1e-5 for a drone motor at 40 kHz.
  *
- * A motor with harmonics, saturation, cogging or an elastic shaft is real, without them ideal. A real one is integrated by
+ * A motor with harmonics, saturation, cogging, an elastic shaft or windings that differ is real, without them ideal. A real one is integrated by
  * classical Runge-Kutta of the fourth order in the same frame, in longer steps: rate * h <= 0.1, where the rates of
  * harmonics and cogging count by half. Steps below 0.0078 are those of the midpoint method. The accuracy of a transient
  * is the same.
@@ -48,6 +50,7 @@
 #include "iron.h"
 #include "legs.h"
 #include "rotation.h"
+#include "windings.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -80,10 +83,12 @@ typedef struct {
     double saturation_a;    /* A, > 0, I_s of iron.h; with saturation only */
     double cogging_nm;      /* N m, >= 0, peak; 0: none */
     unsigned cogging_order; /* N, periods in a turn of the shaft, 1 ... 1000; with cogging only */
-    double load_inertia_kg_m2;   /* kg m2, >= 0, behind an elastic shaft; 0: the shaft is rigid */
-    double shaft_stiffness_nm;   /* N m/rad, > 0; with an elastic shaft only */
-    double shaft_damping_nm_s;   /* N m s/rad, >= 0; likewise */
-    double initial_angle_el_rad; /* rad, electrical, |x| < 1e6 */
+    double load_inertia_kg_m2;  /* kg m2, >= 0, behind an elastic shaft; 0: the shaft is rigid */
+    double shaft_stiffness_nm;  /* N m/rad, > 0; with an elastic shaft only */
+    double shaft_damping_nm_s;  /* N m s/rad, >= 0; likewise */
+    double shorted[PLANT_LEGS]; /* of each winding's turns, 0 ... PLANT_SHORTED_MAX */
+    double contact_ohm[PLANT_LEGS];  /* Ohm, >= 0, in series with each winding */
+    double initial_angle_el_rad;     /* rad, electrical, |x| < 1e6 */
     double initial_speed_mech_rad_s; /* rad/s, mechanical */
 } plant_motor_cfg_t;
 
@@ -129,6 +134,7 @@ typedef struct {
     double step_bound;    /* of rate * step */
     bool is_real;         /* has anything of this: */
     plant_iron_t iron;
+    plant_windings_t windings;
     double harmonic_d_wb; /* phi a */
     double harmonic_q_wb; /* phi b */
     double cogging_nm;
@@ -164,7 +170,7 @@ double plant_motor_shared_max(const plant_motor_cfg_t *cfg);
  * Starts without current and without load. */
 bool plant_motor_init(plant_motor_t *motor, const plant_motor_cfg_t *cfg, const char **bad_field);
 
-/* Currents in the rotor frame, A. */
+/* Phase currents in the rotor frame, A. */
 double plant_motor_i_d(const plant_motor_t *motor);
 double plant_motor_i_q(const plant_motor_t *motor);
 

@@ -42,6 +42,12 @@ static inline void store(plant_motor_t *motor, const core_t *core)
     now->theta_el_rad = core->theta;
 }
 
+static inline pair_t by_matrix(const plant_symmetric_t *matrix, pair_t x)
+{
+    const plant_vector_t y = plant_symmetric_times(matrix, (plant_vector_t){x[0], x[1]});
+    return (pair_t){y.alpha, y.beta};
+}
+
 static inline pair_t inverse_inductance(const plant_motor_t *m)
 {
     return (pair_t){m->inverse_d, m->inverse_q};

@@ -235,20 +235,31 @@ static inline pair_t following(const context_t *c, pair_t current)
     if (c->source->legs == NULL) {
         return (pair_t){0.0, 0.0};
     }
-    const pair_t i = turned(c->held, current);
-    const plant_vector_t v = plant_soft_legs_v(c->source->legs, (plant_vector_t){i[0], i[1]});
+    const plant_windings_t *windings = &c->m->windings;
+    const pair_t m = turned(c->held, current);
+    const plant_vector_t i = plant_windings_inside(windings, (plant_vector_t){m[0], m[1]});
+    const plant_vector_t v = plant_windings_inside(windings, plant_soft_legs_v(c->source->legs, i));
     return turned_back(c->held, (pair_t){v.alpha, v.beta});
 }
 
+/* What the resistance takes; both in the frame of an axis. */
+static inline pair_t resistive(const plant_motor_t *m, pair_t axis, pair_t current)
+{
+    if (m->windings.are_alike) {
+        return m->resistance_ohm * current;
+    }
+    return turned_back(axis, by_matrix(&m->windings.resistance, turned(axis, current)));
+}
+
 /* The potential of the floating terminal that keeps the current along n at zero, for a voltage v without it; v, n in the
- * rotor frame. */
+ * rotor frame, which is that of the axis. */
 static inline double potential_at(const plant_motor_t *m, const rotor_t *rotor, double omega,
-                                  pair_t v, pair_t n)
+                                  pair_t axis, pair_t v, pair_t n)
 {
     const pair_t turning = {omega, -omega};
     const plant_stiffness_t s = stiffness_at(m, rotor);
     const pair_t emf = turning * swapped(rotor->flux) - omega * rotor->by_angle;
-    const pair_t free = yielding(&s, v - m->resistance_ohm * rotor->current + emf);
+    const pair_t free = yielding(&s, v - resistive(m, axis, rotor->current) + emf);
     const double along = dot(n, free - turning * swapped(rotor->current));
     return -along / (PLANT_CLARKE * dot(n, yielding(&s, n)));
 }
@@ -260,10 +271,11 @@ static inline pair_t flux_slope(const context_t *c, const rotor_t *rotor, double
     pair_t voltage = c->voltage + following(c, current);
     if (c->is_tied) {
         const pair_t v = turned_back(by, voltage);
-        const double potential = potential_at(c->m, rotor, omega, v, turned_back(by, c->tied));
+        const double potential =
+            potential_at(c->m, rotor, omega, turned(by, c->held), v, turned_back(by, c->tied));
         voltage += (PLANT_CLARKE * potential) * c->tied;
     }
-    return voltage - c->m->resistance_ohm * current;
+    return voltage - resistive(c->m, c->held, current);
 }
 
 /* All but that of the flux. */
@@ -470,7 +482,8 @@ double plant_real_floating_potential(const plant_motor_t *motor, plant_vector_t 
 {
     const core_t core = load(motor);
     const rotor_t rotor = rotor_now(motor);
-    return potential_at(motor, &rotor, core.omega, held_from(&core, v), held_from(&core, axis));
+    return potential_at(motor, &rotor, core.omega, core.axis, held_from(&core, v),
+                        held_from(&core, axis));
 }
 
 void plant_real_clear_phase(plant_motor_t *motor, plant_vector_t axis)

@@ -49,6 +49,10 @@ plant_motor_cfg_t make_plant_motor(const Config &config)
     cfg.cogging_nm = real.cogging_pct / 100.0 * motor.rated_torque_nm;
     cfg.cogging_order = static_cast<unsigned>(
         real.cogging_order > 0 ? real.cogging_order : COGGING_IN_TURN_EL * motor.pole_pairs);
+    for (std::size_t phase = 0; phase < real.contact_ohm.size(); phase++) {
+        cfg.shorted[phase] = real.shorted_turns_pct[phase] / 100.0;
+        cfg.contact_ohm[phase] = real.contact_ohm[phase];
+    }
     if (real.shaft_resonance_hz > 0) {
         share_inertia(cfg, real);
     }

@@ -5,30 +5,18 @@ test_own_board.py NFCONFIG CLOCK: the board has an external amplifier, so that t
 called in the folder of the two files, by a path relative to it.
 """
 
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import board
+from own_image import SHIPPED, build_image, replaced
 
 NFCONFIG, CLOCK = (Path(argument).resolve() for argument in sys.argv[1:3])
-ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = ROOT / "host_sim"
 MIDDLE = 2048
 CALIBRATION_TICKS = 260
 FOLLOWERS = {1: 0xE1, 2: 0xE1, 3: 0x1E1}  # enabled, high speed, VM_SEL = 3; the third inside the chip: RM0440, OPAMPx_CSR
-
-
-def replaced(path, *pairs):
-    """A shipped file with some lines changed."""
-    text = path.read_text(encoding="utf-8")
-    for old, new in pairs:
-        if old not in text:
-            raise ValueError(f"{path} has no line {old}")
-        text = text.replace(old, new)
-    return text
 
 
 def own_files(folder):
@@ -49,13 +37,8 @@ class OwnBoard(unittest.TestCase):
         cls.addClassCleanup(made.cleanup)
         folder = Path(made.name)
         own_files(folder)
-        for command in (["cmake", "-S", ROOT, "--preset", "stm32g431", "-B", "build", f"-DNF_NFCONFIG={NFCONFIG}",
-                         "-DNF_MOTOR=mine/motor.toml", "-DNF_BOARD=mine/board.toml"],
-                        ["cmake", "--build", "build", "--target", "neurofoc_g431"]):
-            run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-            if run.returncode:
-                raise AssertionError(run.stdout + run.stderr)
-        cls.board = board.Board(folder / "build/neurofoc_g431.elf", folder / "mine/board.toml", CLOCK)
+        image = build_image(folder, NFCONFIG, "mine/motor.toml", "mine/board.toml")
+        cls.board = board.Board(image, folder / "mine/board.toml", CLOCK)
         cls.bus = round(310 / 450 * 4096)
         cls.board.set_inputs(MIDDLE, MIDDLE, cls.bus)
         cls.board.boot()

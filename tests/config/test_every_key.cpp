@@ -304,6 +304,9 @@ Rungs others(const nf::Field &field, const nf::Config &config)
     if (const auto *pair = std::get_if<std::array<double, 2> *>(&target)) {
         return lists_near(**pair, field);
     }
+    if (const auto *phases = std::get_if<std::array<double, 3> *>(&target)) {
+        return lists_near(**phases, field);
+    }
     if (const auto *points = std::get_if<std::vector<double> *>(&target)) {
         return lists_near(**points, field);
     }

@@ -62,7 +62,7 @@ void an_unknown_key_is_named_with_the_nearest_known_one()
          "plant.coulomb_friction_nm, plant.emf_5th_pct, plant.emf_7th_pct, "
          "plant.saturation_d_pct, plant.saturation_q_pct, plant.saturation_cross_pct, "
          "plant.cogging_pct, "
-         "plant.cogging_order, plant.shaft_resonance_hz, plant.shaft_damping_pct, "
+         "plant.cogging_order, plant.shorted_turns_pct, plant.contact_ohm, plant.shaft_resonance_hz, plant.shaft_damping_pct, "
          "plant.load_inertia_ratio, plant.dead_time_s, plant.device_drop_v, "
          "plant.commutation_knee_a, plant.bus_ripple_pct, plant.bus_ripple_hz, plant.bus_capacitance_f, "
          "plant.bus_source_resistance_ohm, plant.adc_noise_lsb, plant.adc_offset_lsb, "

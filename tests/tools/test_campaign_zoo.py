@@ -24,7 +24,7 @@ seed = 7
 TOO_FAST = ("motorsim: zoo:hub:0@1/motor.toml:11: motor.max_speed_rpm = 900: does not fit the firmware; allowed: at most 800 "
             "rpm: above it the rotor turns more than 0.7 rad in a PWM period; a higher board.pwm_frequency_hz raises it")
 TOO_LARGE = ("motorsim: zoo:hub:0@1/motor.toml:6: motor.resistance_ohm = 2: does not fit the firmware; allowed: at most "
-             "1.1 Ω: four times board.bus_full_scale_v over board.current_full_scale_a")
+             "1.1 Ω: twice board.bus_full_scale_v over board.current_full_scale_a")
 
 
 def row(run, outcome, **metrics):

@@ -85,12 +85,21 @@ static void test_it_starts_from_ready_only(void)
     TEST_ASSERT_EQUAL_STRING("", said());
 }
 
-static void test_a_current_that_the_converter_hardly_sees_is_refused(void)
+/* 192/32768 of 40 A are 0.2344 A. */
+static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes(void)
 {
     cfg.derating.current_continuous = 191;
-    TEST_ASSERT_NOT_NULL(strstr(identify_start(&identify), "1.2 %"));
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_STRING(
+        "identify refused: the continuous current of the name plate is too small for this board's "
+        "sensors, it takes at least 0.235 A\r\n",
+        said());
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    tick_period();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
     cfg.derating.current_continuous = 192;
     TEST_ASSERT_NULL(identify_start(&identify));
+    assert_starts("identify 1 ", said());
 }
 
 static void test_it_says_its_scales_and_what_it_will_do(void)
@@ -100,7 +109,7 @@ static void test_it_says_its_scales_and_what_it_will_do(void)
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", said());
     tick_period();
     TEST_ASSERT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
-    assert_starts("pulses on each phase, the shaft rests, up to ", next_line());
+    assert_starts("pulses on each phase, the shaft hardly moves, up to ", next_line());
     assert_starts("= pulse 0 0 0 ", next_line());
     TEST_ASSERT_TRUE(app.out.gate_enable);
 }
@@ -146,7 +155,7 @@ static void test_a_fault_ends_it_with_a_line(void)
     (void)said();
     tick_period();
     fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: a fault has ended it\r\n", said());
+    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", said());
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
 }
 
@@ -156,8 +165,8 @@ static void test_every_phase_is_said_before_it_begins(void)
         identify_phase_t phase;
         const char *line;
     } phases[] = {
-        {IDENTIFY_CATCH, "the shaft turns by up to one electrical turn, with "},
-        {IDENTIFY_STILL, "the shaft goes to three angles, up to "},
+        {IDENTIFY_CATCH, "the shaft turns by up to one and a half electrical turns, with "},
+        {IDENTIFY_STILL, "the shaft goes to three angles of an electrical turn, up to "},
         {IDENTIFY_SPIN, "the shaft turns, up to "},
         {IDENTIFY_RAMP, "between half of that speed and the whole"},
         {IDENTIFY_COAST, "no current, the shaft coasts"},
@@ -178,9 +187,6 @@ static void test_noise_beyond_a_sixteenth_of_the_current_is_refused(void)
 {
     TEST_ASSERT_NULL(identify_start(&identify));
     (void)said();
-    (void)next_line();
-    identify.phase = IDENTIFY_CATCH;
-    identify.said = IDENTIFY_CATCH;
     /* ±a quarter of the range from sample to sample, and no current on average */
     for (uint32_t k = 0U; (k < 20000U) && identify_is_busy(&identify); k++) {
         measured.adc_ia = (uint16_t)(EXAMPLE_MIDDLE + ((k % 2U) * 300U));
@@ -188,6 +194,74 @@ static void test_noise_beyond_a_sixteenth_of_the_current_is_refused(void)
         (void)said();
     }
     TEST_ASSERT_NOT_NULL(strstr(identify.why, "noise"));
+}
+
+static const char *line_with_current(identify_phase_t phase, uint32_t step, int32_t current)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = phase;
+    identify.said = phase;
+    identify.step = step;
+    app.drive.signals.current_frame = (dq_t){0, -current};
+    return said();
+}
+
+static void expect_runaway(identify_phase_t phase, uint32_t step, int32_t most)
+{
+    setUp();
+    TEST_ASSERT_NULL(strstr(line_with_current(phase, step, most), "refused"));
+    setUp();
+    assert_starts("identify refused: more current flows than was asked for: does a load turn",
+                  line_with_current(phase, step, most + 1));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+}
+
+static void test_a_current_of_a_rotor_that_was_lost_is_no_load(void)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = IDENTIFY_CATCH;
+    identify.said = IDENTIFY_CATCH;
+    identify.turn.slower = 1U;
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max, 0};
+    TEST_ASSERT_EQUAL_STRING("", said());
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max - 1, 0};
+    assert_starts("identify refused: the rotor falls out of step", said());
+}
+
+static void test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    TEST_ASSERT_NULL(identify_start(&identify));
+    (void)said();
+    (void)next_line();
+    identify.phase = IDENTIFY_SPIN;
+    identify.said = IDENTIFY_SPIN;
+    identify.step = 1U;
+    app.drive.signals.voltage = (dq_t){-limit, 0};
+    app.drive.signals.current_frame = (dq_t){cfg.protection.current_max, 0};
+    assert_starts("identify refused: the bus voltage is too low", said());
+}
+
+static void test_a_current_that_nobody_asked_for_opens_the_gates(void)
+{
+    setUp();
+    {
+        const int32_t continuous = cfg.derating.current_continuous;
+        const int32_t fault = cfg.protection.current_max;
+        const int32_t middle = (identify_rest_largest(&identify) + fault) / 2;
+
+        expect_runaway(IDENTIFY_PULSE, 1U, (continuous * 5) / 4);
+        expect_runaway(IDENTIFY_CATCH, 1U, middle);
+        expect_runaway(IDENTIFY_STILL, 1U, middle);
+        expect_runaway(IDENTIFY_SPIN, 1U, middle);
+        expect_runaway(IDENTIFY_SPIN, 2U, fault);
+        expect_runaway(IDENTIFY_RAMP, 1U, fault);
+    }
 }
 
 /* ---- PULSE ---- */
@@ -259,7 +333,7 @@ static void test_pulses_become_longer_when_a_quarter_of_the_bus_is_not_enough(vo
     TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
     TEST_ASSERT_EQUAL_INT32(3125, identify.rest.pulse);
     identify.rest.pulse = 5000;
-    TEST_ASSERT_TRUE(pulse(200, 10, 10)); /* fine, but a quarter more is too much */
+    TEST_ASSERT_TRUE(pulse(200, 50, 50)); /* fine, but a quarter more is too much */
     TEST_ASSERT_FALSE(identify.rest.fine);
     TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
 }
@@ -309,20 +383,26 @@ static void test_exchanged_phases_are_named(void)
 
 /* ---- CATCH ---- */
 
-static void test_the_current_rises_opposite_and_takes_the_rotor_along(void)
+static void test_a_small_current_rises_opposite_and_takes_the_rotor_along(void)
 {
+    static const struct {
+        int32_t eighths;
+        int32_t angle;
+    } moves[] = {{1, INT32_MIN}, {2, INT32_MIN}, {2, 0x40000000}, {2, 0}, {3, 0}, {4, 0}};
+
     cfg.derating.current_continuous = 1600;
     identify.phase = IDENTIFY_CATCH;
     identify.rest.inductance_q16 = 65536;
-    for (int32_t k = 1; k <= 8; k++) {
+    for (uint32_t k = 0U; k < 6U; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-        TEST_ASSERT_EQUAL_INT32(200 * k, *identify_aim_word(&identify, PROBE_CURRENT));
-        TEST_ASSERT_EQUAL_INT32(INT32_MIN, *identify_aim_word(&identify, PROBE_ANGLE));
+        TEST_ASSERT_EQUAL_INT32(200 * moves[k].eighths,
+                                *identify_aim_word(&identify, PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_INT32(moves[k].angle, *identify_aim_word(&identify, PROBE_ANGLE));
     }
-    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-    TEST_ASSERT_EQUAL_INT32(0x40000000, *identify_aim_word(&identify, PROBE_ANGLE));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX / 4000, *identify_aim_word(&identify, PROBE_RATE));
-    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    for (uint32_t k = 6U; k < 10U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    }
     TEST_ASSERT_EQUAL_INT32(0, *identify_aim_word(&identify, PROBE_ANGLE));
     TEST_ASSERT_EQUAL_INT32(1600, *identify_aim_word(&identify, PROBE_CURRENT));
 }
@@ -359,9 +439,27 @@ static void test_a_rotor_at_rest_goes_on(void)
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
 }
 
+static void test_noise_is_no_swing(void)
+{
+    cfg.derating.current_continuous = 1600;
+    identify.phase = IDENTIFY_CATCH;
+    look(0);
+    for (uint32_t k = 0U; k < 11U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    }
+    sums()->noise_b =
+        20 * identify.aim.ticks; /* its largest sample is five times its mean change */
+    look(200);
+    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+    look(199);
+    TEST_ASSERT_FALSE(identify_rest_plan_catch(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
+}
+
 static void test_a_rotor_that_was_lost_goes_on_turning(void)
 {
     cfg.derating.current_continuous = 1600;
+    identify.aim.ticks = 1;
     identify.phase = IDENTIFY_CATCH;
     identify.turn.slower = 1U;
     identify.step = 11U;
@@ -376,7 +474,7 @@ static void test_a_rotor_that_was_lost_goes_on_turning(void)
 /* All levels and bursts of an axis, with a winding of R = ohms (Q13) and a loss of 100. */
 static void measure_axis(int32_t resistance_q13)
 {
-    for (uint32_t k = 0U; k < 28U; k++) {
+    for (uint32_t k = 0U; k < 30U; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
         {
             const int32_t current = *identify_aim_word(&identify, PROBE_CURRENT);
@@ -420,28 +518,91 @@ static void test_three_axes_give_r_and_the_loss(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
-static void expect_windings(int32_t b, int32_t c, bool alike)
+static void test_on_the_next_axis_the_levels_wait_until_the_rotor_rests(void)
 {
-    const int32_t axes[] = {4000, b, c};
+    begin_still();
+    measure_axis(4000);
+    look(100); /* of 1600 */
+    for (uint32_t k = 0U; k < 41U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.axis);
+        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+    }
+    look(99);
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
+    TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+}
+
+static void test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused(void)
+{
+    begin_still();
+    measure_axis(4000);
+    look(100);
+    for (uint32_t k = 0U; k < 41U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    }
+    TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
+    assert_refused("does a load turn it?");
+}
+
+static void test_a_current_that_the_bus_does_not_drive_is_refused(void)
+{
+    begin_still();
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->current.d = ((3200 * 7) / 8) * identify.aim.ticks;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    setUp();
+    begin_still();
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->current.d = 2700 * identify.aim.ticks;
+    TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
+    assert_refused("the bus voltage is too low for the current");
+}
+
+/* Of three phases: along an axis two thirds of its own R and a sixth of each other one. */
+static void measure_windings(int32_t a, int32_t b, int32_t c)
+{
+    const int32_t phases[] = {a, b, c};
 
     setUp();
     begin_still();
     for (uint32_t axis = 0U; axis < 3U; axis++) {
-        measure_axis(axes[axis]);
+        measure_axis((phases[axis] / 2) + ((a + b + c) / 6));
         (void)identify_rest_plan_still(&identify);
-    }
-    if (alike) {
-        TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
-    } else {
-        assert_refused("resistances of the three phases differ");
     }
 }
 
-static void test_windings_that_differ_by_more_than_a_quarter_are_refused(void)
+static void expect_unlike(const char *why, const char *phase)
 {
-    expect_windings(4900, 3100, true);
-    expect_windings(5200, 4000, false);
-    expect_windings(4000, 2800, false);
+    assert_refused(why);
+    TEST_ASSERT_EQUAL_STRING(phase, identify.detail);
+}
+
+static void test_windings_that_differ_by_less_than_a_quarter_go_on(void)
+{
+    measure_windings(4000, 4900, 3100);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+static void test_a_winding_with_less_resistance_is_named_as_shorted(void)
+{
+    measure_windings(2900, 4000, 4100);
+    expect_unlike("is the winding shorted", "a");
+    measure_windings(4000, 2900, 4100);
+    expect_unlike("is the winding shorted", "b");
+    measure_windings(4000, 4100, 2900);
+    expect_unlike("is the winding shorted", "c");
+}
+
+static void test_a_phase_with_more_resistance_is_named_as_a_bad_contact(void)
+{
+    measure_windings(5200, 4000, 3900);
+    expect_unlike("is a contact bad", "a");
+    measure_windings(4000, 5200, 3900);
+    expect_unlike("is a contact bad", "b");
+    measure_windings(4000, 3900, 5200);
+    expect_unlike("is a contact bad", "c");
 }
 
 static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
@@ -554,6 +715,39 @@ static void test_a_bus_that_is_far_too_low_is_refused(void)
     assert_refused("bus voltage is too low");
 }
 
+static void use_all_voltage(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    app.drive.signals.voltage = (dq_t){0, limit};
+}
+
+static void test_a_bus_that_does_not_bring_the_first_speed_is_refused(void)
+{
+    begin_spin();
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+    use_all_voltage();
+    TEST_ASSERT_TRUE(identify_turn_lacks_voltage(&identify));
+    turn(identify.turn.top / 4, 10, 300); /* the rotor is lost by then */
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("bus voltage is too low");
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+}
+
+/* ωL·i of twice the L that the pulses have shown, in the EMF's Q14 of U_b/Ω_b: 2π·1200·2/32768 per volt-tick. */
+static void test_a_standing_rotor_with_much_saliency_is_refused(void)
+{
+    int32_t inductive;
+
+    begin_spin();
+    inductive = (((*identify_aim_word(&identify, PROBE_REACTANCE) * 2) / 8) *
+                 (identify.aim.words[0] / 64)) /
+                64;
+    turn(identify.turn.top / 4, 20 + (2 * inductive), 300);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("does not turn with the current");
+}
+
 static void test_a_rotor_without_an_emf_is_refused(void)
 {
     begin_spin();
@@ -590,6 +784,27 @@ static void test_half_of_the_current_comes_last(void)
     TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
     TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
     TEST_ASSERT_EQUAL_INT32(1200, *identify_aim_word(&identify, PROBE_CURRENT));
+}
+
+static void test_an_emf_that_half_of_the_current_halves_is_none(void)
+{
+    spin_to(5U);
+    turn(identify.turn.top, 3600, 0); /* 6000 with all of it */
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused("does not turn with the current");
+    setUp();
+    spin_to(5U);
+    turn(identify.turn.top, 3800, 0);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+}
+
+static void test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it(void)
+{
+    spin_to(5U);
+    turn(identify.turn.top, 2000, 10000);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
 }
 
 static void test_a_rotor_that_is_lost_is_caught_twice_and_then_refused(void)
@@ -783,13 +998,16 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_it_starts_from_ready_only);
-    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused);
+    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes);
     RUN_TEST(test_it_says_its_scales_and_what_it_will_do);
     RUN_TEST(test_a_record_has_20_numbers);
     RUN_TEST(test_stop_opens_the_gates);
     RUN_TEST(test_a_stop_of_what_is_not_busy_stops_nothing);
     RUN_TEST(test_a_fault_ends_it_with_a_line);
     RUN_TEST(test_every_phase_is_said_before_it_begins);
+    RUN_TEST(test_a_current_of_a_rotor_that_was_lost_is_no_load);
+    RUN_TEST(test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus);
+    RUN_TEST(test_a_current_that_nobody_asked_for_opens_the_gates);
     RUN_TEST(test_noise_beyond_a_sixteenth_of_the_current_is_refused);
     RUN_TEST(test_pulses_grow_twofold_and_then_by_a_quarter);
     RUN_TEST(test_the_pulses_inductance_leaves_out_what_the_legs_lose);
@@ -797,13 +1015,19 @@ int main(void)
     RUN_TEST(test_no_current_is_refused);
     RUN_TEST(test_an_open_phase_is_named);
     RUN_TEST(test_exchanged_phases_are_named);
-    RUN_TEST(test_the_current_rises_opposite_and_takes_the_rotor_along);
+    RUN_TEST(test_a_small_current_rises_opposite_and_takes_the_rotor_along);
     RUN_TEST(test_a_rotor_that_swings_is_waited_for_four_seconds);
     RUN_TEST(test_a_rotor_at_rest_goes_on);
+    RUN_TEST(test_noise_is_no_swing);
     RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
     RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
     RUN_TEST(test_three_axes_give_r_and_the_loss);
-    RUN_TEST(test_windings_that_differ_by_more_than_a_quarter_are_refused);
+    RUN_TEST(test_on_the_next_axis_the_levels_wait_until_the_rotor_rests);
+    RUN_TEST(test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused);
+    RUN_TEST(test_a_current_that_the_bus_does_not_drive_is_refused);
+    RUN_TEST(test_windings_that_differ_by_less_than_a_quarter_go_on);
+    RUN_TEST(test_a_winding_with_less_resistance_is_named_as_shorted);
+    RUN_TEST(test_a_phase_with_more_resistance_is_named_as_a_bad_contact);
     RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
     RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
     RUN_TEST(test_long_pulses_share_their_volts);
@@ -811,7 +1035,11 @@ int main(void)
     RUN_TEST(test_the_highest_speed_is_half_of_the_name_plate);
     RUN_TEST(test_a_bus_that_is_short_lowers_the_speed);
     RUN_TEST(test_a_bus_that_is_far_too_low_is_refused);
+    RUN_TEST(test_a_bus_that_does_not_bring_the_first_speed_is_refused);
+    RUN_TEST(test_a_standing_rotor_with_much_saliency_is_refused);
     RUN_TEST(test_a_rotor_without_an_emf_is_refused);
+    RUN_TEST(test_an_emf_that_half_of_the_current_halves_is_none);
+    RUN_TEST(test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it);
     RUN_TEST(test_the_third_way_is_a_ramp_in_its_window);
     RUN_TEST(test_half_of_the_current_comes_last);
     RUN_TEST(test_a_rotor_that_is_lost_is_caught_twice_and_then_refused);
