@@ -417,7 +417,10 @@ static int32_t mean_speed(const identify_t *identify)
     return (int32_t)speed;
 }
 
-/* The windows grow while the speed hardly falls. The first one is an electrical turn, and 5 ms at least. */
+/*
+ * The windows grow while the speed hardly falls: the third one is the first that has a speed before it. The first one is an
+ * electrical turn, and 5 ms at least.
+ */
 static void size_coast(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -428,8 +431,8 @@ static void size_coast(identify_t *identify)
         turn->coast_ticks = fx_clamp(turn_ticks, COAST_MS_FIRST * identify->ms_ticks, most);
     } else if (identify->step == 2U) {
         turn->coast_speed = mean_speed(identify);
-    } else if ((mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64))) &&
-               (turn->coast_ticks < most)) {
+    } else if ((identify->step > 2U) && (turn->coast_ticks < most) &&
+               (mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64)))) {
         turn->coast_ticks *= 2;
     } else {
         /* as long as before */
