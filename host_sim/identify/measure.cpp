@@ -12,7 +12,7 @@ namespace nf::identify
 namespace
 {
 
-constexpr double LONGEST_S = 60;
+constexpr double LONGEST_S = 130;   // the firmware ends it after 120
 constexpr std::size_t LINE_END = 2; // CR, LF
 
 about_t about_of(const Bases &bases)
