@@ -270,6 +270,12 @@ static void end_experiment(identify_t *identify, text_t *text)
     }
 }
 
+/* All words are in force. */
+static void have_asked(identify_t *identify)
+{
+    wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
+}
+
 static void go_on(identify_t *identify, text_t *text)
 {
     switch (identify->wait) {
@@ -280,7 +286,7 @@ static void go_on(identify_t *identify, text_t *text)
         break;
     case IDENTIFY_ASKING:
         if (word_is_taken(identify) && ask(identify)) {
-            wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
+            have_asked(identify);
         }
         break;
     case IDENTIFY_MOVING:

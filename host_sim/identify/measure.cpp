@@ -38,7 +38,7 @@ Measurement measure(Simulation &sim, const Listener &listener, const Event &even
     identify_t identify;
     identify_init(&identify, &sim.app(), &about);
     bool started = false;
-    for (; found.duration_s < LONGEST_S && !(started && !identify_is_busy(&identify));
+    for (; found.duration_s < LONGEST_S && (!started || identify_is_busy(&identify));
          found.duration_s += tick_s) {
         if (event) {
             event(sim);

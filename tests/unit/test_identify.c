@@ -100,6 +100,11 @@ static void test_it_is_refused_while_it_is_under_way(void)
 static void test_it_says_its_scales_and_what_it_will_do_before_it_does_it(void)
 {
     start();
+    TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", pass());
+    TEST_ASSERT_EQUAL_UINT8(PROBE_CURRENT, command_mailbox_take(&app.mailbox).mode);
+    TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
+    setUp();
+    start();
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", next_line());
     TEST_ASSERT_EQUAL_STRING("pulses on each phase, the shaft rests, up to 6.718 A\r\n",
                              next_line());
@@ -129,7 +134,7 @@ static void test_a_fault_ends_it_with_a_line(void)
 {
     begin();
     fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: a fault has ended it\r\n", next_line());
+    TEST_ASSERT_EQUAL_STRING("identify refused: a fault has ended it\r\n", pass());
     assert_ended();
     TEST_ASSERT_EQUAL_STRING("", next_line());
 }
@@ -184,6 +189,14 @@ static void test_after_two_minutes_it_ends_whatever_it_waits_for(void)
         identify.wait = (identify_wait_t)wait;
         expect_ended_for_its_time("identify refused: it has not ended within 2 minutes\r\n");
     }
+}
+
+static void test_its_two_minutes_begin_with_it(void)
+{
+    tick(100U);
+    app.drive.tick = 130000U * MS;
+    begin();
+    TEST_ASSERT_NULL(identify.why);
 }
 
 /* Nothing has been asked of the drive then. */
@@ -281,6 +294,33 @@ static void test_each_phase_is_told_before_it_begins(void)
 
 /* ---- words and records ---- */
 
+static void test_the_words_that_are_in_force_at_first_are_those_of_a_reset(void)
+{
+    probe_t probe;
+
+    probe_reset(&probe);
+    start();
+    for (uint32_t k = 0U; k < IDENTIFY_WORDS; k++) {
+        const uint32_t which = k + (uint32_t)PROBE_CURRENT;
+        const bool ones = (which == (uint32_t)PROBE_PULSE_TICKS) || (which == (uint32_t)PROBE_EMF);
+
+        TEST_ASSERT_EQUAL_INT32(ones ? 1 : 0, identify.in_force[k]);
+    }
+    TEST_ASSERT_EQUAL_INT32(probe.pulse_ticks, word(PROBE_PULSE_TICKS) + 1);
+    TEST_ASSERT_EQUAL_INT32(probe.emf_full, word(PROBE_EMF));
+}
+
+/* Of 2 ms a tick. */
+static void test_a_millisecond_has_a_tick_at_least(void)
+{
+    about_t slow = ABOUT;
+
+    slow.rotation.tick_ps = 2000000000U;
+    identify_init(&identify, &app, &slow);
+    start();
+    TEST_ASSERT_EQUAL_INT32(1, identify.ms_ticks);
+}
+
 static bool are_equal(const drive_command_t *a, const drive_command_t *b)
 {
     return (a->target == b->target) && (a->mode == b->mode) && (a->request == b->request);
@@ -311,6 +351,35 @@ static void test_a_word_is_posted_once_the_drive_has_taken_the_one_before(void)
         }
     }
     TEST_ASSERT_GREATER_THAN_UINT32(20U, posted);
+}
+
+static drive_command_t changed(drive_command_t command, uint32_t part)
+{
+    command.target += (part == 0U) ? 1 : 0;
+    command.mode = (uint8_t)(command.mode + ((part == 1U) ? 1U : 0U));
+    command.request = (part == 2U) ? 0U : command.request;
+    return command;
+}
+
+static void test_a_word_is_taken_once_all_of_it_is(void)
+{
+    for (uint32_t part = 0U; part < 3U; part++) {
+        drive_command_t posted;
+        drive_command_t now;
+
+        setUp();
+        begin();
+        TEST_ASSERT_EQUAL(IDENTIFY_ASKING, identify.wait);
+        posted = command_mailbox_take(&app.mailbox);
+        app.in.command = changed(posted, part);
+        (void)pass();
+        now = command_mailbox_take(&app.mailbox);
+        TEST_ASSERT_TRUE(are_equal(&posted, &now));
+        app.in.command = posted;
+        (void)pass();
+        now = command_mailbox_take(&app.mailbox);
+        TEST_ASSERT_FALSE(are_equal(&posted, &now));
+    }
 }
 
 static void test_the_drive_has_all_words_of_an_experiment_when_its_window_opens(void)
@@ -380,6 +449,40 @@ static void test_each_window_has_a_word_of_its_own(void)
     }
 }
 
+/* Of 11 bits, so that the word is positive; the ticks are below them. */
+static void test_windows_are_numbered(void)
+{
+    static const uint32_t numbers[] = {5U, 6U, 0x7FFU, 0U};
+
+    begin();
+    for (uint32_t k = 0U; k < 4U; k++) {
+        if (k == 0U) {
+            identify.windows = 5U;
+        } else if (k == 2U) {
+            identify.windows = 0x7FFU;
+        } else {
+            /* goes on */
+        }
+        (void)next_record();
+        TEST_ASSERT_EQUAL_UINT32(numbers[k], fx_unsigned(app.drive.probe.window) >> 20U);
+        TEST_ASSERT_EQUAL_INT32(64, app.drive.probe.window & 0xFFFFF);
+    }
+}
+
+/* A window of the same word that has ended is not the one that was asked for. */
+static void test_a_window_is_measured_once_its_word_is_taken(void)
+{
+    begin();
+    while (!is_measured()) {
+        (void)pass();
+        tick(1U);
+    }
+    app.in.command.target++;
+    TEST_ASSERT_EQUAL_STRING("", pass());
+    app.in.command.target--;
+    TEST_ASSERT_EQUAL_STRING_LEN("= pulse", pass(), 7U);
+}
+
 #define SETTLE (50)
 #define WINDOW (30)
 
@@ -391,6 +494,7 @@ static void experiment(step_t speed, step_t ramp)
     *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
     *identify_aim_word(&identify, PROBE_SPEED) = speed;
     *identify_aim_word(&identify, PROBE_RAMP) = ramp;
+    *identify_aim_word(&identify, PROBE_CURRENT) = 11;
     identify_aim_window(&identify, "spin", SETTLE, WINDOW);
 }
 
@@ -413,11 +517,25 @@ static void test_a_window_opens_once_the_vector_has_arrived_and_settled(void)
     (void)ticks_to(IDENTIFY_MOVING);
     TEST_ASSERT_TRUE(ticks_to(IDENTIFY_SETTLING) >= 90U);
     TEST_ASSERT_EQUAL_INT32(100000, app.drive.probe.own_speed);
+    TEST_ASSERT_EQUAL_INT32(11, app.drive.probe.current);
     TEST_ASSERT_EQUAL_UINT32((uint32_t)SETTLE, ticks_to(IDENTIFY_MEASURING));
     TEST_ASSERT_EQUAL_UINT32(0U, app.drive.probe.tick);
     tick_period();
     TEST_ASSERT_TRUE(app.drive.probe.tick > 0U);
     TEST_ASSERT_EQUAL_INT32(WINDOW, app.drive.probe.window & 0xFFFFF);
+}
+
+static void test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle(void)
+{
+    experiment(100000, 1);
+    (void)ticks_to(IDENTIFY_MOVING);
+    tick(100U);
+    for (uint32_t k = 0U; k < 10U; k++) {
+        tick(1U);
+        app.drive.probe.angle = rotor_position_angle(&app.drive.vector.position);
+        (void)pass();
+        TEST_ASSERT_EQUAL(IDENTIFY_MOVING, identify.wait);
+    }
 }
 
 static void test_a_window_that_rushes_waits_for_no_vector(void)
@@ -510,6 +628,19 @@ static void test_sensors_that_are_too_noisy_are_refused(void)
     noisy(0, 3450, NOISE);
 }
 
+/* They change the current themselves. */
+static void test_pulses_are_no_noise(void)
+{
+    begin();
+    while (!is_measured()) {
+        (void)pass();
+        tick(1U);
+    }
+    *sums() = (probe_sums_t){.noise_a = 64 * 400};
+    (void)next_line();
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -523,21 +654,29 @@ int main(void)
     RUN_TEST(test_it_can_be_started_again);
     RUN_TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end);
     RUN_TEST(test_after_two_minutes_it_ends_whatever_it_waits_for);
+    RUN_TEST(test_its_two_minutes_begin_with_it);
     RUN_TEST(test_a_line_that_nobody_reads_from_the_beginning_ends_it_too);
     RUN_TEST(test_what_has_ended_keeps_its_reason_while_its_line_waits);
     RUN_TEST(test_it_says_nothing_while_a_line_waits);
     RUN_TEST(test_another_request_than_its_own_is_left_to_the_user);
     RUN_TEST(test_its_end_is_no_command_once_the_users_is_there_again);
     RUN_TEST(test_each_phase_is_told_before_it_begins);
+    RUN_TEST(test_the_words_that_are_in_force_at_first_are_those_of_a_reset);
+    RUN_TEST(test_a_millisecond_has_a_tick_at_least);
     RUN_TEST(test_a_word_is_posted_once_the_drive_has_taken_the_one_before);
+    RUN_TEST(test_a_word_is_taken_once_all_of_it_is);
     RUN_TEST(test_the_drive_has_all_words_of_an_experiment_when_its_window_opens);
     RUN_TEST(test_a_record_has_what_was_asked_for_and_the_sums_in_their_order);
     RUN_TEST(test_each_window_has_a_word_of_its_own);
+    RUN_TEST(test_windows_are_numbered);
+    RUN_TEST(test_a_window_is_measured_once_its_word_is_taken);
     RUN_TEST(test_a_window_opens_once_the_vector_has_arrived_and_settled);
+    RUN_TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle);
     RUN_TEST(test_a_window_that_rushes_waits_for_no_vector);
     RUN_TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only);
     RUN_TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for);
     RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
     RUN_TEST(test_sensors_that_are_too_noisy_are_refused);
+    RUN_TEST(test_pulses_are_no_noise);
     return UNITY_END();
 }

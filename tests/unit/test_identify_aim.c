@@ -70,6 +70,9 @@ static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
     identify.rest.inductance_q16 = 2 * 65536;
     identify_aim_gains(&identify, false);
     TEST_ASSERT_EQUAL_INT32((16 << 16) | 16384, word(PROBE_GAIN_D));
+    identify.rest.inductance_q16 = 32767;
+    identify_aim_gains(&identify, false);
+    TEST_ASSERT_EQUAL_INT32((19 << 16) | 32767, word(PROBE_GAIN_D));
     identify.rest.inductance_q16 = 1;
     identify_aim_gains(&identify, true);
     TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4), word(PROBE_GAIN_D));

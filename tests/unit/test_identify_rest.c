@@ -20,15 +20,21 @@ static void begin_pulses(void)
 {
     begin_phase(IDENTIFY_PULSE);
     TEST_ASSERT_TRUE(identify_rest_plan_pulse(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
 }
 
 /* One round of the three axes: 64 changes of so much at their peak. */
 static void answer_pulses(const dq_t *peaks)
 {
     for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        bool aims;
+
         TEST_ASSERT_EQUAL_UINT32(axis, identify.rest.axis);
         sums()->change = (dq_t){64 * peaks[axis].d, 64 * peaks[axis].q};
-        TEST_ASSERT_TRUE(identify_rest_plan_pulse(&identify) || (axis == (IDENTIFY_AXES - 1U)));
+        aims = identify_rest_plan_pulse(&identify);
+        TEST_ASSERT_EQUAL(identify.phase == IDENTIFY_PULSE, aims);
+        TEST_ASSERT_EQUAL_INT32(peaks[axis].d, identify.rest.peaks[axis].d);
+        TEST_ASSERT_EQUAL_INT32(peaks[axis].q, identify.rest.peaks[axis].q);
     }
 }
 
@@ -60,6 +66,7 @@ static void test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase(void)
         TEST_ASSERT_EQUAL_INT32(64 * word(PROBE_PULSE_TICKS), identify.aim.ticks);
         TEST_ASSERT_EQUAL_INT32(MS, identify.aim.settle);
         TEST_ASSERT_EQUAL_STRING("pulse", identify.aim.kind);
+        *identify_aim_word(&identify, PROBE_CURRENT) = 5; /* of another experiment */
         (void)identify_rest_plan_pulse(&identify);
     }
 }
@@ -183,6 +190,10 @@ static void test_the_next_pulse_ends_at_a_quarter_of_the_bus(void)
     pulses_after(2822, 0);
     TEST_ASSERT_EQUAL_INT32(5644, identify.rest.pulse);
     TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
+    app.drive.signals.bus = 4 * 7055;
+    answer_pulses((const dq_t[]){{400, 0}, {0, 0}, {0, 0}}); /* 5644 and a quarter of it */
+    TEST_ASSERT_TRUE(identify.rest.fine);
+    TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
 }
 
 static void test_an_open_phase_is_named(void)
@@ -205,6 +216,14 @@ static void test_an_open_phase_is_named(void)
         answer_to_the_end(peaks);
         TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
     }
+}
+
+static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
+{
+    answer_to_the_end((const dq_t[]){{-1400, 2000}, {-1400, -2000}, {0, 0}});
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase); /* no current along any axis */
+    answer_to_the_end((const dq_t[]){{1400, 2000}, {1400, -2000}, {0, 0}});
+    assert_refused("phase c is open");
 }
 
 static void test_two_exchanged_phases_are_named(void)
@@ -409,6 +428,9 @@ static void test_a_resistance_and_a_loss_are_between_nothing_and_their_largest(v
     two_levels((dq_t){1000, 5000}, (dq_t){1000 - 4, 5000 - 1}); /* 32768 */
     TEST_ASSERT_EQUAL_INT32(32767, identify.rest.resistance_q13[0]);
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.loss);
+    two_levels((dq_t){20000, 5000}, (dq_t){10001, 2500});
+    TEST_ASSERT_EQUAL_INT32(32764, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_EQUAL_INT32(10001 - 9998, identify.rest.loss); /* 32764·2500/8192: 9998.8 */
     two_levels((dq_t){1000, 2500}, (dq_t){999, 2500}); /* no current between them counts as 1 */
     TEST_ASSERT_EQUAL_INT32(8192, identify.rest.resistance_q13[0]);
 }
@@ -511,7 +533,7 @@ static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
     TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
     identify.step = LEVELS + 4U;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    sums()->change = (dq_t){7, 256 * 300}; /* half as much */
+    sums()->change = (dq_t){0, 256 * 300}; /* half as much */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
     TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
@@ -542,15 +564,28 @@ static void test_pulses_without_an_answer_keep_the_inductance(void)
     TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
 }
 
-static void test_an_inductance_of_pulses_saturates(void)
+static void burst_of(dq_t pulse, dq_t change)
 {
+    setUp();
     begin_bursts();
     identify.step = LEVELS + 1U;
     identify.aim.ticks = 256;
-    *identify_aim_word(&identify, PROBE_PULSE_D) = 8000;
-    sums()->change = (dq_t){1, 0};
+    *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
+    sums()->change = change;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+}
+
+static void test_an_inductance_of_pulses_is_from_1_to_its_largest(void)
+{
+    burst_of((dq_t){8000, 0}, (dq_t){1, 0});
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.along_q16);
+    burst_of((dq_t){0, 8000}, (dq_t){0, 1});
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.across_q16);
+    burst_of((dq_t){1, 0}, (dq_t){512, 0});
+    TEST_ASSERT_EQUAL_INT32(32768, identify.rest.along_q16);
+    burst_of((dq_t){0, 1}, (dq_t){0, 512});
+    TEST_ASSERT_EQUAL_INT32(32768, identify.rest.across_q16);
 }
 
 /* 8466 of the bus at most in a tick: 64000 need 8. */
@@ -602,6 +637,7 @@ int main(void)
     RUN_TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus);
     RUN_TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus);
     RUN_TEST(test_an_open_phase_is_named);
+    RUN_TEST(test_an_open_phase_is_named_before_two_that_are_exchanged);
     RUN_TEST(test_two_exchanged_phases_are_named);
     RUN_TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight);
     RUN_TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along);
@@ -619,7 +655,7 @@ int main(void)
     RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
     RUN_TEST(test_what_follows_the_last_level_has_no_inductance);
     RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
-    RUN_TEST(test_an_inductance_of_pulses_saturates);
+    RUN_TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest);
     RUN_TEST(test_long_pulses_share_their_volts);
     RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
     RUN_TEST(test_without_a_bus_pulses_are_1);

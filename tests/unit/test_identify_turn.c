@@ -79,6 +79,10 @@ static void test_an_emf_counts_from_what_the_legs_lose(void)
     identify.rest.resistance_q13[2] = 700; /* 352 */
     (void)identify_turn_plan_spin(&identify);
     TEST_ASSERT_EQUAL_INT32(200, word(PROBE_EMF));
+    identify.rest.resistance_q13[2] = 32767; /* 16511 */
+    identify.step = 0U;
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(8255, word(PROBE_EMF));
 }
 
 static void test_a_reactance_saturates(void)
@@ -108,8 +112,12 @@ static void test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_
 
 static void test_a_ramp_has_a_slope_whatever_the_speed(void)
 {
-    cfg.speed_loop.speed_max = 40000;
+    cfg.speed_loop.speed_max = 0x20000000;
     begin_phase(IDENTIFY_SPIN);
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(0x10000000 / 25000, word(PROBE_RAMP));
+    cfg.speed_loop.speed_max = 40000;
+    identify.step = 0U;
     (void)identify_turn_plan_spin(&identify);
     TEST_ASSERT_EQUAL_INT32(1, word(PROBE_RAMP));
 }
@@ -169,6 +177,21 @@ static void test_the_voltage_of_the_inductance_is_no_emf(void)
     assert_refused(STANDS);
     spin_with(100 * INDUCTANCE, 126);
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    spin_with(1000 * INDUCTANCE, 547); /* 471 */
+    assert_refused(STANDS);
+    spin_with(1000 * INDUCTANCE, 550);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+/* A highest speed below one of Q15 counts as one: an EMF of 1/20 of the voltage is 619. */
+static void test_a_highest_speed_of_nothing_divides_by_nothing(void)
+{
+    cfg.speed_loop.speed_max = 2000;
+    begin_phase(IDENTIFY_SPIN);
+    (void)identify_turn_plan_spin(&identify);
+    *sums() = (probe_sums_t){.turn_q16 = 1, .voltage = {0, 19700}}; /* over 32 of Q15 */
+    (void)identify_turn_plan_spin(&identify);
+    assert_refused(STANDS);
 }
 
 #define TOO_LOW "the bus voltage is too low to turn the motor at 1/16 of its highest speed"
@@ -184,12 +207,17 @@ static void test_a_bus_that_is_too_low_is_refused(void)
     assert_refused(TOO_LOW);
     begin_spin(9150, 3000); /* 1584 */
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    begin_spin(0, 18590); /* half of it are 9295 */
+    assert_refused(TOO_LOW);
+    begin_spin(0, 18550);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
 /* 3000 at a quarter of the speed. */
 static void spin_to(uint32_t step)
 {
     begin_spin(500, 2000);
+    identify.turn.swing_ticks = 77; /* of an attempt before */
     for (uint32_t k = 2U; k < step; k++) {
         answer_spin(500, (k == 2U) ? 4000 : 8000, (k == 2U) ? (TOP / 2) : TOP);
         TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
@@ -207,9 +235,55 @@ static void test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_wi
     TEST_ASSERT_EQUAL_INT32(TOP / 2, identify.turn.low);
     TEST_ASSERT_EQUAL_INT32(450 * MS, identify.aim.settle);
     TEST_ASSERT_EQUAL_INT32((1200 + 450 + 450) * MS, identify.aim.ticks);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.swing_ticks);
     spin_to(4U);
     TEST_ASSERT_FALSE(identify.aim.leads);
     TEST_ASSERT_EQUAL_STRING("spin", identify.aim.kind);
+    TEST_ASSERT_TRUE(identify.turn.swing_ticks > 100);
+    TEST_ASSERT_EQUAL_INT32((150 * MS) + (8 * identify.turn.swing_ticks), identify.aim.settle);
+}
+
+static void test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope(void)
+{
+    begin_spin(500, 2000);
+    identify.turn.slower = 1U;
+    answer_spin(500, 4000, TOP / 2);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL_INT32(2400 * MS, identify.turn.ramp_ticks);
+}
+
+/* The mean of its window is no EMF of one speed. */
+static void test_in_the_first_ramp_no_rotor_is_lost(void)
+{
+    spin_to(3U);
+    answer_spin(500, 100, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL_UINT32(4U, identify.step);
+}
+
+static int32_t flux_of(int32_t turn_q16, int32_t voltage)
+{
+    identify.phase = IDENTIFY_SPIN;
+    identify.step = 2U;
+    *sums() = (probe_sums_t){.turn_q16 = turn_q16, .voltage = {0, voltage}};
+    (void)identify_turn_plan_spin(&identify);
+    return identify.turn.flux_q14;
+}
+
+/* 32 of Q15 for 2^-16 of a turn. */
+static void test_a_flux_is_voltage_over_speed(void)
+{
+    begin_spin(500, 2000);
+    TEST_ASSERT_EQUAL_INT32(163840, flux_of(1000000, 320000000));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1000000, 32000000));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1000000, 32001757)); /* 16384.9 */
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(1000000, -32000000));
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(1000000, 0));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1, 32));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(0, 32));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(-5, 32));
+    cfg.speed_shift = 20U;
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1, 1)); /* 1/16 counts as 1 */
 }
 
 /* The EMF of half of the speed, ωL·i with it: 4000 over 3495.3 of Q15. */
@@ -249,6 +323,7 @@ static void test_a_rotor_out_of_step_is_caught_twice_and_then_refused(void)
         spin_to(4U);
         identify.turn.slower = lost;
         identify.turn.pairs_left = 3;
+        identify.aim.leads = true;
         answer_spin(500, 3990, TOP);
         TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
         if (lost < 2U) {
@@ -312,7 +387,7 @@ static void test_a_first_ramp_of_half_the_torque_becomes_twice_as_steep(void)
     TEST_ASSERT_INT32_WITHIN(120, 600 * MS, identify.turn.ramp_ticks);
     TEST_ASSERT_EQUAL_INT32(TOP / 2, identify.turn.low);
     swing = identify.turn.swing_ticks;
-    TEST_ASSERT_INT32_WITHIN(1, 414, swing); /* √(12000·0.15·2^32/2π/7158278) */
+    TEST_ASSERT_INT32_WITHIN(1, 414, swing); /* √(12000·0.15·2^32/2π/7158279) */
     TEST_ASSERT_EQUAL_INT32((2 * 683565276) / swing, word(PROBE_DAMPING));
 }
 
@@ -324,6 +399,28 @@ static void test_a_ramp_without_torque_becomes_four_times_as_steep(void)
     TEST_ASSERT_INT32_WITHIN(1, 293, identify.turn.swing_ticks);
     begin_ramps(-0.3);
     TEST_ASSERT_INT32_WITHIN(50, (1200 * MS) / 4, identify.turn.ramp_ticks);
+}
+
+/* The first ramp ends with no torque: 1228 of 2^14 count. */
+static void steepen_from(int32_t ramp, step_t low)
+{
+    spin_to(3U);
+    identify.turn.ramp_ticks = ramp;
+    identify.turn.low = low;
+    answer_spin(500, 8000, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+}
+
+static void test_the_swing_of_any_ramp_has_its_bounds(void)
+{
+    steepen_from(12000, TOP / 2);
+    TEST_ASSERT_EQUAL_INT32(292, identify.turn.swing_ticks); /* √(899·2^32/2π/7158279): 292.99 */
+    steepen_from(64, TOP);                                   /* of no change: √(4·2^32/2π) */
+    TEST_ASSERT_EQUAL_INT32(52290, identify.turn.swing_ticks);
+    steepen_from(10, 0);
+    TEST_ASSERT_EQUAL_INT32(8, identify.turn.swing_ticks);
+    TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
+    TEST_ASSERT_EQUAL_INT32(64, identify.turn.ramp_ticks);
 }
 
 /* Windows with 8/ω_n and half of the ramp at both ends, 450 ms at most; a vector that has arrived is held. */
@@ -420,6 +517,22 @@ static void test_a_ramp_is_not_so_short_that_a_current_across_flows(void)
     across_in_the_next_pair(1280); /* 1600 */
     TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
     TEST_ASSERT_EQUAL_INT32(1599, identify.turn.ramp_ticks);
+    begin_ramps(0.001);
+    identify.turn.ramp_ticks = 1600;
+    across_in_the_next_pair(1280);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+}
+
+static void test_without_a_current_each_one_across_counts(void)
+{
+    begin_ramps(0.001);
+    *identify_aim_word(&identify, PROBE_CURRENT) = 0;
+    for (uint32_t part = 0U; part < 4U; part++) {
+        answer_ramp(0.0);
+        sums()->current.q = 2000;
+        TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    }
+    TEST_ASSERT_EQUAL_INT32(2000, identify.turn.ramp_ticks);
 }
 
 static void test_a_ramp_has_64_ticks_at_least(void)
@@ -433,11 +546,11 @@ static void test_a_ramp_has_64_ticks_at_least(void)
 }
 
 /* Of 64 ticks, 2048 at both ends, and a hold of 80 ms: so many pairs in 2.5 s, 2 to 9. */
-static void expect_pairs(int32_t ms_ticks, int32_t pairs)
+static void expect_pairs(int32_t ms_ticks, int32_t ramp, int32_t pairs)
 {
     begin_ramps(0.3);
     identify.ms_ticks = ms_ticks;
-    identify.turn.ramp_ticks = 64;
+    identify.turn.ramp_ticks = ramp;
     identify.turn.swing_ticks = 8;
     pair_of_ramps(-0.3, 0.3);
     TEST_ASSERT_EQUAL_INT32(pairs, identify.turn.pairs_left);
@@ -445,10 +558,11 @@ static void expect_pairs(int32_t ms_ticks, int32_t pairs)
 
 static void test_the_pairs_take_two_and_a_half_seconds(void)
 {
-    expect_pairs(10, 2);
-    expect_pairs(20, 4); /* 50000 / 11648 */
-    expect_pairs(40, 6); /* 100000 / 14848 */
-    expect_pairs(100, 9);
+    expect_pairs(10, 64, 2);
+    expect_pairs(20, 64, 4); /* 50000 / 11648 */
+    expect_pairs(40, 64, 6); /* 100000 / 14848 */
+    expect_pairs(100, 64, 9);
+    expect_pairs(100, 5000, 5); /* 250000 / 46256 */
 }
 
 static void test_after_its_pairs_of_ramps_the_rotor_coasts(void)
@@ -503,6 +617,18 @@ static void test_sums_of_nothing_divide_by_nothing(void)
                             identify.turn.torque_down);
 }
 
+static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
+{
+    begin_ramps(0.3);
+    identify.step = 1U;
+    identify.aim.ticks = 10;
+    identify.turn.ramp_ticks = 6000;
+    *sums() =
+        (probe_sums_t){.torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32}};
+    (void)identify_turn_plan_ramp(&identify);
+    TEST_ASSERT_EQUAL_INT32(1000 * 16384, identify.turn.torque_down); /* a flux of 1 */
+}
+
 /* ---- COAST ---- */
 
 static void begin_coast(void)
@@ -510,6 +636,7 @@ static void begin_coast(void)
     setUp();
     begin_phase(IDENTIFY_COAST);
     identify.turn.top = TOP;
+    identify_aim_current(&identify, CURRENT);
     identify_aim_window(&identify, "ramp", 0, 400); /* the last before */
     answer_spin(0, 0, TOP);
     TEST_ASSERT_TRUE(identify_turn_plan_coast(&identify));
@@ -579,18 +706,23 @@ static void test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with(
     }
 }
 
-/* By 1/64 of the speed at first, which is 1/16 of 2^-16 turns a tick. */
+/* In 2^-20 turns a tick: windows of 300 ticks, to the nearest that is not below. */
+static bool coast_with(uint32_t step, int32_t speed)
+{
+    begin_coast();
+    identify.step = step;
+    identify.turn.coast_speed = 3495;
+    identify.aim.ticks = 300;
+    sums()->turn_q16 = ((speed * 300) + 15) / 16;
+    return identify_turn_plan_coast(&identify);
+}
+
+/* By more than 1/64: 54. */
 static void test_windows_of_coasting_stay_once_the_speed_falls(void)
 {
-    const int32_t first = 3495; /* TOP in 2^-20 turns */
-
-    begin_coast();
-    (void)coast_at(TOP);
-    (void)coast_at(TOP);
-    TEST_ASSERT_INT32_WITHIN(2, first, identify.turn.coast_speed);
-    TEST_ASSERT_TRUE(coast_at((step_t)((double)TOP * (1.0 - (1.3 / 64.0)))));
+    TEST_ASSERT_TRUE(coast_with(4U, 3495 - 54));
     TEST_ASSERT_EQUAL_INT32(300, identify.aim.ticks);
-    TEST_ASSERT_TRUE(coast_at((step_t)((double)TOP * (1.0 - (0.7 / 64.0)))));
+    TEST_ASSERT_TRUE(coast_with(4U, 3495 - 53));
     TEST_ASSERT_EQUAL_INT32(600, identify.aim.ticks);
 }
 
@@ -613,15 +745,13 @@ static void test_coasting_ends_at_half_of_the_speed_or_after_its_windows(void)
     TEST_ASSERT_EQUAL_INT32(300, identify.turn.coast_ticks);
 }
 
-static void test_a_rotor_that_stands_from_the_beginning_ends_with_the_second_window(void)
+static void test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later(void)
 {
+    TEST_ASSERT_TRUE(coast_with(3U, 1747));
+    TEST_ASSERT_FALSE(coast_with(3U, 1746));
     begin_coast();
-    TEST_ASSERT_TRUE(coast_at(-TOP));
-    TEST_ASSERT_TRUE(coast_at(-TOP));
-    TEST_ASSERT_TRUE(coast_at(0));
-    identify.turn.coast_speed = 3495;
-    TEST_ASSERT_TRUE(coast_at((TOP / 2) + (TOP / 100)));
-    TEST_ASSERT_FALSE(coast_at((TOP / 2) - (TOP / 100)));
+    TEST_ASSERT_TRUE(coast_at(TOP));
+    TEST_ASSERT_TRUE(coast_at(TOP / 4)); /* of which the others are a share */
 }
 
 int main(void)
@@ -637,31 +767,38 @@ int main(void)
     RUN_TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there);
     RUN_TEST(test_a_rotor_that_does_not_turn_has_no_emf);
     RUN_TEST(test_the_voltage_of_the_inductance_is_no_emf);
+    RUN_TEST(test_a_highest_speed_of_nothing_divides_by_nothing);
     RUN_TEST(test_a_bus_that_is_too_low_is_refused);
     RUN_TEST(test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window);
+    RUN_TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope);
+    RUN_TEST(test_in_the_first_ramp_no_rotor_is_lost);
+    RUN_TEST(test_a_flux_is_voltage_over_speed);
     RUN_TEST(test_the_flux_is_what_half_of_the_speed_shows);
     RUN_TEST(test_half_of_the_current_comes_last);
     RUN_TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused);
     RUN_TEST(test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down);
     RUN_TEST(test_a_first_ramp_of_half_the_torque_becomes_twice_as_steep);
     RUN_TEST(test_a_ramp_without_torque_becomes_four_times_as_steep);
+    RUN_TEST(test_the_swing_of_any_ramp_has_its_bounds);
     RUN_TEST(test_ramps_go_down_and_up_with_a_hold_behind_each);
     RUN_TEST(test_the_ends_of_a_ramps_window_are_bounded);
     RUN_TEST(test_the_torque_of_a_pair_is_half_of_the_difference);
     RUN_TEST(test_ramps_become_as_steep_as_the_torque_allows);
     RUN_TEST(test_a_ramp_is_not_so_short_that_a_current_across_flows);
+    RUN_TEST(test_without_a_current_each_one_across_counts);
     RUN_TEST(test_a_ramp_has_64_ticks_at_least);
     RUN_TEST(test_the_pairs_take_two_and_a_half_seconds);
     RUN_TEST(test_after_its_pairs_of_ramps_the_rotor_coasts);
     RUN_TEST(test_a_rotor_that_is_lost_in_a_ramp_is_caught);
     RUN_TEST(test_what_came_before_the_first_ramp_loses_no_rotor);
     RUN_TEST(test_sums_of_nothing_divide_by_nothing);
+    RUN_TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux);
     RUN_TEST(test_coasting_has_no_current_and_follows_the_rotor);
     RUN_TEST(test_the_first_window_of_coasting_is_a_turn);
     RUN_TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with);
     RUN_TEST(test_windows_of_coasting_stay_once_the_speed_falls);
     RUN_TEST(test_a_window_of_80_ms_is_the_longest);
     RUN_TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows);
-    RUN_TEST(test_a_rotor_that_stands_from_the_beginning_ends_with_the_second_window);
+    RUN_TEST(test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later);
     return UNITY_END();
 }
