@@ -183,7 +183,7 @@ static void begin_spin(identify_t *identify)
 /* 1, 2, 4: the more often the rotor was lost, the slower the next attempt. */
 static int32_t slowness(const identify_t *identify)
 {
-    const uint32_t factor = 1UL << identify->turn.slower;
+    const uint32_t factor = (uint32_t)1U << identify->turn.slower;
 
     return fx_signed(factor);
 }
