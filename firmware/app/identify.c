@@ -192,9 +192,7 @@ static void say_phase(const identify_t *identify, text_t *text)
     default: /* the end */
         text_add(text, (identify->why == NULL) ? "identify done" : "identify refused: ");
         text_add(text, (identify->why == NULL) ? "" : identify->why);
-        if (identify->app->drive.state == DRIVE_STATE_FAULT) {
-            text_add(text, fault_text(identify->app->drive.fault.id)->name);
-        }
+        text_add(text, (identify->fault == NULL) ? "" : identify->fault);
         break;
     }
     text_end_line(text);
@@ -400,14 +398,10 @@ static void say_or_go_on(identify_t *identify, text_t *text)
 
 static void take_turn(identify_t *identify, text_t *text)
 {
-    const drive_state_t state = identify->app->drive.state;
-
     if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
-    } else if ((identify->phase == IDENTIFY_ENDS) || (state == DRIVE_STATE_PROBE)) {
-        say_or_go_on(identify, text);
-    } else if (state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal(identify, "the drive has a fault: ");
+    } else if ((identify->phase == IDENTIFY_ENDS) ||
+               (identify->app->drive.state == DRIVE_STATE_PROBE)) {
         say_or_go_on(identify, text);
     } else {
         /* READY: the first word has not been taken yet */
@@ -419,16 +413,32 @@ static bool lasts_too_long(const identify_t *identify)
 {
     const uint32_t longest = LONGEST_MS * fx_unsigned(identify->ms_ticks);
 
-    return (identify->phase != IDENTIFY_ENDS) &&
-           ((identify->app->drive.tick - identify->began) > longest);
+    return (identify->app->drive.tick - identify->began) > longest;
+}
+
+/* What ends it from outside. The first phase is said in PROBE. */
+static void look_for_end(identify_t *identify)
+{
+    const drive_t *const drive = &identify->app->drive;
+
+    if (identify->phase == IDENTIFY_ENDS) {
+        /* it has its reason */
+    } else if (drive->state == DRIVE_STATE_FAULT) {
+        identify->fault = fault_text(drive->fault.id)->name;
+        identify_aim_refusal(identify, "the drive has a fault: ");
+    } else if ((identify->said != IDENTIFY_IDLE) && (drive->state != DRIVE_STATE_PROBE)) {
+        identify_aim_refusal(identify, "another command has ended it");
+    } else if (lasts_too_long(identify)) {
+        identify_aim_refusal(identify, "it has not ended within 2 minutes");
+    } else {
+        /* it goes on */
+    }
 }
 
 void identify_step(identify_t *identify, text_t *text)
 {
     if (identify_is_busy(identify)) {
-        if (lasts_too_long(identify)) {
-            identify_aim_refusal(identify, "it has not ended within 2 minutes");
-        }
+        look_for_end(identify);
         if (text->length == 0U) {
             take_turn(identify, text);
         }

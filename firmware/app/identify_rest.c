@@ -166,7 +166,7 @@ bool identify_rest_plan_pulse(identify_t *identify)
 /* ---- CATCH ---- */
 
 #define CATCH_MOVES (10U)
-#define CATCH_HALFWAY (2U) /* the move in which the vector begins to turn */
+#define CATCH_HALFWAY (2U)  /* the move in which the vector begins to turn */
 #define CATCH_LOOKS (40U)   /* of 100 ms each: 4 s for a swing to calm down */
 #define CATCH_RISE_MS (30)  /* each */
 #define CATCH_TURN_MS (400) /* half a turn */

@@ -83,6 +83,7 @@ typedef struct {
     uint32_t step;         /* experiments of the phase so far */
     identify_phase_t said; /* the last phase that was said */
     const char *why;       /* it was refused; NULL: it was not */
+    const char *fault;     /* name of the one that has ended it, behind `why`; NULL: none has */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
     uint32_t began;         /* tick of its start */

@@ -14,7 +14,7 @@
 #define SHIFT_MAX (30)
 #define TICKS_MASK (0xFFFFFU)
 #define LAG_MOST (23170) /* sin 45°: a rotor that lags further may fall out of step */
-#define MEAN_BITS (10U) /* the mean lag is over 2^10 ticks, and so much finer */
+#define MEAN_BITS (10U)  /* the mean lag is over 2^10 ticks, and so much finer */
 
 void probe_reset(probe_t *probe)
 {

@@ -134,9 +134,55 @@ static void test_a_fault_ends_it_with_a_line(void)
 {
     begin();
     fail();
-    TEST_ASSERT_EQUAL_STRING("identify refused: a fault has ended it\r\n", pass());
+    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
     assert_ended();
     TEST_ASSERT_EQUAL_STRING("", next_line());
+}
+
+/* The clear comes before the next line: the name is that of the fault that has ended it. */
+static void test_a_fault_that_is_cleared_meanwhile_has_ended_it(void)
+{
+    begin();
+    fail();
+    text.length = 1U;
+    identify_step(&identify, &text);
+    TEST_ASSERT_NULL(commander_clear(&app));
+    tick_period();
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    commander_step(&app);
+    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
+    assert_ended();
+}
+
+static void test_a_fault_before_its_first_word_ends_it(void)
+{
+    start();
+    fail();
+    TEST_ASSERT_EQUAL_STRING("identify refused: the drive has a fault: BREAK\r\n", pass());
+    assert_ended();
+}
+
+/* From another link of the background, whose command stays. */
+static void test_a_drive_that_leaves_probe_by_another_command_ends_it(void)
+{
+    begin();
+    TEST_ASSERT_NULL(commander_run(&app));
+    tick_period();
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_PROBE, app.drive.state);
+    TEST_ASSERT_EQUAL_STRING("identify refused: another command has ended it\r\n", pass());
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
+    TEST_ASSERT_EQUAL_INT32(TARGET, command_mailbox_take(&app.mailbox).target);
+}
+
+static void test_a_drive_in_ready_is_waited_for_before_the_first_word_only(void)
+{
+    start();
+    (void)next_line();
+    for (uint32_t k = 0U; k < 100U; k++) {
+        TEST_ASSERT_EQUAL_STRING("", pass());
+    }
+    TEST_ASSERT_NULL(identify.why);
 }
 
 static void test_it_can_be_started_again(void)
@@ -651,6 +697,10 @@ int main(void)
     RUN_TEST(test_a_stop_opens_the_gates_and_brings_the_users_command_back);
     RUN_TEST(test_a_stop_without_an_identification_leaves_the_command);
     RUN_TEST(test_a_fault_ends_it_with_a_line);
+    RUN_TEST(test_a_fault_that_is_cleared_meanwhile_has_ended_it);
+    RUN_TEST(test_a_fault_before_its_first_word_ends_it);
+    RUN_TEST(test_a_drive_that_leaves_probe_by_another_command_ends_it);
+    RUN_TEST(test_a_drive_in_ready_is_waited_for_before_the_first_word_only);
     RUN_TEST(test_it_can_be_started_again);
     RUN_TEST(test_a_run_that_was_asked_for_is_not_asked_for_again_at_the_end);
     RUN_TEST(test_after_two_minutes_it_ends_whatever_it_waits_for);

@@ -259,24 +259,29 @@ static void test_a_current_that_is_turned_by_less_than_45_degrees_is_straight(vo
 
 /* ---- CATCH ---- */
 
-/* Eight rises of the current, two quarters of a turn, then it looks. */
+/* A small current rises, the vector turns in two quarters, the rest of the current follows; then it looks. */
 static void test_the_rotor_is_caught_half_a_turn_away_and_taken_along(void)
 {
+    static const struct {
+        int32_t eighths;
+        uint32_t angle;
+    } moves[] = {{1, 0x80000000U}, {2, 0x80000000U}, {2, 0x40000000U}, {2, 0U}, {3, 0U}, {4, 0U},
+                 {5, 0U},          {6, 0U},          {7, 0U},          {8, 0U}, {8, 0U}};
+
     begin_phase(IDENTIFY_CATCH);
     identify.rest.inductance_q16 = 1441;
     *identify_aim_word(&identify, PROBE_RATE) = 77;
     *identify_aim_word(&identify, PROBE_SPEED) = 88;
-    for (int32_t k = 1; k <= 11; k++) {
-        const uint32_t turns = (k <= 8) ? 0U : (uint32_t)(k - 8);
-        const uint32_t angle = (turns >= 2U) ? 0U : (0x80000000U >> turns);
+    for (uint32_t k = 0U; k < 11U; k++) {
+        const bool looks = k == 10U;
 
         TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
-        TEST_ASSERT_EQUAL_INT32((CONTINUOUS * ((k < 8) ? k : 8)) / 8, word(PROBE_CURRENT));
-        TEST_ASSERT_EQUAL_UINT32(angle, fx_unsigned(word(PROBE_ANGLE)));
+        TEST_ASSERT_EQUAL_INT32((CONTINUOUS * moves[k].eighths) / 8, word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_UINT32(moves[k].angle, fx_unsigned(word(PROBE_ANGLE)));
         /* half a turn in 400 ms */
-        TEST_ASSERT_EQUAL_INT32((k <= 8) ? 77 : (INT32_MAX / (400 * MS)), word(PROBE_RATE));
-        TEST_ASSERT_EQUAL_INT32((k <= 10) ? (30 * MS) : 0, identify.aim.settle);
-        TEST_ASSERT_EQUAL_INT32((k <= 10) ? MS : (100 * MS), identify.aim.ticks);
+        TEST_ASSERT_EQUAL_INT32((k < 2U) ? 77 : (INT32_MAX / (400 * MS)), word(PROBE_RATE));
+        TEST_ASSERT_EQUAL_INT32(looks ? 0 : (30 * MS), identify.aim.settle);
+        TEST_ASSERT_EQUAL_INT32(looks ? (100 * MS) : MS, identify.aim.ticks);
         TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
         TEST_ASSERT_EQUAL_INT32(0, word(PROBE_SPEED));
         TEST_ASSERT_EQUAL_INT32(0x20000000, word(PROBE_RAMP));
@@ -299,9 +304,9 @@ static uint32_t looks_at(int32_t across)
 
 static void test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(8U + 2U + 41U, looks_at(CONTINUOUS / 16));
+    TEST_ASSERT_EQUAL_UINT32(10U + 41U, looks_at(CONTINUOUS / 16));
     assert_refused("the rotor does not come to rest on the current: does a load turn it?");
-    TEST_ASSERT_EQUAL_UINT32(8U + 2U + 1U, looks_at((CONTINUOUS / 16) - 1));
+    TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at((CONTINUOUS / 16) - 1));
     TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
 }
 
