@@ -605,28 +605,33 @@ static void test_what_came_before_the_first_ramp_loses_no_rotor(void)
     TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
 }
 
-/* Sums that no motor gives: a speed, a current and a torque of nothing. */
-static void test_sums_of_nothing_divide_by_nothing(void)
-{
-    begin_ramps(0.3);
-    (void)identify_turn_plan_ramp(&identify);
-    *sums() = (probe_sums_t){.torque = 1000};
-    *identify_aim_word(&identify, PROBE_CURRENT) = 0;
-    (void)identify_turn_plan_ramp(&identify);
-    TEST_ASSERT_EQUAL_INT32(((1000 * 16384) / identify.turn.ramp_ticks) * 16384,
-                            identify.turn.torque_down);
-}
-
-static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
+static int32_t torque_down_of(probe_sums_t window)
 {
     begin_ramps(0.3);
     identify.step = 1U;
     identify.aim.ticks = 10;
     identify.turn.ramp_ticks = 6000;
-    *sums() =
-        (probe_sums_t){.torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32}};
+    *sums() = window;
     (void)identify_turn_plan_ramp(&identify);
-    TEST_ASSERT_EQUAL_INT32(1000 * 16384, identify.turn.torque_down); /* a flux of 1 */
+    return identify.turn.torque_down;
+}
+
+/* 18000000 over a current of 3 and 6000 ticks are 1000; over a flux of 300, 3.33. */
+static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
+{
+    const probe_sums_t window = {
+        .torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32 * 300}};
+
+    TEST_ASSERT_EQUAL_INT32(54613, torque_down_of(window));
+}
+
+/* A speed, a current and an EMF of nothing, as after a contact that opens. */
+static void test_a_torque_of_no_motor_is_bounded(void)
+{
+    TEST_ASSERT_EQUAL_INT32(4 * 16384, torque_down_of((probe_sums_t){.torque = 1000}));
+    TEST_ASSERT_EQUAL_INT32(-4 * 16384, torque_down_of((probe_sums_t){.torque = -1000}));
+    TEST_ASSERT_EQUAL_INT32(4 * 16384, torque_down_of((probe_sums_t){.torque = INT32_MAX}));
+    TEST_ASSERT_EQUAL_INT32(0, torque_down_of((probe_sums_t){.torque = 0}));
 }
 
 /* ---- COAST ---- */
@@ -791,8 +796,8 @@ int main(void)
     RUN_TEST(test_after_its_pairs_of_ramps_the_rotor_coasts);
     RUN_TEST(test_a_rotor_that_is_lost_in_a_ramp_is_caught);
     RUN_TEST(test_what_came_before_the_first_ramp_loses_no_rotor);
-    RUN_TEST(test_sums_of_nothing_divide_by_nothing);
     RUN_TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux);
+    RUN_TEST(test_a_torque_of_no_motor_is_bounded);
     RUN_TEST(test_coasting_has_no_current_and_follows_the_rotor);
     RUN_TEST(test_the_first_window_of_coasting_is_a_turn);
     RUN_TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with);
