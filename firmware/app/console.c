@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #define MEASURING "the motor is being measured; stop ends that"
+#define DUMPING "a dump is under way"
 
 void console_say(console_t *console, const char *line)
 {
@@ -63,7 +64,7 @@ static const char *why_not(const console_t *console)
     const char *why = NULL;
 
     if (console->dump_phase != CONSOLE_DUMP_NONE) {
-        why = "a dump is under way";
+        why = DUMPING;
     } else if (console->app->recorder == NULL) {
         why = "there is no recorder";
     } else {
@@ -88,6 +89,8 @@ static const char *ask_for_dump(console_t *console)
 
     if (why != NULL) {
         /* that is the answer */
+    } else if (identify_is_busy(&console->identify)) {
+        why = MEASURING; /* its records would wait for the end of the dump, with current */
     } else if (never_freezes(console)) {
         why = "the control tick does not run, nothing is recorded";
     } else {
@@ -163,6 +166,12 @@ static const char *run(console_t *console)
     return identify_is_busy(&console->identify) ? MEASURING : commander_run(console->app);
 }
 
+static const char *identify(console_t *console)
+{
+    return (console->dump_phase == CONSOLE_DUMP_NONE) ? identify_start(&console->identify)
+                                                      : DUMPING;
+}
+
 static void stop(console_t *console)
 {
     identify_stop(&console->identify);
@@ -190,7 +199,7 @@ static void do_line(console_t *console)
     } else if (same(line, "record")) {
         answer(console, record_anew(console));
     } else if (same(line, "identify")) {
-        answer(console, identify_start(&console->identify));
+        answer(console, identify(console));
     } else {
         answer(console,
                "the commands are run, stop, clear, speed RPM, status, dump, record, identify");
@@ -226,14 +235,6 @@ static void announce(console_t *console)
     }
 }
 
-/* A record once all before it is sent: none is lost. */
-static void go_on_identifying(console_t *console)
-{
-    if (console->out.length == 0U) {
-        identify_step(&console->identify, &console->out);
-    }
-}
-
 static void send(console_t *console)
 {
     text_t *const out = &console->out;
@@ -264,6 +265,6 @@ void console_step(console_t *console)
     commander_step(console->app);
     announce(console);
     go_on_dumping(console);
-    go_on_identifying(console);
+    identify_step(&console->identify, &console->out);
     send(console);
 }

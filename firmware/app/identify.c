@@ -12,8 +12,9 @@
 #define WINDOW_NUMBERS (0x7FFU)
 #define CURRENT_LEAST \
     (192) /* 24 counts of a converter of 12 bits: a quarter of it is still above its noise */
-#define CURRENT_ONE (32768) /* I_b in Q15 */
-#define NOISE_SHARE (16)    /* of the continuous current, mean change from sample to sample */
+#define CURRENT_ONE (32768)  /* I_b in Q15 */
+#define NOISE_SHARE (16)     /* of the continuous current, mean change from sample to sample */
+#define LONGEST_MS (120000U) /* of all experiments with their lines, which take 10 to 30 s */
 
 /* ---- the words of an experiment ---- */
 
@@ -299,6 +300,12 @@ static void end_experiment(identify_t *identify, text_t *text)
     }
 }
 
+/* All words are in force. */
+static void have_asked(identify_t *identify)
+{
+    wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
+}
+
 static void go_on(identify_t *identify, text_t *text)
 {
     switch (identify->wait) {
@@ -309,7 +316,7 @@ static void go_on(identify_t *identify, text_t *text)
         break;
     case IDENTIFY_ASKING:
         if (word_is_taken(identify) && ask(identify)) {
-            wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
+            have_asked(identify);
         }
         break;
     case IDENTIFY_MOVING:
@@ -336,7 +343,7 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
     *identify = (identify_t){.app = app, .about = about};
 }
 
-/* The words that probe_reset() leaves. */
+/* The words that probe_reset() leaves. A run that the drive has not taken yet is taken back. */
 static void begin_identifying(identify_t *identify)
 {
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
@@ -346,6 +353,8 @@ static void begin_identifying(identify_t *identify)
     identify_init(identify, identify->app, identify->about);
     identify->before = command_mailbox_take(&identify->app->mailbox);
     identify->before.request = 0U;
+    command_mailbox_post(&identify->app->mailbox, &identify->before);
+    identify->began = identify->app->drive.tick;
     identify->ms_ticks = fx_max((int32_t)ticks, 1);
     identify->in_force[pulse_ticks] = 1;
     identify->in_force[emf] = 1;
@@ -378,10 +387,23 @@ const char *identify_start(identify_t *identify)
     return why;
 }
 
+/* The user's command instead of a word of the probe, without its request; what else is requested meanwhile stays. */
+static void give_back(identify_t *identify)
+{
+    const drive_command_t now = command_mailbox_take(&identify->app->mailbox);
+
+    if (now.mode >= (uint8_t)PROBE_CURRENT) {
+        drive_command_t command = identify->before;
+
+        command.request = (now.request == DRIVE_REQUEST_PROBE) ? 0U : now.request;
+        command_mailbox_post(&identify->app->mailbox, &command);
+    }
+}
+
 void identify_stop(identify_t *identify)
 {
     if (identify_is_busy(identify)) {
-        command_mailbox_post(&identify->app->mailbox, &identify->before);
+        give_back(identify);
         identify->phase = IDENTIFY_IDLE;
     }
 }
@@ -428,7 +450,7 @@ static bool runs_away(const identify_t *identify)
 {
     const dq_t current = identify->app->drive.signals.current_frame;
 
-    return (identify->phase != IDENTIFY_ENDS) &&
+    return (identify->said != IDENTIFY_IDLE) &&
            (fx_max(fx_abs(current.d), fx_abs(current.q)) > runaway_current(identify));
 }
 
@@ -458,23 +480,56 @@ static void say_or_go_on(identify_t *identify, text_t *text)
     }
 }
 
-void identify_step(identify_t *identify, text_t *text)
+static void take_turn(identify_t *identify, text_t *text)
 {
-    const drive_state_t state = identify->app->drive.state;
-    const bool busy = identify_is_busy(identify);
-
     if (identify->phase == IDENTIFY_BEGINS) {
         start_probing(identify, text);
-    } else if ((identify->phase == IDENTIFY_ENDS) || (busy && (state == DRIVE_STATE_PROBE))) {
-        if (runs_away(identify)) {
-            refuse_runaway(identify);
-        }
-        say_or_go_on(identify, text);
-    } else if (busy && (state == DRIVE_STATE_FAULT)) {
-        identify_aim_refusal_of(
-            identify, "the drive has a fault: ", fault_text(identify->app->drive.fault.id)->name);
+    } else if ((identify->phase == IDENTIFY_ENDS) ||
+               (identify->app->drive.state == DRIVE_STATE_PROBE)) {
         say_or_go_on(identify, text);
     } else {
         /* nothing is asked, or READY: the first word has not been taken yet */
+    }
+}
+
+/* Whatever it waits for: the drive, a window, a rotor, or a line that nobody reads. */
+static bool lasts_too_long(const identify_t *identify)
+{
+    const uint32_t longest = LONGEST_MS * fx_unsigned(identify->ms_ticks);
+
+    return (identify->app->drive.tick - identify->began) > longest;
+}
+
+/* What ends it from outside. The first phase is said in PROBE. */
+static void look_for_end(identify_t *identify)
+{
+    const drive_t *const drive = &identify->app->drive;
+
+    if (identify->phase == IDENTIFY_ENDS) {
+        /* it has its reason */
+    } else if (drive->state == DRIVE_STATE_FAULT) {
+        identify_aim_refusal_of(identify, "the drive has a fault: ",
+                                fault_text(drive->fault.id)->name);
+    } else if ((identify->said != IDENTIFY_IDLE) && (drive->state != DRIVE_STATE_PROBE)) {
+        identify_aim_refusal(identify, "another command has ended it");
+    } else if (runs_away(identify)) {
+        refuse_runaway(identify);
+    } else if (lasts_too_long(identify)) {
+        identify_aim_refusal(identify, "it has not ended within 2 minutes");
+    } else {
+        /* it goes on */
+    }
+}
+
+void identify_step(identify_t *identify, text_t *text)
+{
+    if (identify_is_busy(identify)) {
+        look_for_end(identify);
+        if (text->length == 0U) {
+            take_turn(identify, text);
+        }
+        if (identify->phase == IDENTIFY_ENDS) {
+            give_back(identify); /* at once: its line may have to wait */
+        }
     }
 }

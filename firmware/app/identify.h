@@ -36,7 +36,10 @@
 
 void identify_init(identify_t *identify, app_t *app, const about_t *about);
 
-/* Begin. Returns NULL, or why not: it has begun, or the drive is not READY. All other refusals are its last line. */
+/*
+ * Begin. Returns NULL, or why not: it has begun, or the drive is not READY. All other refusals are its last line. A run that
+ * was asked for and not taken yet is taken back.
+ */
 const char *identify_start(identify_t *identify);
 
 /* Whether it has begun and not ended. */
@@ -45,7 +48,10 @@ bool identify_is_busy(const identify_t *identify);
 /* End it: the gates open, and the speed that was asked for before is so again. Nothing happens when it is not busy. */
 void identify_stop(identify_t *identify);
 
-/* One pass of the background, once a tick or less often. Appends at most one line to `text`, which has room for it. */
+/*
+ * One pass of the background, once a tick or less often. It says at most one line, and only in a `text` that is empty: it
+ * waits until the lines before are sent, and none is lost. After 2 minutes it ends all the same, with open gates.
+ */
 void identify_step(identify_t *identify, text_t *text);
 
 #endif

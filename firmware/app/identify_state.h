@@ -90,6 +90,7 @@ typedef struct {
     int32_t needed;        /* and the current that it takes, Q15 of I_b; 0: none */
     identify_aim_t aim;
     drive_command_t before; /* the user's command, in force again at the end, without its request */
+    uint32_t began;         /* tick of its start */
     int32_t in_force[IDENTIFY_WORDS];
     identify_wait_t wait;
     uint32_t since;   /* tick in which the wait began */

@@ -24,6 +24,7 @@
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
     (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
+#define TORQUE_MOST (65536)
 #define TORQUE_ENOUGH (4915) /* 0.3 of what the current can pull: the rotor lags by 17 degrees */
 
 int32_t identify_turn_current(const identify_t *identify)
@@ -90,15 +91,20 @@ static int32_t flux_q14(const identify_t *identify)
     return (int32_t)positive;
 }
 
-/* Mean torque of a window over that which the current can pull, Q14, as much larger as the window is longer than the ramp. */
+/*
+ * Mean torque of a window over that which the current can pull, Q14, as much larger as the window is longer than the ramp.
+ * ±4 at most: more comes of no motor, and does not fit what follows of it.
+ */
 static int32_t mean_torque(const identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int64_t current = fx_max(sums->current.d / identify->aim.ticks, 1);
     const int64_t each = (((int64_t)sums->torque * ONE_Q14) / current) / identify->turn.ramp_ticks;
     const int64_t share = (each * ONE_Q14) / flux_q14(identify);
+    const int64_t above = (share > -(int64_t)TORQUE_MOST) ? share : -(int64_t)TORQUE_MOST;
+    const int64_t bounded = (above < (int64_t)TORQUE_MOST) ? above : (int64_t)TORQUE_MOST;
 
-    return (int32_t)share;
+    return (int32_t)bounded;
 }
 
 /*
@@ -184,7 +190,7 @@ static void begin_spin(identify_t *identify)
 /* 1, 2, 4: the more often the rotor was lost, the slower the next attempt. */
 static int32_t slowness(const identify_t *identify)
 {
-    const uint32_t factor = 1UL << identify->turn.slower;
+    const uint32_t factor = (uint32_t)1U << identify->turn.slower;
 
     return fx_signed(factor);
 }
@@ -470,7 +476,10 @@ static int32_t mean_speed(const identify_t *identify)
     return (int32_t)speed;
 }
 
-/* The windows grow while the speed hardly falls. The first one is an electrical turn, and 5 ms at least. */
+/*
+ * The windows grow while the speed hardly falls: the third one is the first that has a speed before it. The first one is an
+ * electrical turn, and 5 ms at least.
+ */
 static void size_coast(identify_t *identify)
 {
     identify_turn_t *const turn = &identify->turn;
@@ -481,8 +490,8 @@ static void size_coast(identify_t *identify)
         turn->coast_ticks = fx_clamp(turn_ticks, COAST_MS_FIRST * identify->ms_ticks, most);
     } else if (identify->step == 2U) {
         turn->coast_speed = mean_speed(identify);
-    } else if ((mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64))) &&
-               (turn->coast_ticks < most)) {
+    } else if ((identify->step > 2U) && (turn->coast_ticks < most) &&
+               (mean_speed(identify) > (turn->coast_speed - (turn->coast_speed / 64)))) {
         turn->coast_ticks *= 2;
     } else {
         /* as long as before */

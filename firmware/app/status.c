@@ -138,15 +138,26 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     }
 }
 
+/* While the motor is measured, the command's target is a word of the probe and no speed. */
+static void add_speed(text_t *text, const app_t *app, const about_t *about)
+{
+    const drive_command_t command = command_mailbox_take(&app->mailbox);
+
+    add_rpm(text, ", speed ", about, drive_speed(&app->drive));
+    if (command.request == DRIVE_REQUEST_PROBE) {
+        text_add(text, " rpm, measuring the motor");
+    } else {
+        add_rpm(text, " of ", about, command.target);
+        text_add(text, " rpm");
+    }
+}
+
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
 {
-    const step_t asked = command_mailbox_take(&app->mailbox).target;
-
     add_state(text, &app->drive, about);
     add_swing(text, &app->drive, about);
-    add_rpm(text, ", speed ", about, drive_speed(&app->drive));
-    add_rpm(text, " of ", about, asked);
-    add_current(text, " rpm, phases ", about, app->in.adc_ia);
+    add_speed(text, app, about);
+    add_current(text, ", phases ", about, app->in.adc_ia);
     add_current(text, " ", about, app->in.adc_ib);
     add_current(text, " ", about, hal_health(hal).adc_ic);
     add_bus(text, " A, bus ", about, app->drive.signals.bus);

@@ -12,7 +12,7 @@ namespace nf::identify
 namespace
 {
 
-constexpr double LONGEST_S = 60;
+constexpr double LONGEST_S = 130;                 // the firmware ends it after 120
 constexpr std::size_t LINE_END = 2;               // CR, LF
 const std::string REFUSED = "identify refused: "; // last line, with the cause behind it
 
@@ -39,7 +39,7 @@ Measurement measure(Simulation &sim, const Listener &listener, const Event &even
     identify_t identify;
     identify_init(&identify, &sim.app(), &about);
     bool started = false;
-    for (; found.duration_s < LONGEST_S && !(started && !identify_is_busy(&identify));
+    for (; found.duration_s < LONGEST_S && (!started || identify_is_busy(&identify));
          found.duration_s += tick_s) {
         if (event) {
             event(sim);

@@ -21,10 +21,11 @@ constexpr double SAME_SPEED = 0.1;
 constexpr double HALF_CURRENT = 1.4; // times it is more than half
 constexpr double INERTIA_SCALE = 2e-3;
 constexpr double TORQUE_UNSURE = 6e-4; // of what the current can pull: angle of the voltage, delays
-constexpr double HELD_UNSURE = 2e-3; // likewise, at constant speed
-constexpr double COAST_SETTLED_TICKS = 1500; // the frame has found the rotor, and its current is over
+constexpr double HELD_UNSURE = 2e-3;   // likewise, at constant speed
+constexpr double COAST_SETTLED_TICKS =
+    1500;                            // the frame has found the rotor, and its current is over
 constexpr double TURN_UNSURE = 0.01; // rad, of the frame's angle at the ends of a window
-constexpr double FLUX_SCALE = 3e-3;    // voltage and speed are known to
+constexpr double FLUX_SCALE = 3e-3;  // voltage and speed are known to
 
 double sinc(double x)
 {
@@ -251,10 +252,9 @@ void add_coasting_drags(const Records &records, double inertia, const Flux &flux
         const double fall = (a.speed_el_rad_s - b.speed_el_rad_s) / records.scales.pole_pairs;
         const double left = factor * (a.torque + b.torque) / (a.ticks + b.ticks);
         const double turn_unsure = TURN_UNSURE / std::min(a.ticks, b.ticks) / period_s;
-        drags.push_back(
-            {(a.speed_el_rad_s + b.speed_el_rad_s) / 2 / records.scales.pole_pairs,
-             inertia * fall / between_s + left,
-             inertia * turn_unsure / records.scales.pole_pairs / between_s});
+        drags.push_back({(a.speed_el_rad_s + b.speed_el_rad_s) / 2 / records.scales.pole_pairs,
+                         inertia * fall / between_s + left,
+                         inertia * turn_unsure / records.scales.pole_pairs / between_s});
     }
 }
 

@@ -96,7 +96,7 @@ static void calibrate(void)
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
 }
 
-static void fail(void)
+static inline void fail(void)
 {
     measured.flags = DRIVE_FLAG_BREAK;
     tick(1U);

@@ -396,6 +396,52 @@ static void test_after_an_identification_a_run_has_the_speed_that_was_asked_for_
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, app.in.command.mode);
 }
 
+/* The records would wait for the end of the dump, and the current would flow until then. */
+static void test_a_dump_is_refused_while_the_motor_is_measured(void)
+{
+    app_record(&app, &recorder);
+    identifies();
+    assert_contains(MEASURING, said_to("dump\n"));
+    TEST_ASSERT_FALSE(recorder.held);
+    TEST_ASSERT_EQUAL(CONSOLE_DUMP_NONE, console.dump_phase);
+    (void)said_to("stop\n");
+    assert_contains("ok\r\n", said_to("dump\n"));
+}
+
+static void test_a_motor_is_not_measured_while_a_dump_is_under_way(void)
+{
+    app_record(&app, &recorder);
+    ready();
+    assert_says("ok\r\n", "dump\n");
+    assert_contains("error: a dump is under way\r\n", said_to("identify\n"));
+    TEST_ASSERT_EQUAL(IDENTIFY_IDLE, console.identify.phase);
+}
+
+/* It gives up the recording of an old fault, so that the next one is recorded. */
+static void test_while_the_motor_is_measured_recording_can_begin_anew(void)
+{
+    app_record(&app, &recorder);
+    identifies();
+    assert_contains("ok\r\n", said_to("record\n"));
+    for (uint32_t k = 0U; (k < 100000U) && (console.identify.windows < 5U); k++) {
+        tick(1U);
+        (void)said_to("");
+    }
+    TEST_ASSERT_EQUAL_UINT32(5U, console.identify.windows);
+}
+
+static void test_the_status_says_that_the_motor_is_measured_until_it_ends(void)
+{
+    identifies();
+    assert_contains("PROBE, speed 0 rpm, measuring the motor, phases ", said_to("status\n"));
+    (void)said_to("stop\n");
+    tick_period();
+    (void)said_to("");
+    assert_says("READY, speed 0 of 1000 rpm, phases 0.000 0.000 0.000 A, bus 310.034 V, -50 C, "
+                "late 0, load 0 %\r\n",
+                "status\n");
+}
+
 /* None is lost: the next one begins when the last has been sent. */
 static void test_records_wait_for_the_line(void)
 {
@@ -410,6 +456,22 @@ static void test_records_wait_for_the_line(void)
     line.room = SIZE_MAX;
     (void)said_to("");
     assert_contains("identify 1 100000000", said_to(""));
+}
+
+/* Nobody reads: after two minutes the gates open all the same. */
+static void test_a_line_that_is_stuck_does_not_leave_the_current_on(void)
+{
+    identifies();
+    TEST_ASSERT_TRUE(app.out.gate_enable);
+    line.room = 0U;
+    console_say(&console, "what is stuck");
+    console.identify.began = app.drive.tick - 1200001U;
+    console_step(&console);
+    TEST_ASSERT_EQUAL_UINT8(0U, request_taken());
+    TEST_ASSERT_FALSE(app.out.gate_enable);
+    line.room = SIZE_MAX;
+    (void)said_to("");
+    assert_contains("identify refused: it has not ended within 2 minutes\r\n", said_to(""));
 }
 
 int main(void)
@@ -436,6 +498,11 @@ int main(void)
     RUN_TEST(test_an_identification_is_refused_unless_the_drive_is_ready);
     RUN_TEST(test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_ends_that);
     RUN_TEST(test_after_an_identification_a_run_has_the_speed_that_was_asked_for_before);
+    RUN_TEST(test_a_dump_is_refused_while_the_motor_is_measured);
+    RUN_TEST(test_a_motor_is_not_measured_while_a_dump_is_under_way);
+    RUN_TEST(test_while_the_motor_is_measured_recording_can_begin_anew);
+    RUN_TEST(test_the_status_says_that_the_motor_is_measured_until_it_ends);
     RUN_TEST(test_records_wait_for_the_line);
+    RUN_TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on);
     return UNITY_END();
 }

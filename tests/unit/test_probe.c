@@ -304,7 +304,7 @@ static void test_the_largest_current_across_counts_whatever_its_sign(void)
     TEST_ASSERT_EQUAL_INT32(70, probe.sums.across);
 }
 
-/* From the first sample to that which closes the window. */
+/* From the first sample to that behind the last: as long as its ticks. */
 static void test_the_turn_of_the_vector_wraps(void)
 {
     static const int32_t turns[] = {INT32_MAX - 10, INT32_MAX - 5, INT32_MAX, INT32_MIN + 4,
@@ -317,10 +317,10 @@ static void test_the_turn_of_the_vector_wraps(void)
             sample.turns_q16 = (sign > 0) ? turns[k] : turns[4U - k];
             note(1U);
         }
-        TEST_ASSERT_EQUAL_INT32(sign * 20, probe.sums.turn_q16);
+        TEST_ASSERT_EQUAL_INT32(sign * 15, probe.sums.turn_q16);
         sample.turns_q16 = 77;
         note(3U);
-        TEST_ASSERT_EQUAL_INT32(sign * 20, probe.sums.turn_q16);
+        TEST_ASSERT_EQUAL_INT32(sign * 15, probe.sums.turn_q16);
     }
 }
 
@@ -620,6 +620,31 @@ static void test_the_speed_follows_its_word_along_a_ramp(void)
     }
 }
 
+/* sin 45°. The lag has the sign of the torque that the vector gives the rotor on its way. */
+static void test_a_ramp_waits_for_a_rotor_that_it_strains(void)
+{
+    static const struct {
+        step_t now;
+        step_t asked;
+        int32_t lag;
+        step_t next;
+    } ramps[] = {
+        {500, 1000, 23170, 600},    {500, 1000, 23171, 500},    {500, 1000, -23171, 600},
+        {500, 100, -23170, 400},    {500, 100, -23171, 500},    {500, 100, 23171, 400},
+        {-500, -1000, 23170, -600}, {-500, -1000, 23171, -500}, {-500, -1000, -23171, -600},
+        {-500, -100, -23170, -400}, {-500, -100, -23171, -500}, {-500, -100, 23171, -400},
+        {500, -500, 23171, 400},    {500, -500, -23171, 500}};
+
+    set(PROBE_RAMP, 100);
+    for (uint32_t k = 0U; k < COUNT(ramps); k++) {
+        set(PROBE_SPEED, ramps[k].asked);
+        probe.own_speed = ramps[k].now;
+        probe.lag_q15 = ramps[k].lag;
+        (void)turn((dq_t){0, 4000});
+        TEST_ASSERT_EQUAL_INT32(ramps[k].next, probe.own_speed);
+    }
+}
+
 static void test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle(void)
 {
     set(PROBE_RATE, 7);
@@ -863,6 +888,7 @@ int main(void)
     RUN_TEST(test_sums_of_the_pulses_end_likewise);
     RUN_TEST(test_a_vector_at_rest_goes_the_short_way_to_its_angle_at_its_rate);
     RUN_TEST(test_the_speed_follows_its_word_along_a_ramp);
+    RUN_TEST(test_a_ramp_waits_for_a_rotor_that_it_strains);
     RUN_TEST(test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle);
     RUN_TEST(test_a_vector_that_is_to_turn_has_a_lag_before_it_does);
     RUN_TEST(test_the_lag_is_the_share_of_the_emf_along_the_vector_with_the_sign_of_the_speed);

@@ -76,6 +76,19 @@ static void test_the_speed_is_that_of_the_drive(void)
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed -2000 of 0 rpm", status(), 25U);
 }
 
+/* The command's target is a word of the probe then. */
+static void test_while_the_motor_is_measured_no_speed_is_asked_for(void)
+{
+    const drive_command_t word = {.target = units_step(&ABOUT.rotation, 1234),
+                                  .mode = (uint8_t)PROBE_SPEED,
+                                  .request = DRIVE_REQUEST_PROBE};
+
+    command_mailbox_post(&app.mailbox, &word);
+    app.drive.state = DRIVE_STATE_PROBE;
+    app.drive.vector.step = EXAMPLE_SPEED_STEP;
+    assert_state(DRIVE_STATE_PROBE, "PROBE, speed 2000 rpm, measuring the motor, phases ");
+}
+
 static void assert_fault(const char *expected, fault_id_t id, int32_t value, int32_t limit)
 {
     app.drive.fault = (fault_t){.id = id, .value = value, .limit = limit};
@@ -128,6 +141,7 @@ int main(void)
     RUN_TEST(test_before_the_first_tick_there_is_no_temperature);
     RUN_TEST(test_it_begins_with_the_state);
     RUN_TEST(test_the_speed_is_that_of_the_drive);
+    RUN_TEST(test_while_the_motor_is_measured_no_speed_is_asked_for);
     RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_fault_has_its_advice_in_brackets);
     RUN_TEST(test_a_swing_has_its_frequency_and_says_what_it_has_lowered);

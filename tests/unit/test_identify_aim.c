@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/* What an experiment asks for: its current, window and gains. */
+#include "example_identify.h"
+
+void setUp(void)
+{
+    identify_example();
+    start();
+}
+
+void tearDown(void)
+{
+}
+
+static void test_a_current_has_no_pulses(void)
+{
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 1;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = 2;
+    identify_aim_current(&identify, 345);
+    TEST_ASSERT_EQUAL_INT32(345, word(PROBE_CURRENT));
+    TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_D));
+    TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_Q));
+}
+
+static void test_a_window_has_a_name_a_time_to_settle_and_its_ticks(void)
+{
+    identify_aim_window(&identify, "still", 12, 34);
+    TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(12, identify.aim.settle);
+    TEST_ASSERT_EQUAL_INT32(34, identify.aim.ticks);
+}
+
+static void test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase(void)
+{
+    identify.step = 7U;
+    identify_aim_phase(&identify, IDENTIFY_SPIN);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+    identify.step = 7U;
+    identify_aim_refusal(&identify, "no");
+    assert_refused("no");
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+}
+
+/* L/8 a tick along the current as a mantissa and a shift; its integral 40 times slower, with 11 bits more. */
+static void test_gains_follow_the_inductance_that_was_found(void)
+{
+    identify.rest.inductance_q16 = 1441;
+    identify_aim_gains(&identify, false);
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_D));
+    TEST_ASSERT_EQUAL_INT32((17 << 16) | 18444, word(PROBE_INTEGRAL_D));
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_Q));
+    TEST_ASSERT_EQUAL_INT32((17 << 16) | 18444, word(PROBE_INTEGRAL_Q));
+}
+
+/* A sixteenth of K_p, and of K_i·T a 256th. */
+static void test_soft_gains_leave_the_current_across_to_itself(void)
+{
+    identify.rest.inductance_q16 = 1441;
+    identify_aim_gains(&identify, true);
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_D));
+    TEST_ASSERT_EQUAL_INT32((17 << 16) | 18444, word(PROBE_INTEGRAL_D));
+    TEST_ASSERT_EQUAL_INT32((27 << 16) | 23056, word(PROBE_GAIN_Q));
+    TEST_ASSERT_EQUAL_INT32((25 << 16) | 18444, word(PROBE_INTEGRAL_Q));
+}
+
+/* 2·65536/8 in Q16 is a gain of 1/4: 16384 of 2^16, and 32768 of 2^17 is one bit too many. */
+static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
+{
+    identify.rest.inductance_q16 = 2 * 65536;
+    identify_aim_gains(&identify, false);
+    TEST_ASSERT_EQUAL_INT32((16 << 16) | 16384, word(PROBE_GAIN_D));
+    identify.rest.inductance_q16 = 32767;
+    identify_aim_gains(&identify, false);
+    TEST_ASSERT_EQUAL_INT32((19 << 16) | 32767, word(PROBE_GAIN_D));
+    identify.rest.inductance_q16 = 1;
+    identify_aim_gains(&identify, true);
+    TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4), word(PROBE_GAIN_D));
+    TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4 / 16), word(PROBE_GAIN_Q));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_current_has_no_pulses);
+    RUN_TEST(test_a_window_has_a_name_a_time_to_settle_and_its_ticks);
+    RUN_TEST(test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase);
+    RUN_TEST(test_gains_follow_the_inductance_that_was_found);
+    RUN_TEST(test_soft_gains_leave_the_current_across_to_itself);
+    RUN_TEST(test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most);
+    return UNITY_END();
+}

@@ -1,0 +1,668 @@
+/* SPDX-License-Identifier: MIT */
+/* Plans of a rotor that does not turn: what follows from the sums of the window that has ended. */
+#include "identify_rest.h"
+
+#include "example_identify.h"
+
+void setUp(void)
+{
+    identify_example();
+}
+
+void tearDown(void)
+{
+}
+
+/* ---- PULSE ---- */
+
+/* 22576 of the bus: 88 is 1/256 of it, 5644 a quarter. */
+static void begin_pulses(void)
+{
+    begin_phase(IDENTIFY_PULSE);
+    TEST_ASSERT_TRUE(identify_rest_plan_pulse(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
+}
+
+/* One round of the three axes: 64 changes of so much at their peak. */
+static void answer_pulses(const dq_t *peaks)
+{
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        bool aims;
+
+        TEST_ASSERT_EQUAL_UINT32(axis, identify.rest.axis);
+        sums()->change = (dq_t){64 * peaks[axis].d, 64 * peaks[axis].q};
+        aims = identify_rest_plan_pulse(&identify);
+        TEST_ASSERT_EQUAL(identify.phase == IDENTIFY_PULSE, aims);
+        TEST_ASSERT_EQUAL_INT32(peaks[axis].d, identify.rest.peaks[axis].d);
+        TEST_ASSERT_EQUAL_INT32(peaks[axis].q, identify.rest.peaks[axis].q);
+    }
+}
+
+/* With 1/16 of the continuous current it becomes fine, with a quarter it has ended. */
+static void answer_to_the_end(const dq_t *peaks)
+{
+    static const dq_t some[] = {{400, 0}, {400, 0}, {400, 0}};
+
+    setUp();
+    begin_pulses();
+    answer_pulses(some);
+    TEST_ASSERT_TRUE(identify.rest.fine);
+    TEST_ASSERT_EQUAL_INT32(88 + 22, identify.rest.pulse);
+    answer_pulses(peaks);
+}
+
+static void test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase(void)
+{
+    static const uint32_t angles[] = {0U, 0x55555555U, 0xAAAAAAAAU};
+
+    begin_pulses();
+    identify.rest.quarter = 3;
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        TEST_ASSERT_EQUAL_UINT32(angles[axis], fx_unsigned(word(PROBE_ANGLE)));
+        TEST_ASSERT_EQUAL_INT32(0, word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_INT32(0x20000000, word(PROBE_RATE));
+        TEST_ASSERT_EQUAL_INT32(88, word(PROBE_PULSE_D));
+        TEST_ASSERT_EQUAL_INT32((axis == 0U) ? 1 : 3, word(PROBE_PULSE_TICKS));
+        TEST_ASSERT_EQUAL_INT32(64 * word(PROBE_PULSE_TICKS), identify.aim.ticks);
+        TEST_ASSERT_EQUAL_INT32(MS, identify.aim.settle);
+        TEST_ASSERT_EQUAL_STRING("pulse", identify.aim.kind);
+        *identify_aim_word(&identify, PROBE_CURRENT) = 5; /* of another experiment */
+        (void)identify_rest_plan_pulse(&identify);
+    }
+}
+
+static void test_without_a_bus_the_first_pulse_is_1(void)
+{
+    begin_phase(IDENTIFY_PULSE);
+    app.drive.signals.bus = 255;
+    (void)identify_rest_plan_pulse(&identify);
+    TEST_ASSERT_EQUAL_INT32(1, identify.rest.pulse);
+}
+
+/* 110 LSB are 22 more than 88: they have made 1000 more. What the legs lose is in both. */
+static void test_pulses_give_the_inductance_of_what_the_last_step_has_added(void)
+{
+    static const dq_t first[] = {{1400, 0}, {1390, 20}, {1380, -20}};
+    static const dq_t last[] = {{1380, 0}, {1390, 20}, {1400, -20}};
+
+    answer_to_the_end(first);
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.inductance_q16);
+    TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.along_q16);
+    TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.across_q16);
+    answer_to_the_end(last);
+    TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.inductance_q16);
+}
+
+static void test_an_inductance_saturates(void)
+{
+    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
+
+    begin_pulses();
+    identify.rest.fine = true;
+    identify.rest.before = 1399;
+    identify.rest.pulse = 5000;
+    identify.rest.quarter = 64; /* 64000 for 1 */
+    answer_pulses(peaks);
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.inductance_q16);
+    setUp();
+    begin_pulses();
+    identify.rest.fine = true;
+    identify.rest.before = 1400; /* no more: counts as 1 */
+    answer_pulses(peaks);
+    TEST_ASSERT_EQUAL_INT32((88 / 5) * 65536, identify.rest.inductance_q16);
+}
+
+static void test_pulses_grow_until_a_quarter_of_the_continuous_current_flows(void)
+{
+    static const dq_t little[] = {{343, 0}, {0, 0}, {300, 0}};
+    static const dq_t some[] = {{0, 0}, {0, 0}, {344, 0}};
+    static const dq_t more[] = {{1375, 0}, {1375, 0}, {1375, 0}};
+    static const dq_t enough[] = {{1375, 0}, {1376, 0}, {1375, 0}};
+
+    begin_pulses();
+    TEST_ASSERT_EQUAL_INT32(88, identify.rest.pulse);
+    answer_pulses(little);
+    TEST_ASSERT_EQUAL_INT32(176, identify.rest.pulse);
+    answer_pulses(some);
+    TEST_ASSERT_EQUAL_INT32(176 + 44, identify.rest.pulse);
+    answer_pulses(more);
+    TEST_ASSERT_EQUAL_INT32(220 + 55, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(1375, identify.rest.before);
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
+    answer_pulses(enough);
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+}
+
+/* A first answer gives no difference of two. */
+static void test_a_large_answer_to_coarse_pulses_is_not_the_end(void)
+{
+    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
+
+    begin_pulses();
+    answer_pulses(peaks);
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
+    TEST_ASSERT_TRUE(identify.rest.fine);
+}
+
+/* The voltage ends at a quarter of the bus, 5644; then the time grows. */
+static void test_pulses_get_longer_once_they_are_a_quarter_of_the_bus(void)
+{
+    static const dq_t none[IDENTIFY_AXES];
+    int32_t longest = 0;
+
+    begin_pulses();
+    for (uint32_t k = 0U; (k < 100U) && (identify.phase == IDENTIFY_PULSE); k++) {
+        TEST_ASSERT_TRUE(identify.rest.pulse <= 5644);
+        longest = identify.rest.quarter;
+        answer_pulses(none);
+    }
+    TEST_ASSERT_EQUAL_INT32(64, longest);
+    assert_refused("no current flows: is the motor connected?");
+}
+
+static void pulses_after(int32_t pulse, int32_t peak)
+{
+    const dq_t peaks[] = {{peak, 0}, {0, 0}, {0, 0}};
+
+    setUp();
+    begin_pulses();
+    identify.rest.pulse = pulse;
+    identify.rest.quarter = 2;
+    answer_pulses(peaks);
+}
+
+/* 4515 and 2822 are the last ones of which a quarter more and twice as much are a quarter of the bus. */
+static void test_the_next_pulse_ends_at_a_quarter_of_the_bus(void)
+{
+    pulses_after(4516, 400);
+    TEST_ASSERT_EQUAL_INT32(5645 - 1, app.drive.signals.bus / 4);
+    TEST_ASSERT_FALSE(identify.rest.fine);
+    TEST_ASSERT_EQUAL_INT32((4516 * 5) / 8, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
+    pulses_after(4515, 400);
+    TEST_ASSERT_TRUE(identify.rest.fine);
+    TEST_ASSERT_EQUAL_INT32(5643, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
+    pulses_after(2823, 0);
+    TEST_ASSERT_EQUAL_INT32((2823 * 5) / 8, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(4, identify.rest.quarter);
+    pulses_after(2822, 0);
+    TEST_ASSERT_EQUAL_INT32(5644, identify.rest.pulse);
+    TEST_ASSERT_EQUAL_INT32(2, identify.rest.quarter);
+    app.drive.signals.bus = 4 * 7055;
+    answer_pulses((const dq_t[]){{400, 0}, {0, 0}, {0, 0}}); /* 5644 and a quarter of it */
+    TEST_ASSERT_TRUE(identify.rest.fine);
+    TEST_ASSERT_EQUAL_INT32(7055, identify.rest.pulse);
+}
+
+static void test_an_open_phase_is_named(void)
+{
+    static const char *const names[] = {"phase a is open", "phase b is open", "phase c is open"};
+
+    for (uint32_t open = 0U; open < IDENTIFY_AXES; open++) {
+        dq_t peaks[] = {{1400, 800}, {1400, -800}, {1400, 800}};
+
+        peaks[open] = (dq_t){174, -174}; /* 1/8 is 175 */
+        answer_to_the_end(peaks);
+        assert_refused(names[open]);
+        peaks[open] = (dq_t){-174, 174};
+        answer_to_the_end(peaks);
+        assert_refused(names[open]);
+        peaks[open] = (dq_t){0, 1400 / 8};
+        answer_to_the_end(peaks);
+        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+        peaks[open] = (dq_t){1400 / 8, 0};
+        answer_to_the_end(peaks);
+        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    }
+}
+
+static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
+{
+    answer_to_the_end((const dq_t[]){{-1400, 2000}, {-1400, -2000}, {0, 0}});
+    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase); /* no current along any axis */
+    answer_to_the_end((const dq_t[]){{1400, 2000}, {1400, -2000}, {0, 0}});
+    assert_refused("phase c is open");
+}
+
+static void test_two_exchanged_phases_are_named(void)
+{
+    static const char *const names[] = {
+        "the wires or the current sensors of phases b and c are exchanged",
+        "the wires or the current sensors of phases a and c are exchanged",
+        "the wires or the current sensors of phases a and b are exchanged"};
+
+    for (uint32_t straight = 0U; straight < IDENTIFY_AXES; straight++) {
+        dq_t peaks[] = {{-700, 1212}, {-700, -1212}, {-700, 1212}};
+
+        peaks[straight] = (dq_t){1400, 0};
+        answer_to_the_end(peaks);
+        assert_refused(names[straight]);
+    }
+}
+
+/* A salient rotor turns the current of two axes by up to 1.25/2.25. */
+static void test_a_current_that_is_turned_by_less_than_45_degrees_is_straight(void)
+{
+    static const dq_t turned[] = {{1400, 0}, {800, 800}, {800, -800}};
+    static const dq_t one[] = {{1400, 0}, {800, 801}, {800, -800}};
+    static const dq_t two[] = {{1400, 0}, {800, 801}, {800, -801}};
+
+    answer_to_the_end(turned);
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    answer_to_the_end(one);
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    answer_to_the_end(two);
+    assert_refused("the wires or the current sensors of phases b and c are exchanged");
+}
+
+/* ---- CATCH ---- */
+
+/* A small current rises, the vector turns in two quarters, the rest of the current follows; then it looks. */
+static void test_the_rotor_is_caught_half_a_turn_away_and_taken_along(void)
+{
+    static const struct {
+        int32_t eighths;
+        uint32_t angle;
+    } moves[] = {{1, 0x80000000U}, {2, 0x80000000U}, {2, 0x40000000U}, {2, 0U}, {3, 0U}, {4, 0U},
+                 {5, 0U},          {6, 0U},          {7, 0U},          {8, 0U}, {8, 0U}};
+
+    begin_phase(IDENTIFY_CATCH);
+    identify.rest.inductance_q16 = 1441;
+    *identify_aim_word(&identify, PROBE_RATE) = 77;
+    *identify_aim_word(&identify, PROBE_SPEED) = 88;
+    for (uint32_t k = 0U; k < 11U; k++) {
+        const bool looks = k == 10U;
+
+        TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+        TEST_ASSERT_EQUAL_INT32((CONTINUOUS * moves[k].eighths) / 8, word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_UINT32(moves[k].angle, fx_unsigned(word(PROBE_ANGLE)));
+        /* half a turn in 400 ms */
+        TEST_ASSERT_EQUAL_INT32((k < 2U) ? 77 : (INT32_MAX / (400 * MS)), word(PROBE_RATE));
+        TEST_ASSERT_EQUAL_INT32(looks ? 0 : (30 * MS), identify.aim.settle);
+        TEST_ASSERT_EQUAL_INT32(looks ? (100 * MS) : MS, identify.aim.ticks);
+        TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+        TEST_ASSERT_EQUAL_INT32(0, word(PROBE_SPEED));
+        TEST_ASSERT_EQUAL_INT32(0x20000000, word(PROBE_RAMP));
+        TEST_ASSERT_EQUAL_INT32((27 << 16) | 23056, word(PROBE_GAIN_Q)); /* soft */
+    }
+}
+
+static uint32_t looks_at(int32_t across)
+{
+    uint32_t looks = 0U;
+
+    setUp();
+    begin_phase(IDENTIFY_CATCH);
+    sums()->across = across;
+    while (identify_rest_plan_catch(&identify)) {
+        looks++;
+    }
+    return looks;
+}
+
+static void test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(10U + 41U, looks_at(CONTINUOUS / 16));
+    assert_refused("the rotor does not come to rest on the current: does a load turn it?");
+    TEST_ASSERT_EQUAL_UINT32(10U + 1U, looks_at((CONTINUOUS / 16) - 1));
+    TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
+}
+
+static void test_a_rotor_that_was_lost_goes_on_turning(void)
+{
+    begin_phase(IDENTIFY_CATCH);
+    identify.turn.slower = 1U;
+    while (identify_rest_plan_catch(&identify)) {
+        TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    }
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+/* ---- STILL ---- */
+
+#define LOSS (300)
+#define LEVELS (14U)
+#define EXPERIMENTS (28U) /* of an axis: 14 currents, 14 bursts */
+
+static void begin_still(void)
+{
+    begin_phase(IDENTIFY_STILL);
+    identify.rest.axis = 0U;
+    identify.rest.along_q16 = 1441;
+    identify.rest.across_q16 = 1441;
+}
+
+static void answer_still(int32_t resistance_q13)
+{
+    const int32_t current = word(PROBE_CURRENT);
+    const int32_t voltage = LOSS + ((resistance_q13 * current) / 8192);
+    const int32_t ticks = identify.aim.ticks;
+
+    sums()->current.d = current * ticks;
+    sums()->voltage.d = voltage * ticks;
+}
+
+static uint32_t stay_still(const int32_t *resistances)
+{
+    uint32_t experiments = 0U;
+
+    setUp();
+    begin_still();
+    while (identify_rest_plan_still(&identify)) {
+        TEST_ASSERT_TRUE(word(PROBE_CURRENT) <= 7372); /* 0.9 of 8192 */
+        experiments++;
+        answer_still(resistances[identify.rest.axis]);
+    }
+    return experiments;
+}
+
+static void test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest(void)
+{
+    TEST_ASSERT_EQUAL_INT32(7372, identify_rest_largest(&identify));
+    cfg.derating.current_continuous = 3685;
+    TEST_ASSERT_EQUAL_INT32(7370, identify_rest_largest(&identify));
+}
+
+/* Down by a factor of 10, and up again in between. */
+static void test_an_axis_has_14_levels_of_current(void)
+{
+    static const int32_t shares[LEVELS] = {255, 205, 164, 131, 105, 84,  67,
+                                           54,  43,  34,  27,  54,  105, 205};
+
+    begin_still();
+    for (uint32_t k = 0U; k < LEVELS; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        TEST_ASSERT_EQUAL_INT32((7372 * shares[k]) / 256, word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+        TEST_ASSERT_EQUAL_INT32(20 * MS, identify.aim.settle);
+        TEST_ASSERT_EQUAL_INT32(40 * MS, identify.aim.ticks);
+    }
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_STRING("burst", identify.aim.kind);
+}
+
+/* R to an LSB of the voltage in 4319 of current. */
+static void test_each_axis_gives_its_resistance_and_the_last_one_the_loss(void)
+{
+    static const int32_t alike[] = {1547, 1700, 1400};
+
+    TEST_ASSERT_EQUAL_UINT32((IDENTIFY_AXES * EXPERIMENTS) + 2U, stay_still(alike));
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        TEST_ASSERT_INT32_WITHIN(3, alike[axis], identify.rest.resistance_q13[axis]);
+    }
+    TEST_ASSERT_INT32_WITHIN(2, LOSS, identify.rest.loss);
+}
+
+/* Of the first and the fifth level; the others are for the record. */
+static void test_the_resistance_is_that_of_two_levels(void)
+{
+    begin_still();
+    for (uint32_t k = 0U; k <= LEVELS; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        answer_still(((k == 0U) || (k == 4U)) ? 1547 : 9999);
+    }
+    TEST_ASSERT_INT32_WITHIN(3, 1547, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_INT32_WITHIN(2, LOSS, identify.rest.loss);
+    TEST_ASSERT_EQUAL_INT32((7372 * 255) / 256, identify.rest.high_current);
+}
+
+static void two_levels(dq_t high, dq_t low)
+{
+    setUp();
+    begin_still();
+    (void)identify_rest_plan_still(&identify);
+    identify.aim.ticks = 1;
+    sums()->voltage.d = high.d;
+    sums()->current.d = high.q;
+    (void)identify_rest_plan_still(&identify);
+    identify.step = 5U;
+    identify.aim.ticks = 1;
+    sums()->voltage.d = low.d;
+    sums()->current.d = low.q;
+    (void)identify_rest_plan_still(&identify);
+}
+
+static void test_a_resistance_and_a_loss_are_between_nothing_and_their_largest(void)
+{
+    two_levels((dq_t){1000, 5000}, (dq_t){1001, 2500}); /* falls */
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_EQUAL_INT32(1001, identify.rest.loss);
+    two_levels((dq_t){1000, 5000}, (dq_t){1000 - 4, 5000 - 1}); /* 32768 */
+    TEST_ASSERT_EQUAL_INT32(32767, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.loss);
+    two_levels((dq_t){20000, 5000}, (dq_t){10001, 2500});
+    TEST_ASSERT_EQUAL_INT32(32764, identify.rest.resistance_q13[0]);
+    TEST_ASSERT_EQUAL_INT32(10001 - 9998, identify.rest.loss); /* 32764·2500/8192: 9998.8 */
+    two_levels((dq_t){1000, 2500}, (dq_t){999, 2500}); /* no current between them counts as 1 */
+    TEST_ASSERT_EQUAL_INT32(8192, identify.rest.resistance_q13[0]);
+}
+
+static void test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused(void)
+{
+    static const int32_t unlike[][IDENTIFY_AXES] = {
+        {1547, 1945, 1547}, {1547, 1547, 1945}, {1547, 1150, 1547}, {1547, 1547, 1150}};
+    static const int32_t alike[] = {1547, 1925, 1169};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        (void)stay_still(unlike[k]);
+        assert_refused(
+            "the resistances of the three phases differ: is a winding shorted, or a contact bad?");
+    }
+    (void)stay_still(alike);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+static void leave_the_last_axis(int32_t first, int32_t second)
+{
+    setUp();
+    begin_still();
+    identify.rest.axis = IDENTIFY_AXES - 1U;
+    identify.rest.resistance_q13[0] = first;
+    identify.rest.resistance_q13[1] = second;
+    identify.rest.resistance_q13[2] = first;
+    identify.step = EXPERIMENTS;
+    (void)identify_rest_plan_still(&identify);
+}
+
+/* A quarter and an LSB, which is all that a small one has. */
+static void test_resistances_may_differ_by_a_quarter_and_an_lsb(void)
+{
+    leave_the_last_axis(1000, 1251);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    leave_the_last_axis(1000, 1252);
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    leave_the_last_axis(3, 2);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+static void test_between_two_axes_the_rotor_follows_with_the_continuous_current(void)
+{
+    begin_still();
+    identify.step = EXPERIMENTS;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.axis);
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+    TEST_ASSERT_EQUAL_INT32(CONTINUOUS, word(PROBE_CURRENT));
+    TEST_ASSERT_EQUAL_UINT32(0x55555555U, fx_unsigned(word(PROBE_ANGLE)));
+    TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(200 * MS, identify.aim.settle);
+    TEST_ASSERT_EQUAL_INT32(MS, identify.aim.ticks);
+    sums()->voltage.d = 12345; /* of the way: no level */
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.high_voltage);
+}
+
+/* 3000 of 65536·10: a burst of 3/16 of 1600 has 3000 volts for a tick. */
+static void begin_bursts(void)
+{
+    cfg.derating.current_continuous = 1600;
+    begin_phase(IDENTIFY_STILL);
+    identify.rest.along_q16 = 10 * 65536;
+    identify.rest.across_q16 = 65536;
+    identify.step = LEVELS;
+    identify_aim_window(&identify, "still", 0, 1); /* the last level */
+}
+
+/* Twice the same seven. */
+static void test_bursts_have_their_shares_of_current_along_and_across_another_one(void)
+{
+    static const int32_t bias[] = {800, 1600, 500, 300, 200, 200, 200};
+    static const int32_t along[] = {3000, 6000, 4000, 2000, 0, 0, 0};
+    static const int32_t across[] = {0, 0, 0, 0, 600, 1100, 1600};
+
+    begin_bursts();
+    for (uint32_t k = 0U; k < 14U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        TEST_ASSERT_EQUAL_INT32(bias[k % 7U], word(PROBE_CURRENT));
+        TEST_ASSERT_EQUAL_INT32(along[k % 7U], word(PROBE_PULSE_D));
+        TEST_ASSERT_EQUAL_INT32(across[k % 7U], word(PROBE_PULSE_Q));
+        TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_TICKS));
+        TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
+        TEST_ASSERT_EQUAL_INT32(20 * MS, identify.aim.settle);
+        TEST_ASSERT_EQUAL_STRING("burst", identify.aim.kind);
+    }
+    (void)identify_rest_plan_still(&identify);
+    TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+}
+
+static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
+{
+    begin_bursts();
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->change = (dq_t){256 * 600, 7}; /* twice as much as was planned */
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
+    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
+    identify.step = LEVELS + 4U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->change = (dq_t){0, 256 * 300}; /* half as much */
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
+}
+
+/* The last level is no burst. */
+static void test_what_follows_the_last_level_has_no_inductance(void)
+{
+    begin_bursts();
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 100;
+    sums()->change = (dq_t){1, 1};
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
+}
+
+static void test_pulses_without_an_answer_keep_the_inductance(void)
+{
+    begin_bursts();
+    identify.step = LEVELS + 1U;
+    identify.aim.ticks = 256;
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 100;
+    sums()->change = (dq_t){0, 0};
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = 100;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
+}
+
+static void burst_of(dq_t pulse, dq_t change)
+{
+    setUp();
+    begin_bursts();
+    identify.step = LEVELS + 1U;
+    identify.aim.ticks = 256;
+    *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
+    sums()->change = change;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+}
+
+static void test_an_inductance_of_pulses_is_from_1_to_its_largest(void)
+{
+    burst_of((dq_t){8000, 0}, (dq_t){1, 0});
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.along_q16);
+    burst_of((dq_t){0, 8000}, (dq_t){0, 1});
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.across_q16);
+    burst_of((dq_t){1, 0}, (dq_t){512, 0});
+    TEST_ASSERT_EQUAL_INT32(32768, identify.rest.along_q16);
+    burst_of((dq_t){0, 1}, (dq_t){0, 512});
+    TEST_ASSERT_EQUAL_INT32(32768, identify.rest.across_q16);
+}
+
+/* 8466 of the bus at most in a tick: 64000 need 8. */
+static void test_long_pulses_share_their_volts(void)
+{
+    begin_bursts();
+    identify.rest.across_q16 = 65536 * 40;
+    identify.step = LEVELS + 6U; /* 1600 across */
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(8, word(PROBE_PULSE_TICKS));
+    TEST_ASSERT_EQUAL_INT32(64000 / 8, word(PROBE_PULSE_Q));
+    TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
+    identify.rest.across_q16 = 65536 * 50; /* 80000: 10 ticks, of which 256 have 6 patterns */
+    identify.step = LEVELS + 6U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(10, word(PROBE_PULSE_TICKS));
+    TEST_ASSERT_EQUAL_INT32(240, identify.aim.ticks);
+}
+
+static void test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus(void)
+{
+    begin_bursts();
+    identify.rest.across_q16 = INT32_MAX;
+    identify.step = LEVELS + 6U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
+    TEST_ASSERT_EQUAL_INT32((app.drive.signals.bus * 3) / 8, word(PROBE_PULSE_Q));
+    TEST_ASSERT_EQUAL_INT32(256, identify.aim.ticks);
+}
+
+static void test_without_a_bus_pulses_are_1(void)
+{
+    begin_bursts();
+    app.drive.signals.bus = 2;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(64, word(PROBE_PULSE_TICKS));
+    TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_D));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase);
+    RUN_TEST(test_without_a_bus_the_first_pulse_is_1);
+    RUN_TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added);
+    RUN_TEST(test_an_inductance_saturates);
+    RUN_TEST(test_pulses_grow_until_a_quarter_of_the_continuous_current_flows);
+    RUN_TEST(test_a_large_answer_to_coarse_pulses_is_not_the_end);
+    RUN_TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus);
+    RUN_TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus);
+    RUN_TEST(test_an_open_phase_is_named);
+    RUN_TEST(test_an_open_phase_is_named_before_two_that_are_exchanged);
+    RUN_TEST(test_two_exchanged_phases_are_named);
+    RUN_TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight);
+    RUN_TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along);
+    RUN_TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused);
+    RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
+    RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
+    RUN_TEST(test_an_axis_has_14_levels_of_current);
+    RUN_TEST(test_each_axis_gives_its_resistance_and_the_last_one_the_loss);
+    RUN_TEST(test_the_resistance_is_that_of_two_levels);
+    RUN_TEST(test_a_resistance_and_a_loss_are_between_nothing_and_their_largest);
+    RUN_TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused);
+    RUN_TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb);
+    RUN_TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current);
+    RUN_TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one);
+    RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
+    RUN_TEST(test_what_follows_the_last_level_has_no_inductance);
+    RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
+    RUN_TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest);
+    RUN_TEST(test_long_pulses_share_their_volts);
+    RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
+    RUN_TEST(test_without_a_bus_pulses_are_1);
+    return UNITY_END();
+}

@@ -1,0 +1,809 @@
+/* SPDX-License-Identifier: MIT */
+/* Plans of a rotor that turns: what follows from the sums of the window that has ended. */
+#include "identify_turn.h"
+
+#include "example_identify.h"
+
+#define TOP (14316557)    /* half of 2000 rpm */
+#define QUARTER (3579139) /* of that */
+#define CURRENT (4128)    /* 3/4 of the continuous one */
+#define INDUCTANCE (1441)
+#define RESISTANCE (1547)
+#define REACTANCE (17) /* 1441/2^16 volt-ticks at 2^26 steps a tick, 2π/64: 17.7 in Q13 */
+#define DAMPING_MOST (41000000)
+
+void setUp(void)
+{
+    identify_example();
+}
+
+void tearDown(void)
+{
+}
+
+/* The means of the window that has ended, at so many steps a tick. */
+static void answer_spin(int32_t along, int32_t across, step_t speed)
+{
+    const int32_t ticks = identify.aim.ticks;
+
+    *sums() = (probe_sums_t){.voltage = {along * ticks, across * ticks}};
+    sums()->current.d = word(PROBE_CURRENT) * ticks;
+    sums()->turn_q16 = (int32_t)(((int64_t)speed * ticks) / 65536);
+}
+
+/* ---- SPIN ---- */
+
+static void begin_spinning(void)
+{
+    setUp();
+    begin_phase(IDENTIFY_SPIN);
+    identify.rest.inductance_q16 = INDUCTANCE;
+    identify.rest.resistance_q13[0] = 1;
+    identify.rest.resistance_q13[1] = 2;
+    identify.rest.resistance_q13[2] = RESISTANCE;
+    identify.rest.loss = 100;
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+}
+
+static void begin_spin(int32_t along, int32_t across)
+{
+    begin_spinning();
+    answer_spin(along, across, QUARTER);
+    (void)identify_turn_plan_spin(&identify);
+}
+
+static void test_the_current_is_three_quarters_and_the_speed_half_of_the_name_plate(void)
+{
+    TEST_ASSERT_EQUAL_INT32(CURRENT, identify_turn_current(&identify));
+    TEST_ASSERT_EQUAL_INT32(TOP, identify_turn_speed(&identify));
+}
+
+static void test_the_words_of_a_turning_vector_are_those_of_the_winding(void)
+{
+    begin_spinning();
+    TEST_ASSERT_EQUAL_INT32(CURRENT, word(PROBE_CURRENT));
+    TEST_ASSERT_EQUAL_INT32(RESISTANCE, word(PROBE_RESISTANCE));
+    TEST_ASSERT_EQUAL_INT32(REACTANCE, word(PROBE_REACTANCE));
+    TEST_ASSERT_EQUAL_INT32(100, word(PROBE_LOSS));
+    TEST_ASSERT_EQUAL_INT32(((RESISTANCE * CURRENT) / 8192) / 2, word(PROBE_EMF));
+    TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_Q)); /* stiff */
+}
+
+/* Twice the loss of the legs where R·i is small. */
+static void test_an_emf_counts_from_what_the_legs_lose(void)
+{
+    setUp();
+    begin_phase(IDENTIFY_SPIN);
+    identify.rest.loss = 100;
+    identify.rest.resistance_q13[2] = 700; /* 352 */
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(200, word(PROBE_EMF));
+    identify.rest.resistance_q13[2] = 32767; /* 16511 */
+    identify.step = 0U;
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(8255, word(PROBE_EMF));
+}
+
+static void test_a_reactance_saturates(void)
+{
+    setUp();
+    begin_phase(IDENTIFY_SPIN);
+    identify.rest.inductance_q16 = 3000000;
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(32767, word(PROBE_REACTANCE));
+}
+
+/* From rest to the highest speed in 2.5 s. */
+static void test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_ramp(void)
+{
+    begin_spinning();
+    TEST_ASSERT_EQUAL_INT32(TOP / 4, word(PROBE_SPEED));
+    TEST_ASSERT_EQUAL_INT32(TOP / (2500 * MS), word(PROBE_RAMP));
+    TEST_ASSERT_EQUAL_STRING("spin", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(150 * MS, identify.aim.settle);
+    TEST_ASSERT_EQUAL_INT32(80 * MS, identify.aim.ticks);
+    TEST_ASSERT_FALSE(identify.aim.leads);
+    answer_spin(500, 2000, QUARTER);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL_INT32(TOP / 2, word(PROBE_SPEED));
+    TEST_ASSERT_EQUAL_INT32(TOP / (2500 * MS), word(PROBE_RAMP));
+}
+
+static void test_a_ramp_has_a_slope_whatever_the_speed(void)
+{
+    cfg.speed_loop.speed_max = 0x20000000;
+    begin_phase(IDENTIFY_SPIN);
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(0x10000000 / 25000, word(PROBE_RAMP));
+    cfg.speed_loop.speed_max = 40000;
+    identify.step = 0U;
+    (void)identify_turn_plan_spin(&identify);
+    TEST_ASSERT_EQUAL_INT32(1, word(PROBE_RAMP));
+}
+
+static void test_each_further_attempt_has_half_of_the_slope(void)
+{
+    for (uint32_t slower = 0U; slower < 3U; slower++) {
+        setUp();
+        begin_phase(IDENTIFY_SPIN);
+        identify.turn.slower = slower;
+        (void)identify_turn_plan_spin(&identify);
+        TEST_ASSERT_EQUAL_INT32(TOP / ((2500 * MS) << slower), word(PROBE_RAMP));
+    }
+}
+
+/* 12/16 of 0.5485 of the bus, 9286: with 3000 across at a quarter of it 9272/3000 of that are there. */
+static void test_the_highest_speed_is_that_for_which_the_bus_is_there(void)
+{
+    begin_spin(500, 3000);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    TEST_ASSERT_INT32_WITHIN(QUARTER / 3000, (int32_t)(QUARTER * (9272.0 / 3000.0)),
+                             identify.turn.top);
+    begin_spin(-8000, 3000); /* with a lag the voltage along is negative */
+    TEST_ASSERT_INT32_WITHIN(QUARTER / 3000, (int32_t)(QUARTER * (4714.9 / 3000.0)),
+                             identify.turn.top);
+    begin_spin(500, 2000);
+    TEST_ASSERT_EQUAL_INT32(TOP, identify.turn.top);
+}
+
+#define STANDS "the rotor does not turn with the current: is it blocked, braked, or loaded?"
+
+static void spin_with(int32_t inductance_q16, int32_t across)
+{
+    begin_spinning();
+    identify.rest.inductance_q16 = inductance_q16;
+    answer_spin(500, across, QUARTER);
+    (void)identify_turn_plan_spin(&identify);
+}
+
+/* 1/20 of the voltage at the highest speed: 12382/20 at 13981 is 77.4 at 1747. */
+static void test_a_rotor_that_does_not_turn_has_no_emf(void)
+{
+    begin_spin(500, 60);
+    assert_refused(STANDS);
+    begin_spin(500, 77);
+    assert_refused(STANDS);
+    begin_spin(500, 79);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    begin_spin(500, -3000); /* it turns the other way */
+    assert_refused(STANDS);
+}
+
+/* Of 100 times the inductance ωL·i is 47. */
+static void test_the_voltage_of_the_inductance_is_no_emf(void)
+{
+    spin_with(100 * INDUCTANCE, 123);
+    assert_refused(STANDS);
+    spin_with(100 * INDUCTANCE, 126);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    spin_with(1000 * INDUCTANCE, 547); /* 471 */
+    assert_refused(STANDS);
+    spin_with(1000 * INDUCTANCE, 550);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+/* A highest speed below one of Q15 counts as one: an EMF of 1/20 of the voltage is 619. */
+static void test_a_highest_speed_of_nothing_divides_by_nothing(void)
+{
+    cfg.speed_loop.speed_max = 2000;
+    begin_phase(IDENTIFY_SPIN);
+    (void)identify_turn_plan_spin(&identify);
+    *sums() = (probe_sums_t){.turn_q16 = 1, .voltage = {0, 19700}}; /* over 32 of Q15 */
+    (void)identify_turn_plan_spin(&identify);
+    assert_refused(STANDS);
+}
+
+#define TOO_LOW "the bus voltage is too low to turn the motor at 1/16 of its highest speed"
+
+/* 1/16 is half of a quarter of half: 1500 of 3000 have to be left. */
+static void test_a_bus_that_is_too_low_is_refused(void)
+{
+    begin_spin(9200, 3000);
+    assert_refused(TOO_LOW);
+    begin_spin(20000, 3000);
+    assert_refused(TOO_LOW);
+    begin_spin(9180, 3000); /* 1398 */
+    assert_refused(TOO_LOW);
+    begin_spin(9150, 3000); /* 1584 */
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    begin_spin(0, 18590); /* half of it are 9295 */
+    assert_refused(TOO_LOW);
+    begin_spin(0, 18550);
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+}
+
+/* 3000 at a quarter of the speed. */
+static void spin_to(uint32_t step)
+{
+    begin_spin(500, 2000);
+    identify.turn.swing_ticks = 77; /* of an attempt before */
+    for (uint32_t k = 2U; k < step; k++) {
+        answer_spin(500, (k == 2U) ? 4000 : 8000, (k == 2U) ? (TOP / 2) : TOP);
+        TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    }
+}
+
+/* 1.2 s; its window has 600 ms before it and behind. */
+static void test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window(void)
+{
+    spin_to(3U);
+    TEST_ASSERT_TRUE(identify.aim.leads);
+    TEST_ASSERT_EQUAL_STRING("ramp", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(TOP, word(PROBE_SPEED));
+    TEST_ASSERT_EQUAL_INT32((TOP - (TOP / 2)) / (1200 * MS), word(PROBE_RAMP));
+    TEST_ASSERT_EQUAL_INT32(TOP / 2, identify.turn.low);
+    TEST_ASSERT_EQUAL_INT32(450 * MS, identify.aim.settle);
+    TEST_ASSERT_EQUAL_INT32((1200 + 450 + 450) * MS, identify.aim.ticks);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.swing_ticks);
+    spin_to(4U);
+    TEST_ASSERT_FALSE(identify.aim.leads);
+    TEST_ASSERT_EQUAL_STRING("spin", identify.aim.kind);
+    TEST_ASSERT_TRUE(identify.turn.swing_ticks > 100);
+    TEST_ASSERT_EQUAL_INT32((150 * MS) + (8 * identify.turn.swing_ticks), identify.aim.settle);
+}
+
+static void test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope(void)
+{
+    begin_spin(500, 2000);
+    identify.turn.slower = 1U;
+    answer_spin(500, 4000, TOP / 2);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL_INT32(2400 * MS, identify.turn.ramp_ticks);
+}
+
+/* The mean of its window is no EMF of one speed. */
+static void test_in_the_first_ramp_no_rotor_is_lost(void)
+{
+    spin_to(3U);
+    answer_spin(500, 100, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL_UINT32(4U, identify.step);
+}
+
+static int32_t flux_of(int32_t turn_q16, int32_t voltage)
+{
+    identify.phase = IDENTIFY_SPIN;
+    identify.step = 2U;
+    *sums() = (probe_sums_t){.turn_q16 = turn_q16, .voltage = {0, voltage}};
+    (void)identify_turn_plan_spin(&identify);
+    return identify.turn.flux_q14;
+}
+
+/* 32 of Q15 for 2^-16 of a turn. */
+static void test_a_flux_is_voltage_over_speed(void)
+{
+    begin_spin(500, 2000);
+    TEST_ASSERT_EQUAL_INT32(163840, flux_of(1000000, 320000000));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1000000, 32000000));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1000000, 32001757)); /* 16384.9 */
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(1000000, -32000000));
+    TEST_ASSERT_EQUAL_INT32(1, flux_of(1000000, 0));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1, 32));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(0, 32));
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(-5, 32));
+    cfg.speed_shift = 20U;
+    TEST_ASSERT_EQUAL_INT32(16384, flux_of(1, 1)); /* 1/16 counts as 1 */
+}
+
+/* The EMF of half of the speed, ωL·i with it: 4000 over 3495.3 of Q15. */
+static void test_the_flux_is_what_half_of_the_speed_shows(void)
+{
+    spin_to(3U);
+    TEST_ASSERT_INT32_WITHIN(18750 / 1000, (int32_t)((4000.0 / 3495.25) * 16384.0),
+                             identify.turn.flux_q14);
+}
+
+static void test_half_of_the_current_comes_last(void)
+{
+    spin_to(5U);
+    TEST_ASSERT_EQUAL_INT32(CURRENT / 2, word(PROBE_CURRENT));
+    TEST_ASSERT_EQUAL_STRING("spin", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32((150 * MS) + (8 * identify.turn.swing_ticks), identify.aim.settle);
+    answer_spin(500, 8000, TOP);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+    TEST_ASSERT_EQUAL_INT32(CURRENT, word(PROBE_CURRENT));
+}
+
+#define OUT_OF_STEP "the rotor falls out of step: is the load too large, or does it change?"
+
+static void assert_caught(uint32_t times)
+{
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    TEST_ASSERT_EQUAL_UINT32(times, identify.turn.slower);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.pairs_left);
+    TEST_ASSERT_FALSE(identify.aim.leads);
+}
+
+/* Half of the flux of before is the least. */
+static void test_a_rotor_out_of_step_is_caught_twice_and_then_refused(void)
+{
+    for (uint32_t lost = 0U; lost < 3U; lost++) {
+        spin_to(4U);
+        identify.turn.slower = lost;
+        identify.turn.pairs_left = 3;
+        identify.aim.leads = true;
+        answer_spin(500, 3990, TOP);
+        TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+        if (lost < 2U) {
+            assert_caught(lost + 1U);
+        } else {
+            assert_refused(OUT_OF_STEP);
+        }
+    }
+    spin_to(4U);
+    answer_spin(500, 4010, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+}
+
+/* ---- RAMP ---- */
+
+#define ACROSS (2000) /* at a quarter of the speed */
+
+/* A torque over what the current can pull, as a share of the flux that shows. */
+static void answer_ramp(double share)
+{
+    const double flux = ACROSS / (QUARTER / 2048.0);
+    const double current = word(PROBE_CURRENT);
+
+    answer_spin(500, (int32_t)(((double)identify.turn.top / QUARTER) * ACROSS), identify.turn.top);
+    sums()->torque = (int32_t)(share * flux * current * identify.turn.ramp_ticks);
+}
+
+static void begin_ramps(double share)
+{
+    begin_spin(500, ACROSS);
+    while (identify.phase == IDENTIFY_SPIN) {
+        answer_ramp(share);
+        (void)identify_turn_plan_spin(&identify);
+    }
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+}
+
+/* One pair: down, hold, up, hold. */
+static void pair_of_ramps(double down, double up)
+{
+    for (uint32_t part = 0U; (part < 4U) && (identify.phase == IDENTIFY_RAMP); part++) {
+        answer_ramp((part == 1U) ? down : up);
+        (void)identify_turn_plan_ramp(&identify);
+    }
+}
+
+/* 0.3 lets the rotor lag enough: 1.2 s stay, but 600 ms are the longest ramp, from 3/4 of the speed then. */
+static void test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down(void)
+{
+    begin_ramps(0.3);
+    TEST_ASSERT_EQUAL_INT32(600 * MS, identify.turn.ramp_ticks);
+    TEST_ASSERT_INT32_WITHIN(TOP / 1000, (TOP / 4) * 3, identify.turn.low);
+}
+
+/* Half of the torque, half of the time; 1/ω_n² = T·0.15/Δω in radians. */
+static void test_a_first_ramp_of_half_the_torque_becomes_twice_as_steep(void)
+{
+    int32_t swing;
+
+    begin_ramps(0.15);
+    TEST_ASSERT_INT32_WITHIN(120, 600 * MS, identify.turn.ramp_ticks);
+    TEST_ASSERT_EQUAL_INT32(TOP / 2, identify.turn.low);
+    swing = identify.turn.swing_ticks;
+    TEST_ASSERT_INT32_WITHIN(1, 414, swing); /* √(12000·0.15·2^32/2π/7158279) */
+    TEST_ASSERT_EQUAL_INT32((2 * 683565276) / swing, word(PROBE_DAMPING));
+}
+
+/* A quarter of what is enough counts at least: the next ramp is 4 times as steep at most. */
+static void test_a_ramp_without_torque_becomes_four_times_as_steep(void)
+{
+    begin_ramps(0.001);
+    TEST_ASSERT_INT32_WITHIN(50, (1200 * MS) / 4, identify.turn.ramp_ticks);
+    TEST_ASSERT_INT32_WITHIN(1, 293, identify.turn.swing_ticks);
+    begin_ramps(-0.3);
+    TEST_ASSERT_INT32_WITHIN(50, (1200 * MS) / 4, identify.turn.ramp_ticks);
+}
+
+/* The first ramp ends with no torque: 1228 of 2^14 count. */
+static void steepen_from(int32_t ramp, step_t low)
+{
+    spin_to(3U);
+    identify.turn.ramp_ticks = ramp;
+    identify.turn.low = low;
+    answer_spin(500, 8000, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_spin(&identify));
+}
+
+static void test_the_swing_of_any_ramp_has_its_bounds(void)
+{
+    steepen_from(12000, TOP / 2);
+    TEST_ASSERT_EQUAL_INT32(292, identify.turn.swing_ticks); /* √(899·2^32/2π/7158279): 292.99 */
+    steepen_from(64, TOP);                                   /* of no change: √(4·2^32/2π) */
+    TEST_ASSERT_EQUAL_INT32(52290, identify.turn.swing_ticks);
+    steepen_from(10, 0);
+    TEST_ASSERT_EQUAL_INT32(8, identify.turn.swing_ticks);
+    TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
+    TEST_ASSERT_EQUAL_INT32(64, identify.turn.ramp_ticks);
+}
+
+/* Windows with 8/ω_n and half of the ramp at both ends, 450 ms at most; a vector that has arrived is held. */
+static void test_ramps_go_down_and_up_with_a_hold_behind_each(void)
+{
+    int32_t edge;
+
+    begin_ramps(0.001);
+    edge = (identify.turn.ramp_ticks / 2) + (8 * identify.turn.swing_ticks);
+    TEST_ASSERT_TRUE((edge > 2048) && (edge < (450 * MS)));
+    for (uint32_t part = 0U; part < 4U; part++) {
+        const bool down = part == 0U;
+
+        answer_ramp(0.3);
+        TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+        if ((part % 2U) == 0U) {
+            TEST_ASSERT_EQUAL_STRING("ramp", identify.aim.kind);
+            TEST_ASSERT_TRUE(identify.aim.leads);
+            TEST_ASSERT_EQUAL_INT32(down ? (TOP / 2) : TOP, word(PROBE_SPEED));
+            TEST_ASSERT_EQUAL_INT32((TOP - (TOP / 2)) / identify.turn.ramp_ticks, word(PROBE_RAMP));
+            TEST_ASSERT_EQUAL_INT32(edge, identify.aim.settle);
+            TEST_ASSERT_EQUAL_INT32(identify.turn.ramp_ticks + (2 * edge), identify.aim.ticks);
+        } else {
+            TEST_ASSERT_EQUAL_STRING("hold", identify.aim.kind);
+            TEST_ASSERT_FALSE(identify.aim.leads);
+            TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
+            TEST_ASSERT_EQUAL_INT32(80 * MS, identify.aim.ticks);
+        }
+    }
+}
+
+static void ramp_with(int32_t ramp, int32_t swing)
+{
+    identify.turn.ramp_ticks = ramp;
+    identify.turn.swing_ticks = swing;
+    identify.step = 0U;
+    TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+}
+
+static void test_the_ends_of_a_ramps_window_are_bounded(void)
+{
+    begin_ramps(0.3);
+    ramp_with(100, 8);
+    TEST_ASSERT_EQUAL_INT32(2048, identify.aim.settle);
+    ramp_with(5000, 1000);
+    TEST_ASSERT_EQUAL_INT32(450 * MS, identify.aim.settle);
+    identify.ms_ticks = 2; /* 900 ticks are fewer than 2048 */
+    ramp_with(5000, 1000);
+    TEST_ASSERT_EQUAL_INT32(2048, identify.aim.settle);
+}
+
+/* What friction takes is the same up and down: (0.4 + 0.2)/2 is enough. */
+static void test_the_torque_of_a_pair_is_half_of_the_difference(void)
+{
+    begin_ramps(0.15);
+    pair_of_ramps(-0.1, 0.2);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.pairs_left);
+    TEST_ASSERT_INT32_WITHIN(60, 600 * MS / 2, identify.turn.ramp_ticks);
+    pair_of_ramps(-0.2, 0.4);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+    TEST_ASSERT_INT32_WITHIN(60, 600 * MS / 2, identify.turn.ramp_ticks);
+}
+
+/* 2/3 of 0.3. */
+static void test_ramps_become_as_steep_as_the_torque_allows(void)
+{
+    begin_ramps(0.15);
+    pair_of_ramps(-0.198, 0.198);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.pairs_left);
+    begin_ramps(0.15);
+    pair_of_ramps(-0.202, 0.202);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+}
+
+/* A current across of 1/8 of that along: 516 a tick in the mean of a ramp. */
+static void across_in_the_next_pair(int32_t ramps)
+{
+    for (uint32_t part = 0U; part < 4U; part++) {
+        answer_ramp((part == 1U) ? -0.01 : 0.01);
+        sums()->current.q = ((part % 2U) == 1U) ? (-(CURRENT / 8) * ramps) : 0;
+        TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    }
+}
+
+static void test_a_ramp_is_not_so_short_that_a_current_across_flows(void)
+{
+    begin_ramps(0.001); /* 3000 */
+    across_in_the_next_pair(2000);
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.pairs_left);
+    TEST_ASSERT_EQUAL_INT32(2000, identify.turn.ramp_ticks);
+    across_in_the_next_pair(1599); /* 5/4 of it are 1998 */
+    TEST_ASSERT_EQUAL_INT32(0, identify.turn.pairs_left);
+    TEST_ASSERT_EQUAL_INT32(1599, identify.turn.ramp_ticks);
+    across_in_the_next_pair(1280); /* 1600 */
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+    TEST_ASSERT_EQUAL_INT32(1599, identify.turn.ramp_ticks);
+    begin_ramps(0.001);
+    identify.turn.ramp_ticks = 1600;
+    across_in_the_next_pair(1280);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+}
+
+static void test_without_a_current_each_one_across_counts(void)
+{
+    begin_ramps(0.001);
+    *identify_aim_word(&identify, PROBE_CURRENT) = 0;
+    for (uint32_t part = 0U; part < 4U; part++) {
+        answer_ramp(0.0);
+        sums()->current.q = 2000;
+        TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+    }
+    TEST_ASSERT_EQUAL_INT32(2000, identify.turn.ramp_ticks);
+}
+
+static void test_a_ramp_has_64_ticks_at_least(void)
+{
+    begin_ramps(0.001);
+    for (uint32_t k = 0U; (k < 12U) && (identify.turn.pairs_left == 0); k++) {
+        pair_of_ramps(-0.001, 0.001);
+    }
+    TEST_ASSERT_EQUAL_INT32(64, identify.turn.ramp_ticks);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+}
+
+/* Of 64 ticks, 2048 at both ends, and a hold of 80 ms: so many pairs in 2.5 s, 2 to 9. */
+static void expect_pairs(int32_t ms_ticks, int32_t ramp, int32_t pairs)
+{
+    begin_ramps(0.3);
+    identify.ms_ticks = ms_ticks;
+    identify.turn.ramp_ticks = ramp;
+    identify.turn.swing_ticks = 8;
+    pair_of_ramps(-0.3, 0.3);
+    TEST_ASSERT_EQUAL_INT32(pairs, identify.turn.pairs_left);
+}
+
+static void test_the_pairs_take_two_and_a_half_seconds(void)
+{
+    expect_pairs(10, 64, 2);
+    expect_pairs(20, 64, 4); /* 50000 / 11648 */
+    expect_pairs(40, 64, 6); /* 100000 / 14848 */
+    expect_pairs(100, 64, 9);
+    expect_pairs(100, 5000, 5); /* 250000 / 46256 */
+}
+
+static void test_after_its_pairs_of_ramps_the_rotor_coasts(void)
+{
+    begin_ramps(0.3);
+    pair_of_ramps(-0.3, 0.3);
+    TEST_ASSERT_EQUAL_INT32(2, identify.turn.pairs_left);
+    pair_of_ramps(-0.01, 0.01); /* counts whatever its torque */
+    TEST_ASSERT_EQUAL_INT32(1, identify.turn.pairs_left);
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+    answer_ramp(0.3);
+    identify.aim.leads = true;
+    TEST_ASSERT_FALSE(identify_turn_plan_ramp(&identify));
+    TEST_ASSERT_EQUAL(IDENTIFY_COAST, identify.phase);
+    TEST_ASSERT_FALSE(identify.aim.leads);
+}
+
+/* In the hold behind a ramp down, and behind one up. */
+static void test_a_rotor_that_is_lost_in_a_ramp_is_caught(void)
+{
+    begin_ramps(0.3);
+    (void)identify_turn_plan_ramp(&identify);
+    answer_ramp(-0.3);
+    (void)identify_turn_plan_ramp(&identify);
+    answer_spin(500, ACROSS / 3, QUARTER);
+    TEST_ASSERT_FALSE(identify_turn_plan_ramp(&identify));
+    assert_caught(1U);
+    begin_ramps(0.3);
+    pair_of_ramps(-0.3, 0.3);
+    answer_spin(500, ACROSS / 3, QUARTER);
+    TEST_ASSERT_FALSE(identify_turn_plan_ramp(&identify));
+    assert_caught(1U);
+}
+
+/* Nothing has been measured of a ramp yet. */
+static void test_what_came_before_the_first_ramp_loses_no_rotor(void)
+{
+    begin_ramps(0.3);
+    answer_spin(500, ACROSS / 3, QUARTER);
+    TEST_ASSERT_TRUE(identify_turn_plan_ramp(&identify));
+}
+
+static int32_t torque_down_of(probe_sums_t window)
+{
+    begin_ramps(0.3);
+    identify.step = 1U;
+    identify.aim.ticks = 10;
+    identify.turn.ramp_ticks = 6000;
+    *sums() = window;
+    (void)identify_turn_plan_ramp(&identify);
+    return identify.turn.torque_down;
+}
+
+/* 18000000 over a current of 3 and 6000 ticks are 1000; over a flux of 300, 3.33. */
+static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
+{
+    const probe_sums_t window = {
+        .torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32 * 300}};
+
+    TEST_ASSERT_EQUAL_INT32(54613, torque_down_of(window));
+}
+
+/* A speed, a current and an EMF of nothing, as after a contact that opens. */
+static void test_a_torque_of_no_motor_is_bounded(void)
+{
+    TEST_ASSERT_EQUAL_INT32(4 * 16384, torque_down_of((probe_sums_t){.torque = 1000}));
+    TEST_ASSERT_EQUAL_INT32(-4 * 16384, torque_down_of((probe_sums_t){.torque = -1000}));
+    TEST_ASSERT_EQUAL_INT32(4 * 16384, torque_down_of((probe_sums_t){.torque = INT32_MAX}));
+    TEST_ASSERT_EQUAL_INT32(0, torque_down_of((probe_sums_t){.torque = 0}));
+}
+
+/* ---- COAST ---- */
+
+static void begin_coast(void)
+{
+    setUp();
+    begin_phase(IDENTIFY_COAST);
+    identify.turn.top = TOP;
+    identify_aim_current(&identify, CURRENT);
+    identify_aim_window(&identify, "ramp", 0, 400); /* the last before */
+    answer_spin(0, 0, TOP);
+    TEST_ASSERT_TRUE(identify_turn_plan_coast(&identify));
+}
+
+static bool coast_at(step_t speed)
+{
+    answer_spin(0, 0, speed);
+    return identify_turn_plan_coast(&identify);
+}
+
+static uint32_t coast(double fall)
+{
+    uint32_t windows = 1U;
+    double speed = TOP;
+
+    begin_coast();
+    while (coast_at((step_t)speed) && (windows < 100U)) {
+        windows++;
+        speed *= fall;
+    }
+    TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    TEST_ASSERT_NULL(identify.why);
+    return windows;
+}
+
+static void test_coasting_has_no_current_and_follows_the_rotor(void)
+{
+    begin_coast();
+    TEST_ASSERT_EQUAL_INT32(0, word(PROBE_CURRENT));
+    TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
+    TEST_ASSERT_EQUAL_INT32(300000, word(PROBE_TRACKING));
+    TEST_ASSERT_TRUE(identify.aim.rushes);
+    TEST_ASSERT_EQUAL_STRING("coast", identify.aim.kind);
+    TEST_ASSERT_EQUAL_INT32(60, identify.aim.settle);
+    TEST_ASSERT_TRUE(coast_at(TOP));
+    TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
+}
+
+/* An electrical turn at half of the speed, 300 ticks; 5 and 80 ms are its bounds. */
+static void test_the_first_window_of_coasting_is_a_turn(void)
+{
+    static const struct {
+        step_t top;
+        int32_t ticks;
+    } turns[] = {{TOP, 300}, {TOP * 20, 5 * MS}, {TOP / 3, 80 * MS}, {1, 80 * MS}};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        setUp();
+        begin_phase(IDENTIFY_COAST);
+        identify.turn.top = turns[k].top;
+        identify.aim.ticks = 400;
+        TEST_ASSERT_TRUE(identify_turn_plan_coast(&identify));
+        TEST_ASSERT_EQUAL_INT32(turns[k].ticks, identify.aim.ticks);
+    }
+}
+
+/* The second window gives the speed that the later ones are compared with: until then none grows. */
+static void test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with(void)
+{
+    static const int32_t ticks[] = {300, 300, 600, 1200, 1200};
+
+    begin_coast();
+    for (uint32_t k = 0U; k < 5U; k++) {
+        TEST_ASSERT_TRUE(coast_at(TOP));
+        TEST_ASSERT_EQUAL_INT32(ticks[k], identify.aim.ticks);
+    }
+}
+
+/* In 2^-20 turns a tick: windows of 300 ticks, to the nearest that is not below. */
+static bool coast_with(uint32_t step, int32_t speed)
+{
+    begin_coast();
+    identify.step = step;
+    identify.turn.coast_speed = 3495;
+    identify.aim.ticks = 300;
+    sums()->turn_q16 = ((speed * 300) + 15) / 16;
+    return identify_turn_plan_coast(&identify);
+}
+
+/* By more than 1/64: 54. */
+static void test_windows_of_coasting_stay_once_the_speed_falls(void)
+{
+    TEST_ASSERT_TRUE(coast_with(4U, 3495 - 54));
+    TEST_ASSERT_EQUAL_INT32(300, identify.aim.ticks);
+    TEST_ASSERT_TRUE(coast_with(4U, 3495 - 53));
+    TEST_ASSERT_EQUAL_INT32(600, identify.aim.ticks);
+}
+
+static void test_a_window_of_80_ms_is_the_longest(void)
+{
+    begin_coast();
+    (void)coast_at(TOP);
+    (void)coast_at(TOP);
+    identify.turn.coast_ticks = 80 * MS;
+    (void)coast_at(TOP);
+    TEST_ASSERT_EQUAL_INT32(80 * MS, identify.turn.coast_ticks);
+}
+
+/* The second window gives the speed that halves: 0.8^4 is below a half of it. */
+static void test_coasting_ends_at_half_of_the_speed_or_after_its_windows(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(19U, coast(1.0));
+    TEST_ASSERT_EQUAL_INT32(1200, identify.turn.coast_ticks);
+    TEST_ASSERT_EQUAL_UINT32(6U, coast(0.8));
+    TEST_ASSERT_EQUAL_INT32(300, identify.turn.coast_ticks);
+}
+
+static void test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later(void)
+{
+    TEST_ASSERT_TRUE(coast_with(3U, 1747));
+    TEST_ASSERT_FALSE(coast_with(3U, 1746));
+    begin_coast();
+    TEST_ASSERT_TRUE(coast_at(TOP));
+    TEST_ASSERT_TRUE(coast_at(TOP / 4)); /* of which the others are a share */
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_current_is_three_quarters_and_the_speed_half_of_the_name_plate);
+    RUN_TEST(test_the_words_of_a_turning_vector_are_those_of_the_winding);
+    RUN_TEST(test_an_emf_counts_from_what_the_legs_lose);
+    RUN_TEST(test_a_reactance_saturates);
+    RUN_TEST(test_the_vector_reaches_a_quarter_and_half_of_the_speed_on_a_gentle_ramp);
+    RUN_TEST(test_a_ramp_has_a_slope_whatever_the_speed);
+    RUN_TEST(test_each_further_attempt_has_half_of_the_slope);
+    RUN_TEST(test_the_highest_speed_is_that_for_which_the_bus_is_there);
+    RUN_TEST(test_a_rotor_that_does_not_turn_has_no_emf);
+    RUN_TEST(test_the_voltage_of_the_inductance_is_no_emf);
+    RUN_TEST(test_a_highest_speed_of_nothing_divides_by_nothing);
+    RUN_TEST(test_a_bus_that_is_too_low_is_refused);
+    RUN_TEST(test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window);
+    RUN_TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope);
+    RUN_TEST(test_in_the_first_ramp_no_rotor_is_lost);
+    RUN_TEST(test_a_flux_is_voltage_over_speed);
+    RUN_TEST(test_the_flux_is_what_half_of_the_speed_shows);
+    RUN_TEST(test_half_of_the_current_comes_last);
+    RUN_TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused);
+    RUN_TEST(test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down);
+    RUN_TEST(test_a_first_ramp_of_half_the_torque_becomes_twice_as_steep);
+    RUN_TEST(test_a_ramp_without_torque_becomes_four_times_as_steep);
+    RUN_TEST(test_the_swing_of_any_ramp_has_its_bounds);
+    RUN_TEST(test_ramps_go_down_and_up_with_a_hold_behind_each);
+    RUN_TEST(test_the_ends_of_a_ramps_window_are_bounded);
+    RUN_TEST(test_the_torque_of_a_pair_is_half_of_the_difference);
+    RUN_TEST(test_ramps_become_as_steep_as_the_torque_allows);
+    RUN_TEST(test_a_ramp_is_not_so_short_that_a_current_across_flows);
+    RUN_TEST(test_without_a_current_each_one_across_counts);
+    RUN_TEST(test_a_ramp_has_64_ticks_at_least);
+    RUN_TEST(test_the_pairs_take_two_and_a_half_seconds);
+    RUN_TEST(test_after_its_pairs_of_ramps_the_rotor_coasts);
+    RUN_TEST(test_a_rotor_that_is_lost_in_a_ramp_is_caught);
+    RUN_TEST(test_what_came_before_the_first_ramp_loses_no_rotor);
+    RUN_TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux);
+    RUN_TEST(test_a_torque_of_no_motor_is_bounded);
+    RUN_TEST(test_coasting_has_no_current_and_follows_the_rotor);
+    RUN_TEST(test_the_first_window_of_coasting_is_a_turn);
+    RUN_TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with);
+    RUN_TEST(test_windows_of_coasting_stay_once_the_speed_falls);
+    RUN_TEST(test_a_window_of_80_ms_is_the_longest);
+    RUN_TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows);
+    RUN_TEST(test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later);
+    return UNITY_END();
+}
