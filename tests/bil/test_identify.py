@@ -225,12 +225,12 @@ class Measures(Case):
         cls.run_.identify()
         cls.run_.go_to("the shaft turns, up to")
         cls.run_.keep()
-        cls.blocked = in_a_copy(lambda: cls.fail(blocked=1))
+        cls.blocked = in_a_copy(lambda: cls.end_with(blocked=1))
         cls.run_.back()
         cls.ending = cls.run_.end()
 
     @classmethod
-    def fail(cls, **what):
+    def end_with(cls, **what):
         bench = cls.run_
         bench.board.chip.usart.instant = True
         bench.back()
