@@ -508,8 +508,8 @@ static void look_for_end(identify_t *identify)
     if (identify->phase == IDENTIFY_ENDS) {
         /* it has its reason */
     } else if (drive->state == DRIVE_STATE_FAULT) {
-        identify_aim_refusal_of(identify, "the drive has a fault: ",
-                                fault_text(drive->fault.id)->name);
+        identify_aim_refusal_of(identify,
+                                "the drive has a fault: ", fault_text(drive->fault.id)->name);
     } else if ((identify->said != IDENTIFY_IDLE) && (drive->state != DRIVE_STATE_PROBE)) {
         identify_aim_refusal(identify, "another command has ended it");
     } else if (runs_away(identify)) {

@@ -13,7 +13,7 @@
 #define MANTISSA_BITS (16U)
 #define SHIFT_MAX (30)
 #define TICKS_MASK (0xFFFFFU)
-#define LAG_MOST (23170) /* sin 45°: a rotor that lags further may fall out of step */
+#define LAG_MOST (23170)     /* sin 45°: a rotor that lags further may fall out of step */
 #define MEAN_BITS_LEAST (8U) /* the mean lag is over 2^8 ticks at least */
 #define MEAN_BITS_MOST (14U)
 #define MEAN_FINER_BITS (14U)
@@ -215,7 +215,8 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
         step = towards_angle(probe, angle);
     } else {
         const int32_t lag = lag_of(probe, emf, probe->own_speed);
-        const int32_t mean = (probe->tracking > 0) ? 0 : fx_asr(probe->mean_lag_q29, MEAN_FINER_BITS);
+        const int32_t mean =
+            (probe->tracking > 0) ? 0 : fx_asr(probe->mean_lag_q29, MEAN_FINER_BITS);
 
         probe->lag_q15 = lag;
         average_lag(probe, lag);

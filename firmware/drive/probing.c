@@ -64,7 +64,8 @@ static dq_t demand(drive_t *drive)
     }
     current_loop_plan(&drive->current_loop, &probe->loop, s->current_ref,
                       drive_speed_q15(drive, drive->vector.step));
-    voltage = current_loop_step(&drive->current_loop, &probe->loop, s->current_ref, measured, limit);
+    voltage =
+        current_loop_step(&drive->current_loop, &probe->loop, s->current_ref, measured, limit);
     return pulses ? probe_voltage(probe, voltage) : voltage;
 }
 

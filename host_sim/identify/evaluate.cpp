@@ -77,6 +77,12 @@ void fill_motor(MotorSettings &motor, const Legs &legs, const Inductances &l, co
     motor.viscous_friction_nm_s = shaft.viscous_nm_s.value;
 }
 
+// As nf::bar_of() has it.
+double bar_of(const Value &value)
+{
+    return std::hypot(2 * value.std, value.bound);
+}
+
 void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, const Flux &flux,
                const Shaft &shaft)
 {
@@ -89,15 +95,15 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
     fill(l.q_h, m.inductance_q_std_pct, m.inductance_q_bound_pct);
     fill(flux.wb, m.flux_linkage_std_pct, m.flux_linkage_bound_pct);
     fill(shaft.inertia_kg_m2, m.inertia_std_pct, m.inertia_bound_pct);
-    m.viscous_friction_bar_nm_s = shaft.viscous_nm_s.std;
+    m.viscous_friction_bar_nm_s = bar_of(shaft.viscous_nm_s);
     m.coulomb_friction_nm = shaft.coulomb_nm.value;
-    m.coulomb_friction_bar_nm = shaft.coulomb_nm.std;
+    m.coulomb_friction_bar_nm = bar_of(shaft.coulomb_nm);
     m.dead_time_s = legs.dead_time_s();
-    m.dead_time_bar_s = (legs.loss_v.std + legs.loss_v.bound) * legs.period_s / legs.bus_v;
+    m.dead_time_bar_s = bar_of(legs.loss_v) * legs.period_s / legs.bus_v;
     m.knee_a = legs.knee_a.value;
-    m.knee_bar_a = legs.knee_a.std;
+    m.knee_bar_a = bar_of(legs.knee_a);
     m.gain_mismatch_pct = PER_CENT * legs.mismatch.value;
-    m.gain_mismatch_bar_pct = PER_CENT * legs.mismatch.std;
+    m.gain_mismatch_bar_pct = PER_CENT * bar_of(legs.mismatch);
 }
 
 void fill_conditions(MeasuredSettings &m, const Records &records, const Config &plate,
@@ -119,8 +125,7 @@ void fill_conditions(MeasuredSettings &m, const Records &records, const Config &
 void remark_flux(const Flux &flux, std::vector<std::string> &remarks)
 {
     const double apart = std::abs(flux.turning_wb.value - flux.coasting_wb.value);
-    const double bars = 2 * (flux.turning_wb.std + flux.coasting_wb.std) + flux.turning_wb.bound +
-                        flux.coasting_wb.bound;
+    const double bars = bar_of(flux.turning_wb) + bar_of(flux.coasting_wb);
     if (!flux.has_coasted) {
         remarks.emplace_back("the rotor stops too fast without current: φ is of turning alone");
     } else if (apart > bars) {
@@ -151,6 +156,7 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     result.measured.temperature_c = temperature_c;
     result.lost_time_s = lost_time_s(legs.dead_time_s(), legs.knee_a.value, current_a);
     result.lost_time_bar_s = result.measured.dead_time_bar_s;
+    result.flux = flux;
     remark_flux(flux, result.remarks);
     return result;
 }

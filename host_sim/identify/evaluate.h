@@ -16,6 +16,7 @@ struct Result {
     MeasuredSettings measured; // error bars and conditions
     double lost_time_s = 0;    // of a leg at the continuous current
     double lost_time_bar_s = 0;
+    Flux flux; // both ways to it
     std::vector<std::string>
         remarks; // a line each, for a person: what does not fit, what was not seen
 };

@@ -80,6 +80,10 @@ std::string json_text(const Result &result, const std::optional<Truth> &truth, d
             entry["truth"] = row.truth;
         }
     }
+    json["flux_turning_wb"] = result.flux.turning_wb.value;
+    if (result.flux.has_coasted) {
+        json["flux_coasting_wb"] = result.flux.coasting_wb.value;
+    }
     json["duration_s"] = duration_s;
     json["remarks"] = result.remarks;
     return json.dump(2) + '\n';

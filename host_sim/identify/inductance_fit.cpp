@@ -20,6 +20,10 @@ constexpr double FOUND = 1e-6;
 // What L of the loss is not known: the current ripples, and the edges of the pulses see another current than the mean.
 constexpr double LOSS_UNSURE = 0.02;
 constexpr double INDUCTANCE_SCALE = 2e-3; // voltage and ripple of the current
+// Of the result, found on simulated motors: what the loss and the current's decay in a period make of it.
+constexpr double ALONG_UNSURE = 3e-3;
+constexpr double ACROSS_LOSS_UNSURE = 0.1;
+constexpr double DECAY_UNSURE = 0.04;
 // Of 1/L at the continuous current: what the fourth power makes of it, and what as much current along does.
 constexpr double QUARTIC_MOST = 0.03;
 constexpr double SHARED_MOST = 0.1;
@@ -137,12 +141,11 @@ double mean_lost(const std::vector<Burst> &bursts)
     return sum / static_cast<double>(bursts.size());
 }
 
-// Of a fit's share L0/L.
-Value value_of(double inductance_h, double share, double std, double lost_share)
+// Of a fit's share L0/L. unsure: of the whole, a share.
+Value value_of(double inductance_h, double share, double std, double unsure)
 {
     const double inductance = inductance_h / share;
-    return {inductance, inductance * std / share,
-            inductance * (INDUCTANCE_SCALE + LOSS_UNSURE * lost_share)};
+    return {inductance, inductance * std / share, inductance * unsure};
 }
 
 } // namespace
@@ -166,9 +169,11 @@ Inductances fit_inductances(const Records &records, const Legs &legs, double cur
     found.quarter_s = largest(across, &Burst::quarter_s);
     const Fit d = fit_along(along, found.current_a);
     const Fit q = fit_across(across, found.current_a);
-    found.d_h = value_of(along.front().inductance_h, d.value[0], d.std[0], mean_lost(along));
+    const double decay = legs.resistance_ohm.value * legs.period_s / along.front().inductance_h;
+    found.d_h = value_of(along.front().inductance_h, d.value[0], d.std[0],
+                         ALONG_UNSURE + LOSS_UNSURE * mean_lost(along));
     found.q_h = value_of(across.front().inductance_h, q.value[0] + q.value[1] + q.value[2],
-                         q.std[0], mean_lost(across));
+                         q.std[0], ACROSS_LOSS_UNSURE * mean_lost(across) + DECAY_UNSURE * decay);
     return found;
 }
 

@@ -18,6 +18,9 @@ constexpr double HALF_SQRT3 = 0.86602540378443864676;
 // What is known of the way from the demand to the motor: the modulator's reciprocal of the bus is good to 2^-11, the
 // bus converter to half a count of 4096. It scales all voltages.
 constexpr double VOLTAGE_SCALE = 5e-4;
+// Found on simulated motors: of R, the sensors and what the curve's shape makes of it; of the bus voltage, the timer's steps.
+constexpr double RESISTANCE_UNSURE = 2e-3;
+constexpr double TIMER_UNSURE = 1.6e-5;
 
 // The share that is lost, knee.h.
 double share(double z)
@@ -63,17 +66,25 @@ Eigen::VectorXd residuals_of(const std::vector<Record> &levels, const Eigen::Vec
     return residuals;
 }
 
+double largest_current(const std::vector<Record> &levels)
+{
+    double largest = 0;
+    for (const Record &level : levels) {
+        largest = std::max(largest, level.i_a.real());
+    }
+    return largest;
+}
+
 // The knee decides into which valley the fit falls: the best of several beginnings.
 Fit fit_shape(const std::vector<Record> &levels, double (*shape)(double))
 {
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(levels.size()), 2);
     Eigen::VectorXd voltage(rows.rows());
-    double largest = 0;
+    const double largest = largest_current(levels);
     for (Eigen::Index k = 0; k < rows.rows(); k++) {
         const Record &level = levels[static_cast<std::size_t>(k)];
         rows.row(k) << level.i_a.real(), 1;
         voltage[k] = level.voltage_v.real();
-        largest = std::max(largest, level.i_a.real());
     }
     const Fit line = fit_linear(rows, voltage);
     Fit best;
@@ -87,6 +98,14 @@ Fit fit_shape(const std::vector<Record> &levels, double (*shape)(double))
         }
     }
     return best;
+}
+
+void add_scale_bounds(Legs &legs, double largest_a)
+{
+    const double drop_v = legs.resistance_ohm.value * largest_a;
+    legs.resistance_ohm.bound +=
+        (VOLTAGE_SCALE * drop_v + RESISTANCE_UNSURE * (drop_v + legs.loss_v.value)) / largest_a;
+    legs.loss_v.bound += VOLTAGE_SCALE * drop_v + TIMER_UNSURE * legs.bus_v;
 }
 
 } // namespace
@@ -136,11 +155,11 @@ Legs fit_legs(const Records &records)
     legs.mismatch = {fit.value[MISMATCH], fit.std[MISMATCH], 0};
     legs.knee_a.value = std::exp(fit.value[LOG_KNEE]);
     legs.knee_a.std = legs.knee_a.value * fit.std[LOG_KNEE];
-    legs.resistance_ohm.bound += VOLTAGE_SCALE * legs.resistance_ohm.value;
     for (const Record &level : levels) {
         legs.bus_v += level.bus_v / static_cast<double>(levels.size());
     }
     legs.period_s = records.scales.period_s;
+    add_scale_bounds(legs, largest_current(levels));
     return legs;
 }
 

@@ -43,8 +43,7 @@ std::array<Edge, 2 * LEGS> edges_of(Vector voltage, double bus_v)
         edges[static_cast<std::size_t>(leg)] = {(1 - duty) / 2, leg, true};
         edges[static_cast<std::size_t>(leg + LEGS)] = {(1 + duty) / 2, leg, false};
     }
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge &a, const Edge &b) { return a.at < b.at; });
+    std::sort(edges.begin(), edges.end(), [](const Edge &a, const Edge &b) { return a.at < b.at; });
     return edges;
 }
 
@@ -88,8 +87,7 @@ private:
     void run(Vector potential, double duration_s)
     {
         const Vector end = potential / legs_.resistance_ohm.value;
-        const double left =
-            std::exp(-legs_.resistance_ohm.value * duration_s / inductance_h_);
+        const double left = std::exp(-legs_.resistance_ohm.value * duration_s / inductance_h_);
         current_ = end + (current_ - end) * left;
     }
 

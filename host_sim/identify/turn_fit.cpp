@@ -16,16 +16,18 @@ constexpr double COAST_OFF =
     0.1; // of φ: such a coasting window is of a rotor that was lost or stands
 constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are slower
 constexpr double TORQUE_FACTOR = 1.5;
-constexpr double TWO_WAYS = 0.03; // apart: then the one with current counts
 constexpr double SAME_SPEED = 0.1;
 constexpr double HALF_CURRENT = 1.4; // times it is more than half
-constexpr double INERTIA_SCALE = 2e-3;
-constexpr double TORQUE_UNSURE = 6e-4; // of what the current can pull: angle of the voltage, delays
+constexpr double INERTIA_SCALE = 5e-3;
+constexpr double TORQUE_UNSURE = 7e-4; // of what the current can pull: angle of the voltage, delays
 constexpr double HELD_UNSURE = 2e-3;   // likewise, at constant speed
 constexpr double COAST_SETTLED_TICKS =
     1500;                            // the frame has found the rotor, and its current is over
-constexpr double TURN_UNSURE = 0.01; // rad, of the frame's angle at the ends of a window
-constexpr double FLUX_SCALE = 3e-3;  // voltage and speed are known to
+constexpr double TURN_UNSURE = 0.03; // rad, of the frame's angle at the ends of a window
+constexpr double TURNING_LOSS_UNSURE = 0.07; // ripple: a leg whose current is smaller loses nothing
+constexpr double ALIKE_UNSURE = 3;         // of friction: windows that follow each other err alike
+constexpr double BOTH_LOSS_UNSURE = 0.024; // of both ways together, found on simulated motors
+constexpr double FLUX_SCALE = 3e-3;        // voltage and speed are known to
 
 double sinc(double x)
 {
@@ -111,25 +113,58 @@ Value turning_flux(const Records &records, const Legs &legs, const Inductances &
     const double at_whole = median_of(whole);
     const double ratio = std::abs(half.i_a) / std::abs(turning[turning.size() - 2].i_a);
     const double change = (at_whole - at_half) * ratio / (1 - ratio);
-    return {at_half - change, std::abs(change) / 3 + scatter_of(whole), FLUX_SCALE * at_half};
+    const double lost = legs.lost_turning_v(std::abs(half.i_a)) / half.speed_el_rad_s;
+    return {at_half - change, std::abs(change) / 3 + scatter_of(whole),
+            FLUX_SCALE * at_half + TURNING_LOSS_UNSURE * lost};
 }
 
-// Small currents flow as the control lets them, and the legs lose by them.
-double coasting_flux(const Record &r, const Legs &legs)
+// The EMF falls, and a small current flows as the control lets it. The legs lose something by it: nothing where the ripple
+// is larger than current and knee, all that fit_legs() says where it is smaller. The mean of both counts, and the bar has both ends.
+Value coasting_flux(const Record &r, const Legs &legs)
 {
-    return std::abs(induced_v(r, legs)) / std::abs(r.speed_el_rad_s);
+    const double size = std::abs(r.i_a);
+    const double w = std::abs(r.speed_el_rad_s);
+    const double most = std::abs(induced_v(r, legs)) / w;
+    const double lost = size > 0 ? legs.lost_turning_v(size) / w : 0;
+    return {most + lost / 2, 0, lost / 2 + FLUX_SCALE * most};
 }
 
-std::vector<double> coasting_fluxes(const Records &records, const Legs &legs, double flux)
+// The windows in which the frame has found the rotor, and no current is left.
+std::vector<Record> settled_coasting(const Records &records, double flux)
 {
-    std::vector<double> found;
+    std::vector<Record> settled;
+    double ticks = 0;
     for (const Record &r : records.of("coast")) {
-        const double one = coasting_flux(r, legs);
-        if (found.size() < COAST_WINDOWS && std::abs(one - flux) < COAST_OFF * flux) {
-            found.push_back(one);
+        const double wb = std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
+        if (ticks >= COAST_SETTLED_TICKS && std::abs(wb - flux) < COAST_OFF * flux) {
+            settled.push_back(r);
+        }
+        ticks += r.ticks;
+    }
+    return settled;
+}
+
+// Of the first windows: later ones are slower.
+std::vector<Value> coasting_fluxes(const Records &records, const Legs &legs, double flux)
+{
+    std::vector<Value> found;
+    for (const Record &r : settled_coasting(records, flux)) {
+        if (found.size() < COAST_WINDOWS) {
+            found.push_back(coasting_flux(r, legs));
         }
     }
     return found;
+}
+
+Value mean_flux(const std::vector<Value> &fluxes)
+{
+    std::vector<double> values;
+    double bound = 0;
+    for (const Value &flux : fluxes) {
+        values.push_back(flux.value);
+        bound = std::max(bound, flux.bound);
+    }
+    return {median_of(values), scatter_of(values), bound};
 }
 
 // Both by the squares of their bars.
@@ -140,8 +175,8 @@ Value combined(const Value &a, const Value &b)
     const double share = bar_b / (bar_a + bar_b);
     Value both;
     both.value = share * a.value + (1 - share) * b.value;
-    both.std = std::abs(a.value - b.value) / 3;
-    both.bound = share * a.bound + (1 - share) * b.bound;
+    both.std = std::hypot(share * a.std, (1 - share) * b.std);
+    both.bound = std::min({std::abs(a.value - b.value), a.bound, b.bound});
     return both;
 }
 
@@ -236,15 +271,7 @@ void add_coasting_drags(const Records &records, double inertia, const Flux &flux
 {
     const double period_s = records.scales.period_s;
     const double factor = TORQUE_FACTOR * records.scales.pole_pairs;
-    std::vector<Record> windows;
-    double ticks = 0;
-    for (const Record &r : records.of("coast")) {
-        const double wb = std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
-        if (ticks >= COAST_SETTLED_TICKS && std::abs(wb - flux.wb.value) < COAST_OFF * wb) {
-            windows.push_back(r);
-        }
-        ticks += r.ticks;
-    }
+    const std::vector<Record> windows = settled_coasting(records, flux.wb.value);
     for (std::size_t k = 0; k + 1 < windows.size(); k++) {
         const Record &a = windows[k];
         const Record &b = windows[k + 1];
@@ -268,7 +295,7 @@ void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
         torque[k] = drag.torque / drag.unsure;
     }
     const Fit fit = fit_linear(rows, torque);
-    const double scale = fit.rms > 1 ? 1 : 1 / std::max(fit.rms, 1e-9);
+    const double scale = ALIKE_UNSURE / std::clamp(fit.rms, 1e-9, 1.0);
     shaft.viscous_nm_s = {std::max(fit.value[0], 0.0), fit.std[0] * scale, 0};
     shaft.coulomb_nm = {std::max(fit.value[1], 0.0), fit.std[1] * scale, 0};
 }
@@ -279,16 +306,17 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
 {
     Flux flux;
     flux.turning_wb = turning_flux(records, legs, inductances);
-    const std::vector<double> coasting = coasting_fluxes(records, legs, flux.turning_wb.value);
+    const std::vector<Value> coasting = coasting_fluxes(records, legs, flux.turning_wb.value);
     flux.has_coasted = coasting.size() > 1;
     flux.wb = flux.turning_wb;
     if (flux.has_coasted) {
-        const double middle = median_of(coasting);
-        flux.coasting_wb = {middle, scatter_of(coasting), FLUX_SCALE * middle};
-        // a rotor that stops fast leaves a current that the control has not followed
-        const double apart = std::abs(flux.coasting_wb.value / flux.turning_wb.value - 1);
-        flux.wb = apart < TWO_WAYS ? combined(flux.turning_wb, flux.coasting_wb) : flux.turning_wb;
+        flux.coasting_wb = mean_flux(coasting);
+        flux.wb = combined(flux.turning_wb, flux.coasting_wb);
     }
+    const Record &last = records.of("spin").back();
+    flux.wb.bound =
+        std::hypot(flux.wb.bound, BOTH_LOSS_UNSURE * legs.lost_turning_v(std::abs(last.i_a)) /
+                                      last.speed_el_rad_s);
     for (const Record &r : records.all) {
         flux.speed_el_rad_s = std::max(flux.speed_el_rad_s, r.speed_el_rad_s);
     }
