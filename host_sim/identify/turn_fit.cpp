@@ -25,7 +25,7 @@ constexpr double COAST_SETTLED_TICKS =
     1500;                            // the frame has found the rotor, and its current is over
 constexpr double TURN_UNSURE = 0.03; // rad, of the frame's angle at the ends of a window
 constexpr double TURNING_LOSS_UNSURE = 0.07; // ripple: a leg whose current is smaller loses nothing
-constexpr double ALIKE_UNSURE = 3;         // of friction: windows that follow each other err alike
+constexpr double ALIKE_UNSURE = 4;         // of friction: windows that follow each other err alike
 constexpr double BOTH_LOSS_UNSURE = 0.024; // of both ways together, found on simulated motors
 constexpr double FLUX_SCALE = 3e-3;        // voltage and speed are known to
 
