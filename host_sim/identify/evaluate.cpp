@@ -20,6 +20,7 @@ constexpr double SQRT3 = 1.7320508075688772935;
 constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are those of one board
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
+constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one is none
 constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
@@ -84,7 +85,7 @@ double bar_of(const Value &value)
 }
 
 void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, const Flux &flux,
-               const Shaft &shaft)
+               const Shaft &shaft, double current_a)
 {
     const auto fill = [](const Value &value, double &std_pct, double &bound_pct) {
         std_pct = pct(value.std, value.value);
@@ -100,8 +101,10 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
     m.coulomb_friction_bar_nm = bar_of(shaft.coulomb_nm);
     m.dead_time_s = legs.dead_time_s();
     m.dead_time_bar_s = bar_of(legs.loss_v) * legs.period_s / legs.bus_v;
-    m.knee_a = legs.knee_a.value;
-    m.knee_bar_a = bar_of(legs.knee_a);
+    if (legs.knee_a.value > KNEE_SEEN * current_a) {
+        m.knee_a = legs.knee_a.value;
+        m.knee_bar_a = bar_of(legs.knee_a);
+    }
     m.gain_mismatch_pct = PER_CENT * legs.mismatch.value;
     m.gain_mismatch_bar_pct = PER_CENT * bar_of(legs.mismatch);
 }
@@ -151,7 +154,7 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     fill_motor(result.motor, legs, inductances, flux, shaft);
     result.motor.rated_torque_nm = 1.5 * plate.motor.pole_pairs * flux.wb.value * current_a;
     result.motor.rated_speed_rpm = rated_speed_rpm(result.motor, plate, current_a);
-    fill_bars(result.measured, legs, inductances, flux, shaft);
+    fill_bars(result.measured, legs, inductances, flux, shaft, current_a);
     fill_conditions(result.measured, records, plate, legs, inductances, flux);
     result.measured.temperature_c = temperature_c;
     result.lost_time_s = lost_time_s(legs.dead_time_s(), legs.knee_a.value, current_a);

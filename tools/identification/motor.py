@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 NUMBERS = ("resistance_ohm", "inductance_d_h", "inductance_q_h", "flux_linkage_wb", "inertia_kg_m2")
-DEAD_TIME = 0.5, 1.5     # of the board's, both in turn with equal chance per cent
+DEAD_TIME = 0.5, 1.5     # of the board's
 SATURATION_PCT = {"d": 10, "q": 20, "cross": 50}   # at most, as host_sim/imperfections/saturated.toml counts them
 LONGEST_S = 120
 
