@@ -23,7 +23,7 @@ results are off and how often the truth lies within their bars. Then runs the dr
   tools/measure_zoo --motors 20 --seed 7
   tools/measure_zoo --no-run             only the identification
 
-The motor files, the console's lines and the results stay in build/identified/SEED.
+The motor files, the console's lines and the results stay in the folder.
 """
 
 
@@ -38,6 +38,8 @@ def parser():
     found.add_argument("--seed", type=whole, default=2026, help="of the zoo; default 2026")
     found.add_argument("--motors", type=whole, default=500, help="so many, from number 0 on; default 500")
     found.add_argument("--no-run", action="store_true", help="do not run the drive with the results")
+    found.add_argument("--motorsim", type=Path, default=ROOT / "build/host/motorsim", help="the program, with nfconfig beside it")
+    found.add_argument("--out", type=Path, help="folder of the results; default build/identified/SEED")
     return found
 
 
@@ -60,14 +62,14 @@ def all_of(args, programs, folder):
     return results
 
 
-def main():
-    args = parser().parse_args()
-    programs = motor.Programs(ROOT / "build/host/motorsim", ROOT / "build/host/nfconfig")
+def main(words=None):
+    args = parser().parse_args(words)
+    programs = motor.Programs(args.motorsim.resolve(), args.motorsim.resolve().with_name("nfconfig"))
     for program in (programs.motorsim, programs.nfconfig):
         if not os.access(program, os.X_OK):
             print(f"measure_zoo: {program}: no program; run tools/dev build", file=sys.stderr)
             return BAD_INPUT
-    folder = ROOT / "build/identified" / str(args.seed)
+    folder = args.out or ROOT / "build/identified" / str(args.seed)
     folder.mkdir(parents=True, exist_ok=True)
     try:
         results = all_of(args, programs, folder)
