@@ -424,10 +424,9 @@ static void test_pulses_are_one_quarter_up_two_down_one_up_again_and_again(void)
 
             note(1U);
             TEST_ASSERT_TRUE(probe_pulses(&probe));
-            /* what the current control would demand counts in the first tick only */
-            voltage = probe_voltage(&probe, (dq_t){500 + (int32_t)k, -200 + (int32_t)k});
-            TEST_ASSERT_EQUAL_INT32(500 + (sign * 1000), voltage.d);
-            TEST_ASSERT_EQUAL_INT32(-200 + (sign * 30), voltage.q);
+            voltage = probe_voltage(&probe, (dq_t){500 + (int32_t)k, -200 - (int32_t)k});
+            TEST_ASSERT_EQUAL_INT32(500 + (int32_t)k + (sign * 1000), voltage.d);
+            TEST_ASSERT_EQUAL_INT32(-200 - (int32_t)k + (sign * 30), voltage.q);
         }
         note(1U);
         TEST_ASSERT_FALSE(probe_pulses(&probe));
@@ -435,7 +434,7 @@ static void test_pulses_are_one_quarter_up_two_down_one_up_again_and_again(void)
     }
 }
 
-static void test_control_pauses_in_a_window_with_a_pulse_voltage_only(void)
+static void test_pulses_are_added_in_a_window_with_a_pulse_voltage_only(void)
 {
     set(PROBE_PULSE_D, 1);
     TEST_ASSERT_FALSE(probe_pulses(&probe));
@@ -463,20 +462,37 @@ static void check_voltage(int32_t steady, int32_t first, int32_t second)
         TEST_ASSERT_EQUAL_INT32(first, along ? voltage.d : voltage.q);
         TEST_ASSERT_EQUAL_INT32(5, along ? voltage.q : voltage.d);
         note(1U);
-        voltage = probe_voltage(&probe, (dq_t){0, 0});
+        voltage = probe_voltage(&probe, along ? (dq_t){steady, 5} : (dq_t){5, steady});
         TEST_ASSERT_EQUAL_INT32(second, along ? voltage.d : voltage.q);
     }
 }
 
-/* The voltage that is held ends at 16 bits, that with the pulse at ±32767. */
+static void test_the_control_sees_its_reference_along_the_pulses_and_the_current_across(void)
+{
+    const dq_t reference = {100, 7};
+    const dq_t measured = {130, -20};
+    dq_t seen;
+
+    set(PROBE_PULSE_D, 1);
+    seen = probe_controlled(&probe, reference, measured);
+    TEST_ASSERT_EQUAL_INT32(100, seen.d);
+    TEST_ASSERT_EQUAL_INT32(-20, seen.q);
+    set(PROBE_PULSE_D, 0);
+    set(PROBE_PULSE_Q, 1);
+    seen = probe_controlled(&probe, reference, measured);
+    TEST_ASSERT_EQUAL_INT32(130, seen.d);
+    TEST_ASSERT_EQUAL_INT32(7, seen.q);
+}
+
+
 static void test_the_voltage_of_pulses_saturates(void)
 {
     check_voltage(22767, 32767, 12767);
     check_voltage(22768, 32767, 12768);
     check_voltage(-22767, -12767, -32767);
     check_voltage(-22768, -12768, -32767);
-    check_voltage(100000, 32767, 22767);
-    check_voltage(-100000, -22768, -32767);
+    check_voltage(32767, 32767, 22767);
+    check_voltage(-32768, -22768, -32767);
 }
 
 /* Sample k of a window is the (k+1)th: what is demanded in tick k changes the current from sample k+1 to k+2. */
@@ -656,10 +672,10 @@ static void test_a_vector_that_is_stopped_ramps_down_and_then_goes_to_its_angle(
     set(PROBE_SPEED, 0);
     TEST_ASSERT_EQUAL_INT32(40, turn((dq_t){3000, 4000}));
     TEST_ASSERT_TRUE(probe.lag_q15 != 0);
-    TEST_ASSERT_TRUE(probe.mean_lag_q27 != 0);
+    TEST_ASSERT_TRUE(probe.mean_lag_q29 != 0);
     TEST_ASSERT_EQUAL_INT32(7, turn((dq_t){3000, 4000}));
     TEST_ASSERT_EQUAL_INT32(0, probe.lag_q15);
-    TEST_ASSERT_EQUAL_INT32(0, probe.mean_lag_q27);
+    TEST_ASSERT_EQUAL_INT32(0, probe.mean_lag_q29);
 }
 
 static void test_a_vector_that_is_to_turn_has_a_lag_before_it_does(void)
@@ -741,15 +757,15 @@ static void test_an_emf_below_the_full_one_counts_less(void)
 #define K_1 (0x100000) /* 2^20: 16 steps for an LSB of the lag */
 #define SPEED (1000000)
 
-/* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/1024. */
+/* floor(K·lag/2^16) of the lag less its mean, which the first tick finds at 0 and the second at 19660/2^14, 1.2. */
 static void test_the_vector_is_damped_by_what_the_lag_is_off_its_mean(void)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, K_1);
     TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
-    TEST_ASSERT_EQUAL_INT32(19660, probe.mean_lag_q27);
-    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * (19660 - 19)), turn((dq_t){3000, 4000}));
-    TEST_ASSERT_EQUAL_INT32(19660 + 19660 - 19, probe.mean_lag_q27);
+    TEST_ASSERT_EQUAL_INT32(19660, probe.mean_lag_q29);
+    TEST_ASSERT_EQUAL_INT32(SPEED - (16 * (19660 - 1)), turn((dq_t){3000, 4000}));
+    TEST_ASSERT_EQUAL_INT32(19660 + 19660 - 2, probe.mean_lag_q29);
     TEST_ASSERT_EQUAL_INT32(SPEED, probe.own_speed);
 }
 
@@ -760,18 +776,18 @@ static void test_damping_is_of_the_same_size_backwards(void)
     TEST_ASSERT_EQUAL_INT32(-SPEED + (16 * 19660), turn((dq_t){3000, 4000}));
 }
 
-/* 1024·ln(19660) ticks to an LSB, and 1024 for that. */
+/* 2^14·ln(2·19660) ticks to half an LSB. */
 static void test_a_constant_lag_does_not_slow_the_vector_down(void)
 {
     step_t step = 0;
 
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, K_1);
-    for (uint32_t k = 0U; k < 20000U; k++) {
+    for (uint32_t k = 0U; k < 200000U; k++) {
         step = turn((dq_t){3000, 4000});
     }
     TEST_ASSERT_EQUAL_INT32(SPEED, step);
-    TEST_ASSERT_EQUAL_INT32(1024 * 19660, probe.mean_lag_q27);
+    TEST_ASSERT_INT32_WITHIN(16384, 16384 * 19660, probe.mean_lag_q29);
 }
 
 static void test_damping_takes_or_adds_half_of_the_speed_at_most(void)
@@ -793,12 +809,12 @@ static void test_damping_takes_or_adds_half_of_the_speed_at_most(void)
     TEST_ASSERT_EQUAL_INT32(-1000001 - 500000, turn(ahead));
 }
 
-/* 3000 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
+/* 3·2^14 ticks bring the mean to 0.95 of 32767. Against it the lag is −1.95, which counts as −1: 2^16·(−1). */
 static void test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one(void)
 {
     begin_to_turn(SPEED);
     set(PROBE_DAMPING, 0x10000);
-    for (uint32_t k = 0U; k < 3000U; k++) {
+    for (uint32_t k = 0U; k < (3U << 14U); k++) {
         (void)turn((dq_t){4000, 0});
     }
     TEST_ASSERT_EQUAL_INT32(SPEED + 32768, turn((dq_t){-4000, 0}));
@@ -815,14 +831,14 @@ static void test_tracking_moves_the_own_speed_by_the_whole_lag(void)
     TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
     TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), probe.own_speed);
     TEST_ASSERT_EQUAL_INT32(SPEED - (32 * 19660), turn((dq_t){3000, 4000}));
-    TEST_ASSERT_EQUAL_INT32(3 * 19660, probe.mean_lag_q27);
+    TEST_ASSERT_EQUAL_INT32(19660 + 19658 + 19657, probe.mean_lag_q29);
 }
 
-/* The first 2000 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off. */
+/* The first 2^15 ticks bring the mean to 0.86 of the lag: without tracking it would be taken off. */
 static void test_tracking_damps_with_the_whole_lag(void)
 {
     begin_to_turn(SPEED);
-    for (uint32_t k = 0U; k < 2000U; k++) {
+    for (uint32_t k = 0U; k < (1U << 15U); k++) {
         (void)turn((dq_t){3000, 4000});
     }
     set(PROBE_DAMPING, K_1);
@@ -831,18 +847,39 @@ static void test_tracking_damps_with_the_whole_lag(void)
     TEST_ASSERT_EQUAL_INT32(SPEED - (16 * 19660), turn((dq_t){3000, 4000}));
 }
 
-static void test_the_mean_of_a_lag_that_stays_ends_at_28_bits(void)
+/* Within 2^-15 of the whole lag, to which its steps no longer reach. */
+static void test_the_mean_of_a_lag_that_stays_is_that_lag(void)
 {
     begin_to_turn(SPEED);
-    set(PROBE_TRACKING, 1);
-    for (uint32_t k = 0U; k < 5000U; k++) { /* 2^27 over 32767 is 4096 */
+    for (uint32_t k = 0U; k < 400000U; k++) {
         (void)turn((dq_t){4000, 0});
     }
-    TEST_ASSERT_EQUAL_INT32(0x7FFFFFF, probe.mean_lag_q27);
-    for (uint32_t k = 0U; k < 10000U; k++) {
+    TEST_ASSERT_INT32_WITHIN(16384, 16384 * 32767, probe.mean_lag_q29);
+    for (uint32_t k = 0U; k < 400000U; k++) {
         (void)turn((dq_t){-4000, 0});
     }
-    TEST_ASSERT_EQUAL_INT32(-0x8000000, probe.mean_lag_q27);
+    TEST_ASSERT_INT32_WITHIN(16384, -16384 * 32767, probe.mean_lag_q29);
+}
+
+/* 8/K = 2^bits: K = 0.03125 a tick for 2^8, which is a word of 2·0.03125·2^32/(2·pi). */
+static void test_the_mean_is_the_longer_the_weaker_the_damping(void)
+{
+    static const struct {
+        int32_t damping;
+        uint32_t bits;
+    } means[] = {
+        {SPEED_MAX, 8U}, {42722830, 8U}, {42722829, 9U}, {21361415, 9U}, {21361414, 10U},
+        {10680707, 10U}, {5340353, 11U}, {2670176, 12U}, {1335088, 13U}, {1335087, 14U},
+        {0, 14U},
+    };
+
+    for (uint32_t k = 0U; k < COUNT(means); k++) {
+        setUp();
+        begin_to_turn(SPEED);
+        set(PROBE_DAMPING, means[k].damping);
+        (void)turn((dq_t){3000, 4000});
+        TEST_ASSERT_EQUAL_INT32((19660 * 16384) >> means[k].bits, probe.mean_lag_q29);
+    }
 }
 
 static void test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick(void)
@@ -881,8 +918,9 @@ int main(void)
     RUN_TEST(test_torque_saturates_as_emf_current_and_quotient_do);
     RUN_TEST(test_what_the_legs_lose_is_no_torque);
     RUN_TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again);
-    RUN_TEST(test_control_pauses_in_a_window_with_a_pulse_voltage_only);
+    RUN_TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only);
     RUN_TEST(test_the_voltage_of_pulses_saturates);
+    RUN_TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across);
     RUN_TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before);
     RUN_TEST(test_a_sum_that_was_beyond_its_end_counts_from_there);
     RUN_TEST(test_sums_of_the_pulses_end_likewise);
@@ -901,7 +939,8 @@ int main(void)
     RUN_TEST(test_a_lag_that_is_off_its_mean_by_more_than_one_counts_as_one);
     RUN_TEST(test_tracking_moves_the_own_speed_by_the_whole_lag);
     RUN_TEST(test_tracking_damps_with_the_whole_lag);
-    RUN_TEST(test_the_mean_of_a_lag_that_stays_ends_at_28_bits);
+    RUN_TEST(test_the_mean_of_a_lag_that_stays_is_that_lag);
+    RUN_TEST(test_the_mean_is_the_longer_the_weaker_the_damping);
     RUN_TEST(test_no_speed_is_beyond_an_eighth_of_a_turn_a_tick);
     return UNITY_END();
 }

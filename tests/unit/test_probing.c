@@ -459,7 +459,7 @@ static void test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_i
 /* L·di/dt = v: Q15 of U_b a tick make so much of I_b, T/L·U_b/I_b. */
 #define RISE (1e-4 / 0.0116 * 450.0 / 40.0)
 
-static void test_control_pauses_while_pulses_ride_on_its_voltage(void)
+static void test_along_pulses_the_control_holds_its_voltage(void)
 {
     dq_t held;
     int32_t integral;
@@ -589,7 +589,7 @@ int main(void)
     RUN_TEST(test_the_vector_turns_with_its_speed_and_is_the_position);
     RUN_TEST(test_dead_time_is_not_compensated_and_the_voltage_is_turned_for_its_period);
     RUN_TEST(test_the_current_becomes_what_its_word_says_and_the_rotor_rests_on_it);
-    RUN_TEST(test_control_pauses_while_pulses_ride_on_its_voltage);
+    RUN_TEST(test_along_pulses_the_control_holds_its_voltage);
     RUN_TEST(test_a_load_shows_as_lag_and_torque_in_both_directions);
     RUN_TEST(test_any_words_and_samples_leave_each_field_in_its_range);
     RUN_TEST(test_pulses_ride_on_what_the_control_demands_without_an_error);
