@@ -500,6 +500,17 @@ void check_new(const IdentifyArguments &arguments)
     }
 }
 
+// An identification takes a while: what cannot be written is said before it.
+void check_outputs(const IdentifyArguments &arguments)
+{
+    check_new(arguments);
+    for (const std::string &path : {arguments.output, arguments.log, arguments.json}) {
+        if (!path.empty() && path != "-") {
+            nf::OutputFile{path};
+        }
+    }
+}
+
 int identify_records(const IdentifyArguments &arguments)
 {
     if (arguments.motor.empty() || arguments.board.empty()) {
@@ -548,7 +559,7 @@ int identify(const IdentifyArguments &arguments)
     if (arguments.scenario.empty() == arguments.records.empty()) {
         throw FileError("name a scenario, whose motor is simulated, or --records FILE of a board");
     }
-    check_new(arguments);
+    check_outputs(arguments);
     return arguments.records.empty() ? identify_simulated(arguments) : identify_records(arguments);
 }
 

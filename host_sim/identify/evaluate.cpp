@@ -67,6 +67,21 @@ double rated_speed_rpm(const MotorSettings &motor, const Config &plate, double c
     return std::min(std::floor(rpm / place) * place, motor.max_speed_rpm);
 }
 
+// The EMF at the highest speed has to leave the bus its margin, whatever φ is within its bar.
+void bound_max_speed(MotorSettings &motor, const Config &plate, double flux_wb,
+                     std::vector<std::string> &remarks)
+{
+    const double left_v = plate.board.bus_nominal_v / SQRT3 *
+                          (1 - plate.board.duty_margin_pct / PER_CENT);
+    const double rpm = left_v / flux_wb / motor.pole_pairs / RAD_S_PER_RPM;
+    if (rpm < motor.max_speed_rpm) {
+        remarks.push_back(fmt::format(
+            "max_speed_rpm is {:.0f} in place of {:g}: the EMF needs the rest of the bus voltage",
+            std::floor(rpm), motor.max_speed_rpm));
+        motor.max_speed_rpm = std::floor(rpm);
+    }
+}
+
 void fill_motor(MotorSettings &motor, const Legs &legs, const Inductances &l, const Flux &flux,
                 const Shaft &shaft)
 {
@@ -152,6 +167,7 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     Result result;
     result.motor = plate.motor;
     fill_motor(result.motor, legs, inductances, flux, shaft);
+    bound_max_speed(result.motor, plate, flux.wb.value + bar_of(flux.wb), result.remarks);
     result.motor.rated_torque_nm = 1.5 * plate.motor.pole_pairs * flux.wb.value * current_a;
     result.motor.rated_speed_rpm = rated_speed_rpm(result.motor, plate, current_a);
     fill_bars(result.measured, legs, inductances, flux, shaft, current_a);

@@ -70,16 +70,16 @@ const char *const WRITTEN = "# Identified.\n"
                             "[motor]\n"
                             "name = \"a \\\"quoted\\\" \\\\ name, Ω\"\n"
                             "pole_pairs = 7\n"
-                            "resistance_ohm = 0.03912 # ± 0.00020 Ω\n"
-                            "inductance_d_h = 1.571e-05 # ± 1.7e-07 H\n"
+                            "resistance_ohm = 0.03912 # ± 0.00028 Ω\n"
+                            "inductance_d_h = 1.571e-05 # ± 3.3e-07 H\n"
                             "inductance_q_h = 1.61e-05 # ± 2.0e-06 H\n"
-                            "flux_linkage_wb = 0.002917 # ± 1.5e-05 Wb\n"
-                            "rated_torque_nm = 0.6126 # ± 0.0031 N·m\n"
+                            "flux_linkage_wb = 0.002917 # ± 2.9e-05 Wb\n"
+                            "rated_torque_nm = 0.6126 # ± 0.0061 N·m\n"
                             "rated_speed_rpm = 5000\n"
                             "max_speed_rpm = 5400.25\n"
                             "max_current_a = 30\n"
                             "continuous_current_a = 20\n"
-                            "inertia_kg_m2 = 0.0002030 # ± 6.1e-06 kg·m²\n"
+                            "inertia_kg_m2 = 0.000203 # ± 1.2e-05 kg·m²\n"
                             "viscous_friction_nm_s = 2.1e-05 # ± 3.0e-05 N·m·s\n"
                             "\n"
                             "[measured]\n"
@@ -269,7 +269,7 @@ void the_firmwares_numbers_are_shown_with_their_bars()
                 "[measured]\nresistance_std_pct = 0.3\nresistance_bound_pct = 0.4\n"
                 "dead_time_s = 1e-6\ndead_time_bar_s = 5e-8\n");
     const nf::Config config = nf::load_scenario("s");
-    TEST_ASSERT_EQUAL_STRING("R = 2.1245 Ohm, measured ± 0.50 %",
+    TEST_ASSERT_EQUAL_STRING("R = 2.1245 Ohm, measured ± 0.72 %",
                              meaning(config, "current_loop.resistance_q13").c_str());
     TEST_ASSERT_EQUAL_STRING("φ = 0.38703 Wb", meaning(config, "current_loop.emf_q13").c_str());
     const std::string dead_time = meaning(config, "modulator.dead_time_q15");

@@ -77,14 +77,21 @@ static void test_it_is_refused_unless_the_drive_is_ready(void)
     TEST_ASSERT_EQUAL_STRING("", pass());
 }
 
-static void test_it_is_refused_with_a_continuous_current_in_the_noise_of_the_converter(void)
+/* 192/32768 of 40 A are 0.2344 A. */
+static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes(void)
 {
     cfg.derating.current_continuous = 191;
-    TEST_ASSERT_EQUAL_STRING_LEN("the continuous current is below 1.2 %", identify_start(&identify),
-                                 37U);
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_STRING(
+        "identify refused: the continuous current of the name plate is too small for this board's "
+        "sensors, it takes at least 0.235 A\r\n",
+        pass());
     TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    tick_period();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
     cfg.derating.current_continuous = 192;
     TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_STRING_LEN("identify 1 ", pass(), 11U);
 }
 
 static void test_it_is_refused_while_it_is_under_way(void)
@@ -106,7 +113,8 @@ static void test_it_says_its_scales_and_what_it_will_do_before_it_does_it(void)
     setUp();
     start();
     TEST_ASSERT_EQUAL_STRING("identify 1 100000000 20000000 450000000 2 11\r\n", next_line());
-    TEST_ASSERT_EQUAL_STRING("pulses on each phase, the shaft rests, up to 6.718 A\r\n",
+    TEST_ASSERT_EQUAL_STRING("pulses on each phase, the shaft hardly moves, up to 6.718 A; behind "
+                             "them it turns, up to 1333 rpm\r\n",
                              next_line());
 }
 
@@ -324,14 +332,15 @@ static void assert_says_of(identify_phase_t phase, const char *line)
     TEST_ASSERT_EQUAL_STRING(line, pass());
 }
 
-/* 6.71875 A, 1.8 and 3/4 of it, and half of 2000 rpm: before each phase a person knows what the shaft will do. */
+/* 6.71875 A, the largest and 3/4 of it, and half of 2000 rpm with a third for swings: before each phase a person knows what the shaft will do. */
 static void test_each_phase_is_told_before_it_begins(void)
 {
     begin();
     assert_says_of(IDENTIFY_CATCH,
-                   "the shaft turns by up to one electrical turn, with 6.718 A\r\n");
-    assert_says_of(IDENTIFY_STILL, "the shaft goes to three angles, up to 8.999 A\r\n");
-    assert_says_of(IDENTIFY_SPIN, "the shaft turns, up to 1000 rpm, with 5.039 A\r\n");
+                   "the shaft turns by up to one and a half electrical turns, with 6.718 A\r\n");
+    assert_says_of(IDENTIFY_STILL,
+                   "the shaft goes to three angles of an electrical turn, up to 8.999 A\r\n");
+    assert_says_of(IDENTIFY_SPIN, "the shaft turns, up to 1333 rpm, with 5.039 A\r\n");
     assert_says_of(IDENTIFY_RAMP, "between half of that speed and the whole\r\n");
     assert_says_of(IDENTIFY_COAST, "no current, the shaft coasts\r\n");
     assert_says_of(IDENTIFY_ENDS, "identify done\r\n");
@@ -645,19 +654,18 @@ static void test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates(vo
     assert_ended();
 }
 
-static void noisy(int32_t noise_a, int32_t noise_b, const char *expected)
+static void noisy(uint32_t step, int32_t noise_a, int32_t noise_b, const char *expected)
 {
     setUp();
     begin();
-    identify_aim_phase(&identify, IDENTIFY_CATCH);
-    identify_aim_window(&identify, "catch", 0, 10);
-    identify.said = IDENTIFY_CATCH;
+    identify_aim_window(&identify, "pulse", 0, 10);
+    identify.step = step;
     identify.wait = IDENTIFY_MEASURING;
     tick_period();
     identify.in_force[IDENTIFY_WORDS - 1U] = app.drive.probe.window;
     app.drive.probe.sums = (probe_sums_t){.noise_a = noise_a, .noise_b = noise_b};
-    TEST_ASSERT_EQUAL_STRING_LEN("= catch", next_line(), 7U);
-    TEST_ASSERT_EQUAL(expected == NULL ? IDENTIFY_CATCH : IDENTIFY_ENDS, identify.phase);
+    TEST_ASSERT_EQUAL_STRING_LEN("= pulse", next_line(), 7U);
+    TEST_ASSERT_EQUAL(expected == NULL ? IDENTIFY_PULSE : IDENTIFY_ENDS, identify.phase);
     if (expected != NULL) {
         TEST_ASSERT_EQUAL_STRING(expected, next_line());
     }
@@ -669,29 +677,22 @@ static void test_sensors_that_are_too_noisy_are_refused(void)
     static const char *const NOISE = "identify refused: the noise of the current sensors is too "
                                      "large for the continuous current\r\n";
 
-    noisy(3449, 3449, NULL);
-    noisy(3450, 0, NOISE);
-    noisy(0, 3450, NOISE);
+    noisy(1U, 3449, 3449, NULL);
+    noisy(1U, 3450, 0, NOISE);
+    noisy(IDENTIFY_AXES, 0, 3450, NOISE);
 }
 
 /* They change the current themselves. */
-static void test_pulses_are_no_noise(void)
+static void test_larger_pulses_are_no_noise(void)
 {
-    begin();
-    while (!is_measured()) {
-        (void)pass();
-        tick(1U);
-    }
-    *sums() = (probe_sums_t){.noise_a = 64 * 400};
-    (void)next_line();
-    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
+    noisy(IDENTIFY_AXES + 1U, 3450, 3450, NULL);
 }
 
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_it_is_refused_unless_the_drive_is_ready);
-    RUN_TEST(test_it_is_refused_with_a_continuous_current_in_the_noise_of_the_converter);
+    RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes);
     RUN_TEST(test_it_is_refused_while_it_is_under_way);
     RUN_TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it);
     RUN_TEST(test_a_stop_opens_the_gates_and_brings_the_users_command_back);
@@ -727,6 +728,6 @@ int main(void)
     RUN_TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for);
     RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
     RUN_TEST(test_sensors_that_are_too_noisy_are_refused);
-    RUN_TEST(test_pulses_are_no_noise);
+    RUN_TEST(test_larger_pulses_are_no_noise);
     return UNITY_END();
 }
