@@ -215,8 +215,9 @@ step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
         step = towards_angle(probe, angle);
     } else {
         const int32_t lag = lag_of(probe, emf, probe->own_speed);
-        const int32_t mean =
-            (probe->tracking > 0) ? 0 : fx_asr(probe->mean_lag_q29 + (LAG_FINER / 2), MEAN_FINER_BITS);
+        const int32_t mean = (probe->tracking > 0)
+                                 ? 0
+                                 : fx_asr(probe->mean_lag_q29 + (LAG_FINER / 2), MEAN_FINER_BITS);
 
         probe->lag_q15 = lag;
         average_lag(probe, lag);

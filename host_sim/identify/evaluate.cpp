@@ -21,7 +21,7 @@ constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are tho
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
 constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one is none
-constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
+constexpr double BUS_USED = 0.9;   // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
 {
@@ -71,8 +71,8 @@ double rated_speed_rpm(const MotorSettings &motor, const Config &plate, double c
 void bound_max_speed(MotorSettings &motor, const Config &plate, double flux_wb,
                      std::vector<std::string> &remarks)
 {
-    const double left_v = plate.board.bus_nominal_v / SQRT3 *
-                          (1 - plate.board.duty_margin_pct / PER_CENT);
+    const double left_v =
+        plate.board.bus_nominal_v / SQRT3 * (1 - plate.board.duty_margin_pct / PER_CENT);
     const double rpm = left_v / flux_wb / motor.pole_pairs / RAD_S_PER_RPM;
     if (rpm < motor.max_speed_rpm) {
         remarks.push_back(fmt::format(

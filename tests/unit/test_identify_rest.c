@@ -441,8 +441,7 @@ static void test_a_resistance_and_a_loss_are_between_nothing_and_their_largest(v
     TEST_ASSERT_EQUAL_INT32(8192, identify.rest.resistance_q13[0]);
 }
 
-#define BAD_CONTACT \
-    "more than 5/4 of the resistance of the other phases, is a contact bad: phase "
+#define BAD_CONTACT "more than 5/4 of the resistance of the other phases, is a contact bad: phase "
 #define SHORTED \
     "less than 3/4 of the resistance of the other phases, is the winding shorted: phase "
 

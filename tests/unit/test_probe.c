@@ -484,7 +484,6 @@ static void test_the_control_sees_its_reference_along_the_pulses_and_the_current
     TEST_ASSERT_EQUAL_INT32(7, seen.q);
 }
 
-
 static void test_the_voltage_of_pulses_saturates(void)
 {
     check_voltage(22767, 32767, 12767);
@@ -868,9 +867,9 @@ static void test_the_mean_is_the_longer_the_weaker_the_damping(void)
         int32_t damping;
         uint32_t bits;
     } means[] = {
-        {SPEED_MAX, 8U}, {42722830, 8U}, {42722829, 9U}, {21361415, 9U}, {21361414, 10U},
-        {10680707, 10U}, {5340353, 11U}, {2670176, 12U}, {1335088, 13U}, {1335087, 14U},
-        {0, 14U},
+        {SPEED_MAX, 8U}, {42722830, 8U},  {42722829, 9U}, {21361415, 9U},
+        {21361414, 10U}, {10680707, 10U}, {5340353, 11U}, {2670176, 12U},
+        {1335088, 13U},  {1335087, 14U},  {0, 14U},
     };
 
     for (uint32_t k = 0U; k < COUNT(means); k++) {
