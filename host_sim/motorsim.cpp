@@ -527,6 +527,15 @@ int identify_records(const IdentifyArguments &arguments)
     return LIMITS_HOLD;
 }
 
+// What a person sees meanwhile: each phase before it begins. No record, and not how it ends.
+void show_phase(const std::string &line)
+{
+    const bool phase = line.rfind("= ", 0) != 0 && line.rfind("identify ", 0) != 0;
+    if (phase && isatty(STDERR_FILENO) != 0) {
+        fmt::print(stderr, "{}\n", line);
+    }
+}
+
 int identify_simulated(const IdentifyArguments &arguments)
 {
     const Choice choice = {arguments.scenario, arguments.with, arguments.set, arguments.motor,
@@ -535,15 +544,12 @@ int identify_simulated(const IdentifyArguments &arguments)
     const nf::Config plate = plate_of_scenario(config);
     nf::check_output(config, "--output", arguments.output);
     nf::Simulation sim(config, nf::with_typical(plate));
-    const nf::identify::Measurement found = nf::identify::measure(sim, [](const std::string &line) {
-        if (line.rfind("= ", 0) != 0 && line.rfind("identify 1", 0) != 0) {
-            fmt::print(stderr, "{}\n", line);
-        }
-    });
+    const nf::identify::Measurement found = nf::identify::measure(sim, show_phase);
     if (!arguments.log.empty()) {
         nf::write_text(arguments.log, joined(found.lines));
     }
     if (!found.refusal.empty()) {
+        fmt::print(stderr, "identify refused: {}\n", found.refusal);
         return LIMIT_BROKEN;
     }
     const nf::identify::Records records = nf::identify::read_records(found.lines, "the console");

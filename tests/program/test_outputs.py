@@ -26,6 +26,7 @@ PARTS = ("--motor", "motor_a", "--board", "g431_bench")
 WRITERS = {
     **{(MOTORSIM, "run", option): SHORT for option in ("--trace", "--json", "--record", "--extremes", "--vcd")},
     (MOTORSIM, "bench", "--json"): ("--runs", "1"),
+    **{(MOTORSIM, "identify", option): ("s1", "--overwrite") for option in ("--output", "--log", "--json")},
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
     (GAINDESIGN, "design", "--json"): (),
@@ -36,6 +37,7 @@ PRINTERS = (
     (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
     (MOTORSIM, "estimators"),
     (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
+    (MOTORSIM, "identify", "s1"), (MOTORSIM, "identify", "s1", "--json", "-"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "list"),
     (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),

@@ -64,7 +64,7 @@ def all_inside_pct(results):
 
 def lines(results):
     good = measured(results)
-    heads = ["| | asked | 95 % are off by less than | median error | median bar | truth within the bar |", "| --- | --- | --- | --- | --- | --- |"]
+    heads = ["| | goal | 95 % are off by less than | median error | median bar | truth within the bar |", "| --- | --- | --- | --- | --- | --- |"]
     return [*heads, *(row(value, good) for value in VALUES)]
 
 
