@@ -18,6 +18,7 @@
 #define MEAN_BITS_MOST (14U)
 #define MEAN_FINER_BITS (14U)
 #define LAG_FINER (16384) /* 2^14 */
+#define MEAN_MOST (FX_Q15_MAX * LAG_FINER)
 /* Over 8/K ticks, so that it leaves the swing to the damping: for a K above this 2^8 ticks are enough. */
 #define MEAN_FAST_DAMPING (42722830)
 
@@ -201,7 +202,10 @@ static void average_lag(probe_t *probe, int32_t lag)
 {
     const int32_t finer = lag * LAG_FINER;
 
-    probe->mean_lag_q29 += fx_asr(finer - probe->mean_lag_q29, mean_bits(probe));
+    const int32_t mean =
+        probe->mean_lag_q29 + fx_asr(finer - probe->mean_lag_q29, mean_bits(probe));
+
+    probe->mean_lag_q29 = fx_clamp(mean, -MEAN_MOST, MEAN_MOST);
 }
 
 step_t probe_turn(probe_t *probe, angle_t angle, dq_t emf)
