@@ -50,23 +50,26 @@ static dq_t emf_of(const drive_t *drive)
     return (dq_t){s->voltage.d - model.d, s->voltage.q - model.q};
 }
 
-static dq_t demand(drive_t *drive)
+static void demand(drive_t *drive)
 {
-    const drive_signals_t *const s = &drive->signals;
+    drive_signals_t *const s = &drive->signals;
     const probe_t *const probe = &drive->probe;
     const bool pulses = probe_pulses(probe);
-    const int32_t limit = modulator_limit(&drive->cfg->modulator, s->bus);
-    dq_t measured = s->current_frame;
-    dq_t voltage;
+    const frame_t frame = {
+        .angle = rotor_position_angle(&drive->vector.position),
+        .step = drive->vector.step,
+        .current =
+            pulses ? probe_controlled(probe, s->current_ref, s->current_frame) : s->current_frame,
+        .loop = &probe->loop,
+        .imposed = false, /* planned here: no gains of an imposed current */
+    };
 
-    if (pulses) {
-        measured = probe_controlled(probe, s->current_ref, measured);
-    }
     current_loop_plan(&drive->current_loop, &probe->loop, s->current_ref,
                       drive_speed_q15(drive, drive->vector.step));
-    voltage =
-        current_loop_step(&drive->current_loop, &probe->loop, s->current_ref, measured, limit);
-    return pulses ? probe_voltage(probe, voltage) : voltage;
+    frame_control_current(drive, &frame);
+    if (pulses) {
+        s->voltage = probe_voltage(probe, s->voltage);
+    }
 }
 
 void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out)
@@ -83,7 +86,7 @@ void probing_step(drive_t *drive, const drive_command_t *command, compare_t *out
     note_sample(drive, e);
     drive->vector.step = probe_turn(probe, rotor_position_angle(&drive->vector.position), e);
     s->current_ref = (dq_t){.d = probe->current, .q = 0};
-    s->voltage = demand(drive);
+    demand(drive);
     frame_modulate_plain(drive, out);
     rotor_position_step(&drive->vector.position, drive->vector.step);
     drive->position = drive->vector.position;

@@ -313,7 +313,7 @@ Flux fit_flux(const Records &records, const Legs &legs, const Inductances &induc
         flux.coasting_wb = mean_flux(coasting);
         flux.wb = combined(flux.turning_wb, flux.coasting_wb);
     }
-    const Record &last = records.of("spin").back();
+    const Record last = records.of("spin").back();
     flux.wb.bound =
         std::hypot(flux.wb.bound, BOTH_LOSS_UNSURE * legs.lost_turning_v(std::abs(last.i_a)) /
                                       last.speed_el_rad_s);
