@@ -3,11 +3,15 @@
 // speed.
 // Exit status: 0 all limits hold or a recording is what it was, 1 not so, 2 wrong usage, wrong file or a file not written.
 #include "bench.h"
+#include "certificate_json.h"
+#include "certificate_page.h"
+#include "certificate_text.h"
 #include "commands.h"
 #include "console.h"
 #include "data_list.h"
 #include "extremes.h"
 #include "findings.h"
+#include "interrupt.h"
 #include "measure.h"
 #include "measured_file.h"
 #include "peer.h"
@@ -63,9 +67,10 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim bench                             simulation speed on this machine
   motorsim identify zoo:17:user -o mine.toml a simulated motor of which the drive knows the name plate
   motorsim identify --records console.log --motor plate.toml --board my_board.toml -o mine.toml
+  motorsim certify mine.toml --board my_board.toml -o mine.html   how sure that drive is, within the error bars
 
-Exit status: 0 all limits of the scenario hold, or the recording comes out as it was; 1 one does not, or it departs;
-2 wrong usage or input.)";
+Exit status: 0 all limits of the scenario hold, the recording comes out as it was, or all machines are locked; 1 one does
+not, it departs, or not all are; 2 wrong usage or input.)";
 
 // What is simulated.
 struct Choice {
@@ -124,6 +129,19 @@ struct IdentifyArguments {
     std::string json;
     bool overwrite = false;
     double temperature_c = 25;
+};
+
+struct CertifyArguments {
+    std::string motor;
+    std::string board;
+    std::vector<std::string> with;
+    std::vector<std::string> set;
+    std::vector<std::string> tunings;
+    int runs = 200;
+    uint32_t seed = 1;
+    std::string output;
+    std::string json;
+    bool overwrite = false;
 };
 
 struct BenchArguments {
@@ -491,20 +509,17 @@ void show(const IdentifyArguments &arguments, const nf::identify::Result &result
     }
 }
 
-void check_new(const IdentifyArguments &arguments)
+void check_new(const std::string &output, bool overwrite)
 {
-    if (!arguments.overwrite && !arguments.output.empty() &&
-        std::filesystem::exists(arguments.output)) {
-        throw FileError(
-            fmt::format("{}: is there already; --overwrite replaces it", arguments.output));
+    if (!overwrite && !output.empty() && std::filesystem::exists(output)) {
+        throw FileError(fmt::format("{}: is there already; --overwrite replaces it", output));
     }
 }
 
-// An identification takes a while: what cannot be written is said before it.
-void check_outputs(const IdentifyArguments &arguments)
+// Of what takes a while: what cannot be written is said before it.
+void check_writable(const std::vector<std::string> &paths)
 {
-    check_new(arguments);
-    for (const std::string &path : {arguments.output, arguments.log, arguments.json}) {
+    for (const std::string &path : paths) {
         if (!path.empty() && path != "-") {
             nf::OutputFile{path};
         }
@@ -565,8 +580,60 @@ int identify(const IdentifyArguments &arguments)
     if (arguments.scenario.empty() == arguments.records.empty()) {
         throw FileError("name a scenario, whose motor is simulated, or --records FILE of a board");
     }
-    check_outputs(arguments);
+    check_new(arguments.output, arguments.overwrite);
+    check_writable({arguments.output, arguments.log, arguments.json});
     return arguments.records.empty() ? identify_simulated(arguments) : identify_records(arguments);
+}
+
+std::vector<std::string> overrides_of(const CertifyArguments &arguments)
+{
+    std::vector<std::string> set = {"motor=" + arguments.motor};
+    if (!arguments.board.empty()) {
+        set.push_back("board=" + arguments.board);
+    }
+    set.insert(set.end(), arguments.set.begin(), arguments.set.end());
+    return set;
+}
+
+void check_certificate(const CertifyArguments &arguments, const nf::Config &config)
+{
+    check_new(arguments.output, arguments.overwrite);
+    nf::check_output(config, "--output", arguments.output);
+    nf::check_output(config, "--json", arguments.json);
+    apart("--output", arguments.output, "--json", arguments.json);
+    check_writable({arguments.output, arguments.json});
+}
+
+// Stopped by Ctrl-C it is of the runs so far.
+void run_campaign(nf::certify::Campaign &campaign, const CertifyArguments &arguments)
+{
+    const nf::debug::InterruptWatch watch;
+    nf::certify::run(campaign, arguments.runs, arguments.seed,
+                     {progress_line(), nf::debug::was_interrupted});
+    if (campaign.points.empty()) {
+        throw FileError("stopped before the first run");
+    }
+}
+
+int certify(const CertifyArguments &arguments)
+{
+    const std::vector<std::string> shipped = {"any", "robust"};
+    nf::certify::Campaign campaign =
+        nf::certify::plan(arguments.tunings.empty() ? shipped : arguments.tunings, arguments.with,
+                          overrides_of(arguments));
+    check_certificate(arguments, campaign.series.front().believed);
+    run_campaign(campaign, arguments);
+    const nf::certify::Judgement judgement = nf::certify::judge(campaign);
+    if (!arguments.output.empty()) {
+        nf::write_text(arguments.output, nf::certify::page_of(campaign, judgement));
+    }
+    if (arguments.json.empty()) {
+        nf::write_text("-", nf::certify::text_of(campaign, judgement));
+    } else {
+        nf::write_text(arguments.json, nf::certify::json_of(campaign, judgement));
+    }
+    const nf::certify::Summary &best = judgement.summaries[judgement.best];
+    return best.locked == best.runs ? LIMITS_HOLD : LIMIT_BROKEN;
 }
 
 void describe_choice(CLI::App &command, Choice &arguments)
@@ -681,6 +748,54 @@ void describe_identify(CLI::App &command, IdentifyArguments &arguments)
         ->check(CLI::Range(-50.0, 250.0));
 }
 
+constexpr const char *CERTIFY_HELP =
+    R"(Each run has another machine: every value is drawn within its error bar, those of the board within its tolerances,
+and load and rotor angle within what the machine is used for. The drive believes the files. It starts, runs at half and at
+rated speed, takes a load on and off, and reverses. [measured] of the motor file has the error bars, as identify leaves
+them; for what it does not say, typical ones are taken, and the output says which.
+
+Examples:
+  motorsim certify mine.toml --board my_board.toml           table, and which value to measure better
+  motorsim certify mine.toml --board my_board.toml -o mine.html   the same with a map, for a browser
+  motorsim certify zoo:17 --tuning any --runs 1000           one tuning, more runs: a stronger statement
+  motorsim certify motor_a --set plant.cogging_pct=3         with what no draw varies
+
+Exit status: 0 all machines are locked with the recommended tuning, 1 not all, 2 wrong usage or input.)";
+
+void describe_certify(CLI::App &command, CertifyArguments &arguments)
+{
+    command.footer(CERTIFY_HELP);
+    command
+        .add_option("motor", arguments.motor,
+                    "motor file, by name or path; zoo:17 brings its board along")
+        ->required();
+    command.add_option("--board", arguments.board, "board, by name or path; else bench_310v");
+    command
+        .add_option("--tuning", arguments.tunings,
+                    "tuning to try, by name or path; may be repeated; else any and robust")
+        ->allow_extra_args(false);
+    command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("IMPERFECTION");
+    command.add_option("--set", arguments.set, "override a setting; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+    command.add_option("--runs", arguments.runs, "machines, the same ones for each tuning")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 100000));
+    command.add_option("--seed", arguments.seed, "another seed is another sample of machines")
+        ->capture_default_str();
+    command.add_option("-o,--output", arguments.output, "write the page, HTML")
+        ->check(not_a_trace_file, "")
+        ->type_name("FILE");
+    command.add_flag("--overwrite", arguments.overwrite, "even if it is there already");
+    command
+        .add_option("--json", arguments.json,
+                    "write everything, each run too, as JSON; - is standard output")
+        ->check(not_a_file, "")
+        ->type_name("FILE");
+}
+
 void describe_bench(CLI::App &command, BenchArguments &arguments)
 {
     command.add_option("scenario", arguments.scenario, "scenario to time")->capture_default_str();
@@ -711,6 +826,7 @@ private:
     Choice signals_;
     ReplayArguments replay_;
     IdentifyArguments identify_;
+    CertifyArguments certify_;
     BenchArguments bench_;
     std::vector<std::pair<const CLI::App *, std::function<int()>>> actions_;
 };
@@ -732,6 +848,9 @@ Commands::Commands(CLI::App &app)
     describe_identify(add(app, "identify", "measure a motor of which only the name plate is known",
                           [this] { return identify(identify_); }),
                       identify_);
+    describe_certify(add(app, "certify", "how sure a drive is, within all error bars",
+                         [this] { return certify(certify_); }),
+                     certify_);
     add(app, "list", "list scenarios and imperfections", list);
     add(app, "estimators", "what `run --estimator` knows, with its gains, as JSON", estimators);
     describe_bench(

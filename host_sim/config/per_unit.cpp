@@ -699,7 +699,8 @@ constexpr double MAINS_V = 100;
 constexpr LegCapacitance LOW_VOLTAGE_LEG = {45e-12, 45e-12};
 constexpr LegCapacitance MAINS_LEG = {320e-12, 17e-12};
 
-// The current that charges a leg's capacitance just within the dead time.
+} // namespace
+
 double commutation_knee_a(const BoardSettings &board, const ModelScales &model)
 {
     const LegCapacitance &typical = board.bus_nominal_v < MAINS_V ? LOW_VOLTAGE_LEG : MAINS_LEG;
@@ -709,6 +710,9 @@ double commutation_knee_a(const BoardSettings &board, const ModelScales &model)
             : typical.cable_f + typical.device_f_per_a * board.overcurrent_a;
     return model.dead_time_s > 0 ? capacitance_f * board.bus_nominal_v / model.dead_time_s : 0;
 }
+
+namespace
+{
 
 void set_dead_time(modulator_cfg_t &c, const BoardSettings &board, const TuningSettings &tuning,
                    const ModelScales &model, const Model &m, const Bases &b)

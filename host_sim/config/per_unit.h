@@ -53,6 +53,10 @@ constexpr double BUS_CURRENT_FACTOR = 1.5;
 // the command is taken.
 double calibration_time(const BoardSettings &board, const TuningSettings &tuning);
 
+// The current that charges the capacitance of a leg's output just within the dead time, as the drive takes both; 0 without
+// dead time.
+double commutation_knee_a(const BoardSettings &board, const ModelScales &model);
+
 // Counts of the power stage's temperature sensor, not rounded; beyond the converter's ends where the
 // temperature is.
 double temperature_count(const BoardSettings &board, double temperature_c);

@@ -43,7 +43,7 @@ std::vector<Parameter> parameters_of(const Config &config, const drive_t &drive)
 class Run
 {
 public:
-    Run(const Config &config, const RunOptions &options);
+    Run(const Config &real, const Config &believed, const RunOptions &options);
     RunResult all();
 
 private:
@@ -54,7 +54,7 @@ private:
     void watch_state();
     bool reference_moving();
 
-    const Config &config_;
+    const Config &config_; // the drive's
     const RunOptions &options_;
     ScriptedRun run_;
     int64_t evaluate_from_;
@@ -66,11 +66,11 @@ private:
     RunResult result_;
 };
 
-Run::Run(const Config &config, const RunOptions &options)
-    : config_(config), options_(options), run_(config),
-      evaluate_from_(run_.tick_at(config.scenario.evaluate_from_s)),
-      metrics_(config.scenario.mode, run_.sim().bases().control_period_s,
-               config.motor.rated_speed_rpm, rated_current(config.motor)),
+Run::Run(const Config &real, const Config &believed, const RunOptions &options)
+    : config_(believed), options_(options), run_(real, believed),
+      evaluate_from_(run_.tick_at(real.scenario.evaluate_from_s)),
+      metrics_(real.scenario.mode, run_.sim().bases().control_period_s,
+               believed.motor.rated_speed_rpm, rated_current(believed.motor)),
       rpm_per_step_(run_.sim().bases().rpm_from_step(1)),
       ampere_per_bit_(run_.sim().bases().current_a / Q15)
 {
@@ -193,7 +193,12 @@ RunResult Run::all()
 
 RunResult run_scenario(const Config &config, const RunOptions &options)
 {
-    return Run(config, options).all();
+    return Run(config, config, options).all();
+}
+
+RunResult run_scenario(const Config &real, const Config &believed, const RunOptions &options)
+{
+    return Run(real, believed, options).all();
 }
 
 std::optional<double> figure(const RunResult &result, const std::string &metric)

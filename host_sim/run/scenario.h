@@ -57,6 +57,9 @@ struct RunResult {
 
 // Throws ConfigError, and what the sink throws.
 RunResult run_scenario(const Config &config, const RunOptions &options = {});
+// The motor, the board and the script of one configuration, and a drive that believes another one, of a board with the same
+// timer and converters. Figures are shares of what the drive takes the motor to be rated for.
+RunResult run_scenario(const Config &real, const Config &believed, const RunOptions &options = {});
 
 constexpr const char *SATURATION_INTERNAL_COUNT = "saturation_internal_count";
 

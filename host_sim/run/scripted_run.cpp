@@ -19,15 +19,18 @@ std::vector<TimedValue> scaled(std::vector<TimedValue> steps, double factor)
 
 } // namespace
 
-ScriptedRun::ScriptedRun(const Config &config)
-    : mode_(config.scenario.mode), sim_(config), first_(0),
-      zero_(ticks_in(config.scenario.prelude_s)),
-      end_(zero_ + ticks_in(config.scenario.duration_s)),
-      command_(config.scenario.command, sim_.bases().control_period_s, zero_),
-      load_(scaled(config.scenario.load, config.scenario.load_scale), sim_.bases().control_period_s,
+ScriptedRun::ScriptedRun(const Config &config) : ScriptedRun(config, config)
+{
+}
+
+ScriptedRun::ScriptedRun(const Config &real, const Config &believed)
+    : mode_(real.scenario.mode), sim_(real, believed), first_(0),
+      zero_(ticks_in(real.scenario.prelude_s)), end_(zero_ + ticks_in(real.scenario.duration_s)),
+      command_(real.scenario.command, sim_.bases().control_period_s, zero_),
+      load_(scaled(real.scenario.load, real.scenario.load_scale), sim_.bases().control_period_s,
             zero_),
-      injection_(config, sim_.bases().control_period_s, zero_),
-      operator_(config.scenario.requests, sim_.bases().control_period_s, zero_), tick_(first_)
+      injection_(real, sim_.bases().control_period_s, zero_),
+      operator_(real.scenario.requests, sim_.bases().control_period_s, zero_), tick_(first_)
 {
     send_command();
 }

@@ -23,6 +23,9 @@ class ScriptedRun
 public:
     // Throws ConfigError. The configuration must outlive the run.
     explicit ScriptedRun(const Config &config);
+    // The motor and the board of one configuration, and a drive that believes another one (sim.h). The script is of the
+    // first.
+    ScriptedRun(const Config &real, const Config &believed);
     // At least one frame, and as many outputs.
     explicit ScriptedRun(const RecordedRun &recorded);
 

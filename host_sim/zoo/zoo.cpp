@@ -3,9 +3,9 @@
 
 #include "binding.h"
 #include "errors.h"
+#include "times.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,7 +14,6 @@ namespace nf::zoo
 namespace
 {
 
-constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
 constexpr double TIMER_CLOCK_HZ = 170e6;
 constexpr int ADC_BITS = 12;
 // A thermistor of 10 kΩ at 25 °C above 10 kΩ.
@@ -22,27 +21,6 @@ const char *const TEMPERATURE_SENSOR =
     "temperature_points_c = [-20, 0, 20, 40, 60, 80, 100, 120]\n"
     "temperature_points_pct = [5.9, 14.28, 27.92, 44.72, 60.73, 73.31, 82.11, 87.91]\n"
     "temperature_max_c = 100\n";
-
-// The times of a scenario. A drive accelerates with this share of its largest torque at least, and with this one of the rated
-// torque where it imposes the current, up to a tenth of rated speed; the hand-over takes a while.
-constexpr double RAMP_TORQUE = 0.15;
-constexpr double IMPOSED_TORQUE = 0.05;
-constexpr double IMPOSED_SPEED = 0.1;
-constexpr double HANDOVER_S = 0.2;
-// For the speed to settle and to show whether it swings: the largest torque's time from rest to rated speed is two thirds
-// of a period of the speed loop.
-constexpr double REST_LOOPS = 3;
-constexpr double REST_S = 0.3;
-// And at the last and lowest speed, a share of the rated one, until ripple and swings can be told apart.
-constexpr double LAST_SPEED = 0.1;
-constexpr double LAST_TURNS = 2.5; // electrical
-constexpr double LAST_SETTLED_S = 0.2;
-// The start-up of a standing rotor in units of 1/ω_n of its swing in the field of the rated current, and ticks.
-constexpr double START_SWINGS = 60;
-constexpr double START_TICKS = 256;
-// From when on that field holds a load.
-constexpr double HELD_SWINGS = 0.3;
-constexpr double HELD_TICKS = 64;
 
 // Rounded to what every machine's logarithm agrees on, and a data sheet prints no more.
 std::string line(const char *key, double value)
@@ -110,45 +88,6 @@ std::string binding_lines(const Binding &binding, const Board &board)
            line("bus_divider", binding.bus_divider);
 }
 
-// What happens when, in seconds after the drive was asked to run.
-struct Times {
-    double held;     // the imposed current holds a load
-    double started;  // the start-up is over: 55 %
-    double full;     // 100 %
-    double loaded;   // half of the rated torque on
-    double unloaded; // and off
-    double stopped;  // standstill
-    double reversed; // −10 %
-    double end;
-};
-
-Times times_of(const Specimen &specimen)
-{
-    const Motor &motor = specimen.motor;
-    const double tick_s = 1 / specimen.board.pwm_frequency_hz;
-    const double swing = std::sqrt(motor.pole_pairs * motor.rated_torque_nm / motor.inertia_kg_m2);
-    const double rated_a = motor.rated_torque_nm / (1.5 * motor.pole_pairs * motor.flux_linkage_wb);
-    // From rest to rated speed with rated torque, and with the largest one.
-    const double rated_s =
-        motor.rated_speed_rpm * RAD_S_PER_RPM * motor.inertia_kg_m2 / motor.rated_torque_nm;
-    const double fastest_s = rated_s * rated_a / motor.max_current_a;
-    const double rest = REST_S + REST_LOOPS * fastest_s;
-    const double imposed = IMPOSED_SPEED * rated_s / IMPOSED_TORQUE + HANDOVER_S;
-    const double last_turn_s = 60 / (LAST_SPEED * motor.rated_speed_rpm * motor.pole_pairs);
-    const auto reach = [&](double share) { return share * fastest_s / RAMP_TORQUE; };
-    Times times{};
-    times.held = HELD_SWINGS / swing + HELD_TICKS * tick_s;
-    times.started = START_SWINGS / swing + START_TICKS * tick_s;
-    times.full = times.started + imposed + reach(0.55) + rest;
-    times.loaded = times.full + reach(0.45) + rest;
-    times.unloaded = times.loaded + rest;
-    times.stopped = times.unloaded + rest;
-    times.reversed = times.stopped + reach(1) + imposed + rest;
-    times.end =
-        times.reversed + imposed + std::max(rest, LAST_SETTLED_S + LAST_TURNS * last_turn_s);
-    return times;
-}
-
 std::string entry(const char *list, double time_s, const char *key, double value)
 {
     return fmt::format("\n[[scenario.{}]]\ntime_s = {:.4f}\n{} = {:g}\n", list, time_s, key, value);
@@ -158,7 +97,7 @@ std::string exact_file(const Reference &reference, const Names &names)
 {
     const Draw draw(reference.key());
     const Specimen specimen = draw_specimen(draw, class_of(reference));
-    const Times times = times_of(specimen);
+    const Times times = times_of(specimen.motor, specimen.board.pwm_frequency_hz);
     return head(reference) + text_line("motor", names.motor) + text_line("board", names.board) +
            text_line("tuning", "any") + "\n[model]\n" + line("output_capacitance_f", 0) +
            "\n[scenario]\n" +
@@ -183,7 +122,7 @@ std::string user_file(const Reference &reference, const Names &names)
     const Specimen specimen = specimen_of(reference);
     const Draw draw(reference.key());
     const Errors errors = draw_errors(draw, specimen);
-    const Times times = times_of(specimen);
+    const Times times = times_of(specimen.motor, specimen.board.pwm_frequency_hz);
     constexpr double per_cent = 100;
     return head(reference) + text_line("base", names.exact) + '\n' +
            error_tables(errors, specimen) +

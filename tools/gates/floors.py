@@ -49,6 +49,7 @@ BELOW |= {
     "host_sim/identify": [*CORE, "host_sim/plant", "host_sim/config", "host_sim/run"],
     "host_sim/peers": [*CORE, "host_sim/config", "host_sim/run"],
     "host_sim/output": [*CORE, "host_sim/config", "host_sim/file", "host_sim/run"],
+    "host_sim/certify": [*CORE, "host_sim/plant", "host_sim/zoo", "host_sim/config", "host_sim/run"],
     "host_sim/replay": [*CORE, "host_sim/config", "host_sim/run", "host_sim/output"],
     "host_sim/debug": [*CORE, "host_sim/config", "host_sim/reference", "host_sim/run", "host_sim/output"],
 }

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include "judge.h"
+
+#include "statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace nf::certify
+{
+namespace
+{
+
+constexpr double LOW = 0.05;         // the share of runs below Spread::low
+constexpr double LEAST_SHARE = 0.05; // of the variance that is worth a word
+constexpr double SAME_MARGIN = 0.02; // two margins that far apart are the same
+constexpr double SIGMAS = 2;         // of a difference that is no chance
+
+using Trials = std::vector<Trial>;
+
+Spread spread_of(const Trials &trials, const std::function<double(const Trial &)> &value)
+{
+    std::vector<double> values;
+    values.reserve(trials.size());
+    for (const Trial &trial : trials) {
+        values.push_back(value(trial));
+    }
+    return {quantile(values, 0), quantile(values, LOW), quantile(values, 0.5)};
+}
+
+Trials locked_of(const Trials &trials)
+{
+    Trials locked;
+    std::copy_if(trials.begin(), trials.end(), std::back_inserter(locked),
+                 [](const Trial &trial) { return is_locked(trial.verdict); });
+    return locked;
+}
+
+void spread(const Trials &trials, Summary &summary)
+{
+    const Trials locked = locked_of(trials);
+    const auto of = [&](double Margins::*margin) {
+        return spread_of(locked, [margin](const Trial &trial) { return trial.margins.*margin; });
+    };
+    summary.current = of(&Margins::current);
+    summary.voltage = of(&Margins::voltage);
+    summary.speed = of(&Margins::speed);
+    summary.angle = of(&Margins::angle);
+    summary.reached = of(&Margins::reached);
+    summary.worst = spread_of(trials, [](const Trial &trial) { return trial.worst(); });
+    for (const Trial &trial : locked) {
+        summary.highest_rpm = std::max(summary.highest_rpm, trial.margins.highest_rpm);
+    }
+}
+
+void count(const Trials &trials, Summary &summary)
+{
+    summary.runs = static_cast<int>(trials.size());
+    for (const Trial &trial : trials) {
+        summary.locked += is_locked(trial.verdict) ? 1 : 0;
+        summary.slow += trial.verdict == Verdict::slow ? 1 : 0;
+        summary.stopped += trial.verdict == Verdict::stopped ? 1 : 0;
+        summary.lost += trial.verdict == Verdict::lost ? 1 : 0;
+        summary.swings += trial.swings ? 1 : 0;
+        if (!trial.fault.empty()) {
+            summary.faults[trial.fault]++;
+        }
+    }
+}
+
+Influence influence_of(const Campaign &campaign, const Trials &trials, std::size_t k)
+{
+    const Axis &axis = campaign.box[k];
+    Influence influence{k, 0, {}, {}};
+    std::array<int, 4> runs{};
+    std::vector<int> quarters;
+    std::vector<double> worst;
+    for (std::size_t run = 0; run < trials.size(); run++) {
+        quarters.push_back(quarter_of(campaign.points[run][k], axis.low, axis.high));
+        worst.push_back(trials[run].worst());
+        const auto at = static_cast<std::size_t>(quarters.back());
+        runs[at]++;
+        influence.margin[at] += (worst.back() - influence.margin[at]) / runs[at];
+        influence.failed[at] += is_locked(trials[run].verdict) ? 0 : 1;
+    }
+    influence.share = explained_share(quarters, worst);
+    return influence;
+}
+
+std::vector<Influence> influences_of(const Campaign &campaign, const Trials &trials)
+{
+    std::vector<Influence> all;
+    for (std::size_t k = 0; k < campaign.box.size(); k++) {
+        all.push_back(influence_of(campaign, trials, k));
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Influence &a, const Influence &b) { return a.share > b.share; });
+    return all;
+}
+
+Summary summary_of(const Campaign &campaign, const Series &series)
+{
+    Summary summary;
+    summary.tuning = series.tuning;
+    summary.refusal = series.refusal;
+    count(series.trials, summary);
+    spread(series.trials, summary);
+    summary.influences = influences_of(campaign, series.trials);
+    return summary;
+}
+
+// What a tuning is chosen by.
+bool is_good(const Trial &trial)
+{
+    return is_locked(trial.verdict) && !trial.swings;
+}
+
+// How many machines are good with `a` and not with `b`.
+int only_first(const Trials &a, const Trials &b)
+{
+    int runs = 0;
+    for (std::size_t run = 0; run < a.size(); run++) {
+        runs += is_good(a[run]) && !is_good(b[run]) ? 1 : 0;
+    }
+    return runs;
+}
+
+// Whether the second is better, and the words for it.
+struct Comparison {
+    bool is_second;
+    std::string why;
+};
+
+// On the same machines: by those that are good with one only, then by the margin that 95 of 100 have.
+Comparison compare(const Campaign &campaign, const std::vector<Summary> &all, std::size_t first,
+                   std::size_t second)
+{
+    const int for_first = only_first(campaign.series[first].trials, campaign.series[second].trials);
+    const int for_second =
+        only_first(campaign.series[second].trials, campaign.series[first].trials);
+    const bool is_second_good = for_second > for_first;
+    const double a = all[first].worst.low;
+    const double b = all[second].worst.low;
+    const auto name = [&](bool is_second) { return all[is_second ? second : first].tuning; };
+    if (std::abs(for_second - for_first) > SIGMAS * std::sqrt(for_first + for_second)) {
+        return {
+            is_second_good,
+            fmt::format(
+                "{0} holds {1} machines without a swing that {2} does not, {2} holds {3} that {0} does not",
+                name(is_second_good), std::max(for_first, for_second), name(!is_second_good),
+                std::min(for_first, for_second))};
+    }
+    if (std::abs(a - b) > SAME_MARGIN) {
+        return {
+            b > a,
+            fmt::format(
+                "both hold the same share; 95 of 100 machines leave a margin of {:.2f} with {}, {:.2f} "
+                "with {}",
+                std::max(a, b), name(b > a), std::min(a, b), name(b <= a))};
+    }
+    return {false, fmt::format("{} does no better on these machines, and {} was named first",
+                               name(true), name(false))};
+}
+
+void choose(const Campaign &campaign, Judgement &judgement)
+{
+    const std::vector<Summary> &all = judgement.summaries;
+    const auto is_possible = [](const Summary &summary) { return summary.refusal.empty(); };
+    judgement.best =
+        static_cast<std::size_t>(std::find_if(all.begin(), all.end(), is_possible) - all.begin());
+    judgement.why = "it is the only one that was tried";
+    for (std::size_t k = judgement.best + 1; k < all.size(); k++) {
+        if (is_possible(all[k])) {
+            const Comparison found = compare(campaign, all, judgement.best, k);
+            judgement.best = found.is_second ? k : judgement.best;
+            judgement.why = found.why;
+        }
+    }
+}
+
+std::optional<std::size_t> limiting_of(const Campaign &campaign, const Summary &best)
+{
+    for (const Influence &influence : best.outstanding()) {
+        if (influence.effect() >= SAME_MARGIN && !campaign.box[influence.axis].better.empty()) {
+            return influence.axis;
+        }
+    }
+    return std::nullopt;
+}
+
+Bound bound_on(const Campaign &campaign, const Trials &trials, std::size_t axis)
+{
+    Bound bound{axis, campaign.box[axis].high, 0};
+    for (std::size_t run = 0; run < trials.size(); run++) {
+        if (!is_locked(trials[run].verdict)) {
+            bound.up_to = std::min(bound.up_to, campaign.points[run][axis]);
+        }
+    }
+    for (const Point &point : campaign.points) {
+        bound.runs += point[axis] < bound.up_to ? 1 : 0;
+    }
+    return bound;
+}
+
+// Of the loads that stand out, the one below which most machines are.
+std::optional<Bound> bound_of(const Campaign &campaign, const Judgement &judgement)
+{
+    constexpr int least_runs = 10;
+    const Summary &best = judgement.summaries[judgement.best];
+    std::optional<Bound> found;
+    for (const Influence &influence : best.outstanding()) {
+        const bool is_load = campaign.box[influence.axis].key.rfind("load.", 0) == 0;
+        if (!is_load || best.locked == best.runs) {
+            continue;
+        }
+        const Bound bound =
+            bound_on(campaign, campaign.series[judgement.best].trials, influence.axis);
+        if (bound.runs >= (found ? found->runs + 1 : least_runs)) {
+            found = bound;
+        }
+    }
+    return found;
+}
+
+} // namespace
+
+double Influence::effect() const
+{
+    return *std::max_element(margin.begin(), margin.end()) -
+           *std::min_element(margin.begin(), margin.end());
+}
+
+double share_by_chance(int runs)
+{
+    constexpr double most = 13.9; // of chi squared with 3 degrees of freedom: once in 330 times
+    constexpr double mean = 3;
+    return std::max(LEAST_SHARE, (most - mean) / runs);
+}
+
+std::vector<Influence> Summary::outstanding() const
+{
+    std::vector<Influence> found;
+    std::copy_if(influences.begin(), influences.end(), std::back_inserter(found),
+                 [&](const Influence &one) { return one.share >= share_by_chance(runs); });
+    return found;
+}
+
+double Summary::least_locked() const
+{
+    return least_share(locked, runs);
+}
+
+Judgement judge(const Campaign &campaign)
+{
+    Judgement judgement;
+    for (const Series &series : campaign.series) {
+        judgement.summaries.push_back(summary_of(campaign, series));
+    }
+    choose(campaign, judgement);
+    judgement.limiting = limiting_of(campaign, judgement.summaries[judgement.best]);
+    judgement.bound = bound_of(campaign, judgement);
+    return judgement;
+}
+
+} // namespace nf::certify
