@@ -636,20 +636,30 @@ int certify(const CertifyArguments &arguments)
     return best.locked == best.runs ? LIMITS_HOLD : LIMIT_BROKEN;
 }
 
+void describe_with(CLI::App &command, std::vector<std::string> &with)
+{
+    command.add_option("--with", with, "imperfection set, name or path; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("IMPERFECTION");
+}
+
+void describe_set(CLI::App &command, std::vector<std::string> &set)
+{
+    command.add_option("--set", set, "override a setting; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+}
+
 void describe_choice(CLI::App &command, Choice &arguments)
 {
     command
         .add_option("scenario", arguments.scenario, "name (see `motorsim list`) or path of a .toml")
         ->required();
-    command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("IMPERFECTION");
+    describe_with(command, arguments.with);
     command.add_option("--motor", arguments.motor,
                        "another motor, by name or path; zoo:17 brings its board along");
     command.add_option("--board", arguments.board, "another board, by name or path");
-    command.add_option("--set", arguments.set, "override a setting; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+    describe_set(command, arguments.set);
 }
 
 void describe_run(CLI::App &command, RunArguments &arguments)
@@ -717,15 +727,11 @@ void describe_identify(CLI::App &command, IdentifyArguments &arguments)
     command.add_option(
         "scenario", arguments.scenario,
         "whose motor, board and imperfections are simulated; the drive knows the name plate only");
-    command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("IMPERFECTION");
+    describe_with(command, arguments.with);
     command.add_option("--motor", arguments.motor,
                        "another motor; with --records the name plate, by name or path");
     command.add_option("--board", arguments.board, "another board, by name or path");
-    command.add_option("--set", arguments.set, "override a setting; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+    describe_set(command, arguments.set);
     command
         .add_option("--records", arguments.records,
                     "what a board's console has sent after `identify`")
@@ -774,12 +780,8 @@ void describe_certify(CLI::App &command, CertifyArguments &arguments)
         .add_option("--tuning", arguments.tunings,
                     "tuning to try, by name or path; may be repeated; else any and robust")
         ->allow_extra_args(false);
-    command.add_option("--with", arguments.with, "imperfection set, name or path; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("IMPERFECTION");
-    command.add_option("--set", arguments.set, "override a setting; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("KEY=VALUE");
+    describe_with(command, arguments.with);
+    describe_set(command, arguments.set);
     command.add_option("--runs", arguments.runs, "machines, the same ones for each tuning")
         ->capture_default_str()
         ->check(CLI::Range(1, 100000));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "certificate_page.h"
 
-#include "certificate_text.h"
+#include "sentences.h"
 #include "worst_map.h"
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "certificate_text.h"
 
+#include "sentences.h"
+
 #include <fmt/format.h>
 
 namespace nf::certify
@@ -87,40 +89,6 @@ std::string box_lines(const Campaign &campaign)
 }
 
 } // namespace
-
-std::string head_of(const Campaign &campaign)
-{
-    const Config &config = config_of(campaign);
-    return fmt::format("{} on {}", config.motor.name, config.board.name);
-}
-
-std::string result_of(const Campaign &campaign, const Judgement &judgement)
-{
-    const Summary &best = judgement.summaries[judgement.best];
-    const int runs = best.runs;
-    const std::string stopped =
-        runs < campaign.planned ? fmt::format(", stopped of {}", campaign.planned) : "";
-    return fmt::format(
-        "{} of {} machines{} are locked with the tuning {}: at least {:.1f} % of all in the box, with "
-        "95 % confidence.",
-        best.locked, runs, stopped, best.tuning, PER_CENT * best.least_locked());
-}
-
-std::string limit_of(const Campaign &campaign, const Judgement &judgement)
-{
-    std::string text;
-    if (judgement.bound) {
-        const Axis &axis = campaign.box[judgement.bound->axis];
-        text = fmt::format("All {} machines with a {} below {:.3g} {} are locked. ",
-                           judgement.bound->runs, axis.title, judgement.bound->up_to, axis.unit);
-    }
-    if (!judgement.limiting) {
-        return text + "No single unknown stands out.";
-    }
-    const Axis &axis = campaign.box[*judgement.limiting];
-    return text + fmt::format("The unknown that limits most is {} ({}). {}", axis.key, axis.title,
-                              axis.better);
-}
 
 std::string text_of(const Campaign &campaign, const Judgement &judgement)
 {

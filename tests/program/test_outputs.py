@@ -21,12 +21,14 @@ ROOM = 100  # bytes of a file, in place of a disk that is full; each result is l
 
 SHORT = ("s1", "--set", "scenario.duration_s=0.01", "--set", "scenario.evaluate_from_s=0",
          "--set", "scenario.command=[{time_s = 0, speed_rpm = 0}]")
+CERTIFY = ("motor_a", "--runs", "1", "--tuning", "any", "--overwrite")
 PARTS = ("--motor", "motor_a", "--board", "g431_bench")
 # Each option that names a file to write.
 WRITERS = {
     **{(MOTORSIM, "run", option): SHORT for option in ("--trace", "--json", "--record", "--extremes", "--vcd")},
     (MOTORSIM, "bench", "--json"): ("--runs", "1"),
     **{(MOTORSIM, "identify", option): ("s1", "--overwrite") for option in ("--output", "--log", "--json")},
+    **{(MOTORSIM, "certify", option): CERTIFY for option in ("--output", "--json")},
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
     (GAINDESIGN, "design", "--json"): (),
@@ -38,6 +40,7 @@ PRINTERS = (
     (MOTORSIM, "estimators"),
     (MOTORSIM, "bench", "--runs", "1"), (MOTORSIM, "bench", "--runs", "1", "--json", "-"), (MOTORSIM, "debug", "s1"),
     (MOTORSIM, "identify", "s1"), (MOTORSIM, "identify", "s1", "--json", "-"),
+    (MOTORSIM, "certify", *CERTIFY), (MOTORSIM, "certify", *CERTIFY, "--json", "-"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
     (NFCONFIG, "list"),
     (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),

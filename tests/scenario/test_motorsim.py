@@ -366,7 +366,8 @@ class Outputs(MotorsimTest):
 class Conventions(MotorsimTest):
     """Wherever --json is an option, it takes a file's name, and - is standard output."""
 
-    COMMANDS = (("run", "s1"), ("bench", "--runs", "1"), ("identify", "s1"))
+    COMMANDS = (("run", "s1"), ("bench", "--runs", "1"), ("identify", "s1"),
+                ("certify", "motor_a", "--runs", "1", "--tuning", "any"))
 
     def test_json_goes_to_a_file_and_a_hyphen_is_standard_output(self):
         for command in self.COMMANDS:
@@ -389,7 +390,7 @@ class Conventions(MotorsimTest):
 
 class Help(MotorsimTest):
     def test_help_teaches(self):
-        for args in (["--help"], ["run", "--help"], ["bench", "--help"], ["list", "--help"]):
+        for args in (["--help"], ["run", "--help"], ["bench", "--help"], ["certify", "--help"], ["list", "--help"]):
             self.assert_status(HOLDS, *args)
         self.assertIn("motorsim run s1", self.motorsim("--help").stdout)
 
