@@ -25,9 +25,13 @@ Json json_of_box(const Campaign &campaign)
     return box;
 }
 
-Json json_of(const Spread &spread)
+Json json_of(const Campaign &campaign, const Spread &spread)
 {
-    return {{"least", spread.least}, {"low_5_pct", spread.low}, {"median", spread.middle}};
+    const Json most = spread.most ? Json(campaign.box[spread.most->axis].key) : Json(nullptr);
+    return {{"least", spread.least},
+            {"low_5_pct", spread.low},
+            {"median", spread.middle},
+            {"depends_most_on", most}};
 }
 
 Json json_of_influences(const Campaign &campaign, const Summary &summary)
@@ -56,12 +60,12 @@ Json json_of(const Campaign &campaign, const Summary &summary)
             {"swings", summary.swings},
             {"faults", summary.faults},
             {"margin",
-             {{"worst", json_of(summary.worst)},
-              {"current", json_of(summary.current)},
-              {"bus", json_of(summary.voltage)},
-              {"speed", json_of(summary.speed)},
-              {"angle", json_of(summary.angle)}}},
-            {"speed_reached", json_of(summary.reached)},
+             {{"worst", json_of(campaign, summary.worst)},
+              {"current", json_of(campaign, summary.current)},
+              {"bus", json_of(campaign, summary.voltage)},
+              {"speed", json_of(campaign, summary.speed)},
+              {"angle", json_of(campaign, summary.angle)}}},
+            {"speed_reached", json_of(campaign, summary.reached)},
             {"highest_speed_rpm", summary.highest_rpm},
             {"depends_on", json_of_influences(campaign, summary)}};
 }

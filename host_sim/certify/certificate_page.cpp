@@ -98,26 +98,32 @@ std::string tunings_table(const Judgement &judgement)
            rows + "</table></div>\n";
 }
 
-std::string spread_row(const char *title, const char *meaning, const Spread &spread)
+std::string spread_row(const Campaign &campaign, const char *title, const char *meaning,
+                       const Spread &spread)
 {
+    const std::string most =
+        spread.most ? fmt::format("{}, {:.0f} %", safe(campaign.box[spread.most->axis].title),
+                                  PER_CENT * spread.most->share)
+                    : "";
     return fmt::format(
-        "<tr><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td class=\"left quiet\">{}</td>"
-        "</tr>\n",
-        title, spread.least, spread.low, spread.middle, meaning);
+        "<tr><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td class=\"left\">{}</td>"
+        "<td class=\"left quiet\">{}</td></tr>\n",
+        title, spread.least, spread.low, spread.middle, most, meaning);
 }
 
-std::string margins_table(const Summary &best)
+std::string margins_table(const Campaign &campaign, const Summary &best)
 {
+    const auto row = [&](const char *title, const char *meaning, const Spread &spread) {
+        return spread_row(campaign, title, meaning, spread);
+    };
     return "<div class=\"scroll\"><table>\n<tr><th>margin</th><th>least</th><th>5 %</th><th>half</th>"
-           "<th class=\"left\">1 is all of the room, 0 is the limit</th></tr>\n" +
-           spread_row("current", "largest phase current against the trip", best.current) +
-           spread_row("bus", "mean voltage under the load against the voltage circle",
-                      best.voltage) +
-           spread_row("speed", "error of the estimate, rms of 0.1 s, against 5 % of rated speed",
-                      best.speed) +
-           spread_row("angle", "error of the angle against 90 degrees electrical", best.angle) +
-           spread_row("speed reached", "mean speed over the command; below 0.95 a run is slow",
-                      best.reached) +
+           "<th class=\"left\">depends most on</th><th class=\"left\">1 is all of the room, 0 is the limit</th></tr>\n" +
+           row("current", "largest phase current against the trip", best.current) +
+           row("bus", "mean voltage under the load against the voltage circle", best.voltage) +
+           row("speed", "rms error of the estimate against 5 % of rated speed", best.speed) +
+           row("angle", "error of the angle against 90 degrees electrical", best.angle) +
+           row("speed reached", "mean speed over the command; below 0.95 a run is slow",
+               best.reached) +
            "</table></div>\n";
 }
 
@@ -330,7 +336,8 @@ std::string page_of(const Campaign &campaign, const Judgement &judgement)
            fmt::format("<p>Take <b>{}</b>: {}.</p>\n", safe(best.tuning), safe(judgement.why)) +
            fmt::format("<h2>Room that is left with {}, in the locked runs</h2>\n",
                        safe(best.tuning)) +
-           margins_table(best) + "<h2>Worst margin over the two values that matter most</h2>\n" +
+           margins_table(campaign, best) +
+           "<h2>Worst margin over the two values that matter most</h2>\n" +
            map_svg(campaign, judgement) +
            "<p class=\"quiet\">A cell has the colour of the worst run in it. The worst margin is the least of current, speed "
            "and angle; where the rotor is not held it is 0.</p>\n" +

@@ -37,23 +37,27 @@ std::string fault_lines(const Summary &summary)
     return text;
 }
 
-std::string spread_line(const char *title, const Spread &spread)
+std::string spread_line(const Campaign &campaign, const char *title, const Spread &spread)
 {
-    return fmt::format("  {:<44}{:>8.2f}{:>8.2f}{:>8.2f}\n", title, spread.least, spread.low,
-                       spread.middle);
+    const std::string most =
+        spread.most ? fmt::format("  {}, {:.0f} %", campaign.box[spread.most->axis].title,
+                                  PER_CENT * spread.most->share)
+                    : "";
+    return fmt::format("  {:<44}{:>8.2f}{:>8.2f}{:>8.2f}{}\n", title, spread.least, spread.low,
+                       spread.middle, most);
 }
 
 std::string margin_lines(const Campaign &campaign, const Summary &best)
 {
     const double rated_rpm = config_of(campaign).motor.rated_speed_rpm;
-    return fmt::format("{:<46}{:>8}{:>8}{:>8}\n",
+    return fmt::format("{:<46}{:>8}{:>8}{:>8}  depends most on\n",
                        fmt::format("margins of the locked runs, {}", best.tuning), "least", "5 %",
                        "half") +
-           spread_line("current: peak of a phase to the trip", best.current) +
-           spread_line("bus: mean voltage to the circle, loaded", best.voltage) +
-           spread_line("speed: error of the estimate to lost", best.speed) +
-           spread_line("angle: error to 90 degrees", best.angle) +
-           spread_line("speed reached, of the command", best.reached) +
+           spread_line(campaign, "current: peak of a phase to the trip", best.current) +
+           spread_line(campaign, "bus: mean voltage to the circle, loaded", best.voltage) +
+           spread_line(campaign, "speed: error of the estimate to lost", best.speed) +
+           spread_line(campaign, "angle: error to 90 degrees", best.angle) +
+           spread_line(campaign, "speed reached, of the command", best.reached) +
            fmt::format("  {:<44}{:>8.2f} of rated\n", "highest speed",
                        best.highest_rpm / rated_rpm);
 }

@@ -22,84 +22,107 @@ constexpr double SIGMAS = 2;         // of a difference that is no chance
 
 using Trials = std::vector<Trial>;
 
-Spread spread_of(const Trials &trials, const std::function<double(const Trial &)> &value)
-{
+// Runs with their draws, and one number of each.
+struct Sample {
+    std::vector<const Point *> points;
+    std::vector<const Trial *> trials;
     std::vector<double> values;
-    values.reserve(trials.size());
-    for (const Trial &trial : trials) {
-        values.push_back(value(trial));
+};
+
+bool is_any(const Trial &)
+{
+    return true;
+}
+
+bool is_held(const Trial &trial)
+{
+    return is_locked(trial.verdict);
+}
+
+Sample sample_of(const Campaign &campaign, const Trials &trials, bool (*belongs)(const Trial &),
+                 const std::function<double(const Trial &)> &value)
+{
+    Sample sample;
+    for (std::size_t run = 0; run < trials.size(); run++) {
+        if (belongs(trials[run])) {
+            sample.points.push_back(&campaign.points[run]);
+            sample.trials.push_back(&trials[run]);
+            sample.values.push_back(value(trials[run]));
+        }
     }
-    return {quantile(values, 0), quantile(values, LOW), quantile(values, 0.5)};
+    return sample;
 }
 
-Trials locked_of(const Trials &trials)
+Influence influence_of(const Campaign &campaign, const Sample &sample, std::size_t k)
 {
-    Trials locked;
-    std::copy_if(trials.begin(), trials.end(), std::back_inserter(locked),
-                 [](const Trial &trial) { return is_locked(trial.verdict); });
-    return locked;
+    const Axis &axis = campaign.box[k];
+    Influence influence{k, 0, {}, {}};
+    std::array<int, 4> runs{};
+    std::vector<int> quarters;
+    for (std::size_t run = 0; run < sample.values.size(); run++) {
+        quarters.push_back(quarter_of((*sample.points[run])[k], axis.low, axis.high));
+        const auto at = static_cast<std::size_t>(quarters.back());
+        runs[at]++;
+        influence.margin[at] += (sample.values[run] - influence.margin[at]) / runs[at];
+        influence.failed[at] += is_held(*sample.trials[run]) ? 0 : 1;
+    }
+    influence.share = explained_share(quarters, sample.values);
+    return influence;
 }
 
-void spread(const Trials &trials, Summary &summary)
+std::vector<Influence> influences_of(const Campaign &campaign, const Sample &sample)
 {
-    const Trials locked = locked_of(trials);
+    std::vector<Influence> all;
+    for (std::size_t k = 0; k < campaign.box.size(); k++) {
+        all.push_back(influence_of(campaign, sample, k));
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Influence &a, const Influence &b) { return a.share > b.share; });
+    return all;
+}
+
+Spread spread_of(const Campaign &campaign, const Sample &sample)
+{
+    const std::vector<Influence> influences = influences_of(campaign, sample);
+    const bool stands_out =
+        !influences.empty() &&
+        influences[0].share >= share_by_chance(static_cast<int>(sample.values.size()));
+    return {quantile(sample.values, 0), quantile(sample.values, LOW), quantile(sample.values, 0.5),
+            stands_out ? std::optional(influences[0]) : std::nullopt};
+}
+
+void spread(const Campaign &campaign, const Trials &trials, Summary &summary)
+{
     const auto of = [&](double Margins::*margin) {
-        return spread_of(locked, [margin](const Trial &trial) { return trial.margins.*margin; });
+        return spread_of(campaign, sample_of(campaign, trials, is_held, [=](const Trial &trial) {
+                             return trial.margins.*margin;
+                         }));
     };
     summary.current = of(&Margins::current);
     summary.voltage = of(&Margins::voltage);
     summary.speed = of(&Margins::speed);
     summary.angle = of(&Margins::angle);
     summary.reached = of(&Margins::reached);
-    summary.worst = spread_of(trials, [](const Trial &trial) { return trial.worst(); });
-    for (const Trial &trial : locked) {
-        summary.highest_rpm = std::max(summary.highest_rpm, trial.margins.highest_rpm);
-    }
+    const Sample worst = sample_of(campaign, trials, is_any, std::mem_fn(&Trial::worst));
+    summary.worst = spread_of(campaign, worst);
+    summary.influences = influences_of(campaign, worst);
 }
 
 void count(const Trials &trials, Summary &summary)
 {
     summary.runs = static_cast<int>(trials.size());
     for (const Trial &trial : trials) {
-        summary.locked += is_locked(trial.verdict) ? 1 : 0;
+        summary.locked += is_held(trial) ? 1 : 0;
         summary.slow += trial.verdict == Verdict::slow ? 1 : 0;
         summary.stopped += trial.verdict == Verdict::stopped ? 1 : 0;
         summary.lost += trial.verdict == Verdict::lost ? 1 : 0;
         summary.swings += trial.swings ? 1 : 0;
+        summary.highest_rpm =
+            std::max(summary.highest_rpm, is_held(trial) ? trial.margins.highest_rpm : 0);
         if (!trial.fault.empty()) {
             summary.faults[trial.fault]++;
         }
     }
-}
-
-Influence influence_of(const Campaign &campaign, const Trials &trials, std::size_t k)
-{
-    const Axis &axis = campaign.box[k];
-    Influence influence{k, 0, {}, {}};
-    std::array<int, 4> runs{};
-    std::vector<int> quarters;
-    std::vector<double> worst;
-    for (std::size_t run = 0; run < trials.size(); run++) {
-        quarters.push_back(quarter_of(campaign.points[run][k], axis.low, axis.high));
-        worst.push_back(trials[run].worst());
-        const auto at = static_cast<std::size_t>(quarters.back());
-        runs[at]++;
-        influence.margin[at] += (worst.back() - influence.margin[at]) / runs[at];
-        influence.failed[at] += is_locked(trials[run].verdict) ? 0 : 1;
-    }
-    influence.share = explained_share(quarters, worst);
-    return influence;
-}
-
-std::vector<Influence> influences_of(const Campaign &campaign, const Trials &trials)
-{
-    std::vector<Influence> all;
-    for (std::size_t k = 0; k < campaign.box.size(); k++) {
-        all.push_back(influence_of(campaign, trials, k));
-    }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Influence &a, const Influence &b) { return a.share > b.share; });
-    return all;
 }
 
 Summary summary_of(const Campaign &campaign, const Series &series)
@@ -108,15 +131,14 @@ Summary summary_of(const Campaign &campaign, const Series &series)
     summary.tuning = series.tuning;
     summary.refusal = series.refusal;
     count(series.trials, summary);
-    spread(series.trials, summary);
-    summary.influences = influences_of(campaign, series.trials);
+    spread(campaign, series.trials, summary);
     return summary;
 }
 
 // What a tuning is chosen by.
 bool is_good(const Trial &trial)
 {
-    return is_locked(trial.verdict) && !trial.swings;
+    return is_held(trial) && !trial.swings;
 }
 
 // How many machines are good with `a` and not with `b`.
@@ -196,7 +218,7 @@ Bound bound_on(const Campaign &campaign, const Trials &trials, std::size_t axis)
 {
     Bound bound{axis, campaign.box[axis].high, 0};
     for (std::size_t run = 0; run < trials.size(); run++) {
-        if (!is_locked(trials[run].verdict)) {
+        if (!is_held(trials[run])) {
             bound.up_to = std::min(bound.up_to, campaign.points[run][axis]);
         }
     }

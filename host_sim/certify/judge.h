@@ -13,11 +13,23 @@
 namespace nf::certify
 {
 
+// How a margin goes with one axis.
+struct Influence {
+    std::size_t axis;               // of the box
+    double share;                   // of the variance of the margin, alone
+    std::array<double, 4> margin{}; // mean of the margin in each fourth of the range
+    std::array<int, 4> failed{};    // runs there that did not hold the rotor
+
+    // Between the best and the worst fourth.
+    double effect() const;
+};
+
 // A margin over the runs of a tuning.
 struct Spread {
     double least;
     double low; // 5 of 100 runs have less
     double middle;
+    std::optional<Influence> most; // the axis that it depends on most, if more than by chance
 };
 
 // Up to where nothing failed: the load or its inertia, which the user can limit.
@@ -25,17 +37,6 @@ struct Bound {
     std::size_t axis;
     double up_to; // the least value of a run that failed
     int runs;     // below it
-};
-
-// How the worst margin goes with one axis.
-struct Influence {
-    std::size_t axis;               // of the box
-    double share;                   // of the variance of the worst margin, alone
-    std::array<double, 4> margin{}; // mean of the worst margin in each fourth of the range
-    std::array<int, 4> failed{};    // runs there that did not hold the rotor
-
-    // Between the best and the worst fourth.
-    double effect() const;
 };
 
 // What chance alone may make of the largest share: with 20 axes more than that in one of 20 campaigns.
@@ -51,11 +52,11 @@ struct Summary {
     int lost = 0;
     int swings = 0;
     std::map<std::string, int> faults;
-    Spread current{}; // of the locked runs, as the four below; 0 without one
-    Spread voltage{};
-    Spread speed{};
-    Spread angle{};
-    Spread reached{};
+    Spread current; // of the locked runs, as the four below; 0 without one
+    Spread voltage;
+    Spread speed;
+    Spread angle;
+    Spread reached;
     Spread worst{};                    // of all runs
     double highest_rpm = 0;            // of the locked ones
     std::vector<Influence> influences; // the largest share first
