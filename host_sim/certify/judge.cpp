@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -59,6 +60,7 @@ Influence influence_of(const Campaign &campaign, const Sample &sample, std::size
     Influence influence{k, 0, {}, {}};
     std::array<int, 4> runs{};
     std::vector<int> quarters;
+    quarters.reserve(sample.values.size());
     for (std::size_t run = 0; run < sample.values.size(); run++) {
         quarters.push_back(quarter_of((*sample.points[run])[k], axis.low, axis.high));
         const auto at = static_cast<std::size_t>(quarters.back());
@@ -73,11 +75,13 @@ Influence influence_of(const Campaign &campaign, const Sample &sample, std::size
 std::vector<Influence> influences_of(const Campaign &campaign, const Sample &sample)
 {
     std::vector<Influence> all;
+    all.reserve(campaign.box.size());
     for (std::size_t k = 0; k < campaign.box.size(); k++) {
         all.push_back(influence_of(campaign, sample, k));
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Influence &a, const Influence &b) { return a.share > b.share; });
+    std::sort(all.begin(), all.end(), [](const Influence &a, const Influence &b) {
+        return std::tie(b.share, a.axis) < std::tie(a.share, b.axis);
+    });
     return all;
 }
 
@@ -279,6 +283,7 @@ double Summary::least_locked() const
 Judgement judge(const Campaign &campaign)
 {
     Judgement judgement;
+    judgement.summaries.reserve(campaign.series.size());
     for (const Series &series : campaign.series) {
         judgement.summaries.push_back(summary_of(campaign, series));
     }
