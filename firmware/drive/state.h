@@ -130,6 +130,7 @@ typedef struct {
     uint32_t attempts;         /* starts that failed since READY */
     flying_start_t flying_start;
     align_t align;
+    probe_t probe;
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
     supervision_t supervision;
@@ -137,7 +138,6 @@ typedef struct {
     torque_filter_t torque_filter; /* of i_q* in RUN with current control */
     config_guard_t guard;
     fault_t fault; /* the last fault */
-    probe_t probe;
 } drive_t;
 
 /* FLYING_START to RUN: current may flow. */
