@@ -2,9 +2,11 @@
 /* The identification as a whole: its lines and words with the drive behind them, its begin and its ends. */
 #include "commander.h"
 #include "example_identify.h"
+#include "identify_rest.h"
 #include "identify_turn.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #define PATIENCE (200000U) /* passes */
 
@@ -688,6 +690,66 @@ static void test_larger_pulses_are_no_noise(void)
     noisy(IDENTIFY_AXES + 1U, 3450, 3450, NULL);
 }
 
+/* ---- a current that nobody asked for ---- */
+
+static const char *line_with_current(identify_phase_t phase, uint32_t step, int32_t current)
+{
+    setUp();
+    begin();
+    identify.phase = phase;
+    identify.said = phase;
+    identify.step = step;
+    app.drive.signals.current_frame = (dq_t){0, -current};
+    return pass();
+}
+
+static void expect_runaway(identify_phase_t phase, uint32_t step, int32_t most)
+{
+    TEST_ASSERT_NULL(strstr(line_with_current(phase, step, most), "refused"));
+    TEST_ASSERT_EQUAL_STRING("identify refused: more current flows than was asked for: does a load "
+                             "turn the rotor?\r\n",
+                             line_with_current(phase, step, most + 1));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+}
+
+static void test_a_current_that_nobody_asked_for_opens_the_gates(void)
+{
+    const int32_t fault = cfg.protection.current_max;
+    const int32_t middle = (identify_rest_largest(&identify) + fault) / 2;
+
+    expect_runaway(IDENTIFY_PULSE, 1U, (CONTINUOUS * 5) / 4);
+    expect_runaway(IDENTIFY_CATCH, 1U, middle);
+    expect_runaway(IDENTIFY_STILL, 1U, middle);
+    expect_runaway(IDENTIFY_SPIN, 1U, middle);
+    expect_runaway(IDENTIFY_SPIN, 2U, fault);
+    expect_runaway(IDENTIFY_RAMP, 1U, fault);
+}
+
+static void test_a_current_of_a_rotor_that_was_lost_is_no_load(void)
+{
+    begin();
+    identify.phase = IDENTIFY_CATCH;
+    identify.said = IDENTIFY_CATCH;
+    identify.turn.slower = 1U;
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max, 0};
+    TEST_ASSERT_EQUAL_STRING("", pass());
+    app.drive.signals.current_frame = (dq_t){-cfg.protection.current_max - 1, 0};
+    TEST_ASSERT_EQUAL_STRING_LEN("identify refused: the rotor falls out of step", pass(), 45U);
+}
+
+static void test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    begin();
+    identify.phase = IDENTIFY_SPIN;
+    identify.said = IDENTIFY_SPIN;
+    identify.step = 1U;
+    app.drive.signals.voltage = (dq_t){-limit, 0};
+    app.drive.signals.current_frame = (dq_t){cfg.protection.current_max, 0};
+    TEST_ASSERT_EQUAL_STRING_LEN("identify refused: the bus voltage is too low", pass(), 44U);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -729,5 +791,8 @@ int main(void)
     RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
     RUN_TEST(test_sensors_that_are_too_noisy_are_refused);
     RUN_TEST(test_larger_pulses_are_no_noise);
+    RUN_TEST(test_a_current_that_nobody_asked_for_opens_the_gates);
+    RUN_TEST(test_a_current_of_a_rotor_that_was_lost_is_no_load);
+    RUN_TEST(test_a_current_that_runs_away_with_all_of_the_voltage_lacks_the_bus);
     return UNITY_END();
 }

@@ -502,6 +502,40 @@ static void test_between_two_axes_the_rotor_follows_with_the_continuous_current(
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.high_voltage);
 }
 
+/* A 16th of the continuous current is a swing: 40 looks are 4 s. */
+static void test_on_the_next_axis_the_levels_wait_until_the_rotor_rests(void)
+{
+    begin_still();
+    identify.step = EXPERIMENTS;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->across = CONTINUOUS / 16;
+    for (uint32_t k = 0U; k < 40U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
+        TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+        TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
+    }
+    sums()->across = (CONTINUOUS / 16) - 1;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
+    TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+}
+
+static void test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused(void)
+{
+    uint32_t looks = 0U;
+
+    begin_still();
+    identify.step = EXPERIMENTS;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    sums()->across = CONTINUOUS / 16;
+    while ((looks < 100U) && identify_rest_plan_still(&identify)) {
+        looks++;
+    }
+    TEST_ASSERT_EQUAL_UINT32(40U, looks);
+    assert_refused("the rotor does not come to rest on the current: does a load turn it?");
+}
+
 /* 3000 of 65536·10: a burst of 3/16 of 1600 has 3000 volts for a tick. */
 static void begin_bursts(void)
 {
@@ -671,5 +705,7 @@ int main(void)
     RUN_TEST(test_long_pulses_share_their_volts);
     RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
     RUN_TEST(test_without_a_bus_pulses_are_1);
+    RUN_TEST(test_on_the_next_axis_the_levels_wait_until_the_rotor_rests);
+    RUN_TEST(test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused);
     return UNITY_END();
 }

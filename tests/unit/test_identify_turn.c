@@ -417,6 +417,8 @@ static void test_the_swing_of_any_ramp_has_its_bounds(void)
     TEST_ASSERT_EQUAL_INT32(292, identify.turn.swing_ticks); /* √(899·2^32/2π/7158279): 292.99 */
     steepen_from(64, TOP);                                   /* of no change: √(4·2^32/2π) */
     TEST_ASSERT_EQUAL_INT32(52290, identify.turn.swing_ticks);
+    steepen_from(12000, TOP); /* its square beyond 32 bits */
+    TEST_ASSERT_EQUAL_INT32(65535, identify.turn.swing_ticks);
     steepen_from(10, 0);
     TEST_ASSERT_EQUAL_INT32(8, identify.turn.swing_ticks);
     TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
@@ -760,6 +762,56 @@ static void test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_o
     TEST_ASSERT_TRUE(coast_at(TOP / 4)); /* of which the others are a share */
 }
 
+/* ---- voltage, and a rotor that stands ---- */
+
+static void test_a_bus_that_does_not_bring_the_first_speed_is_refused(void)
+{
+    const int32_t limit = modulator_limit(&cfg.modulator, app.drive.signals.bus);
+
+    begin_spinning();
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+    app.drive.signals.voltage = (dq_t){0, limit};
+    TEST_ASSERT_TRUE(identify_turn_lacks_voltage(&identify));
+    answer_spin(500, 2000, QUARTER);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    assert_refused(TOO_LOW);
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+}
+
+static void test_later_than_the_first_speed_no_voltage_is_lacking(void)
+{
+    begin_spin(500, 2000);
+    app.drive.signals.voltage = (dq_t){0, modulator_limit(&cfg.modulator, app.drive.signals.bus)};
+    TEST_ASSERT_EQUAL_UINT32(2U, identify.step);
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+}
+
+/* The flux of 4000 at half of the speed; with half of the current at the whole speed so much more than 5/8 of it. */
+static void stand_at_half_current(int32_t along, int32_t across, identify_phase_t phase)
+{
+    spin_to(5U);
+    TEST_ASSERT_EQUAL_UINT32(5U, identify.step);
+    answer_spin(along, across, TOP);
+    TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
+    TEST_ASSERT_EQUAL(phase, identify.phase);
+}
+
+static void test_an_emf_that_half_of_the_current_halves_is_none(void)
+{
+    stand_at_half_current(0, 4800, IDENTIFY_ENDS);
+    assert_refused(STANDS);
+    stand_at_half_current(0, 5200, IDENTIFY_RAMP);
+}
+
+/* 2000 across are too few; with 10000 along it lies there. Without any across its lag is as large as it can be. */
+static void test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it(void)
+{
+    stand_at_half_current(0, 2000, IDENTIFY_ENDS);
+    stand_at_half_current(10000, 2000, IDENTIFY_RAMP);
+    stand_at_half_current(10000, 200, IDENTIFY_RAMP);
+    stand_at_half_current(10000, 0, IDENTIFY_ENDS);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -806,5 +858,9 @@ int main(void)
     RUN_TEST(test_a_window_of_60_ms_is_the_longest);
     RUN_TEST(test_coasting_ends_at_half_of_the_speed_or_after_its_windows);
     RUN_TEST(test_coasting_ends_with_a_window_below_half_of_the_speed_the_third_or_later);
+    RUN_TEST(test_a_bus_that_does_not_bring_the_first_speed_is_refused);
+    RUN_TEST(test_later_than_the_first_speed_no_voltage_is_lacking);
+    RUN_TEST(test_an_emf_that_half_of_the_current_halves_is_none);
+    RUN_TEST(test_a_rotor_that_lags_at_half_of_the_current_has_its_emf_along_it);
     return UNITY_END();
 }
