@@ -320,6 +320,79 @@ static void test_a_rotor_that_was_lost_goes_on_turning(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
+/* A look of 100 ms at 5504 of current: the largest i_q and its mean. */
+static bool look(int32_t across, int32_t mean)
+{
+    sums()->across = across;
+    sums()->current = (dq_t){0, mean * 100 * MS};
+    return identify_rest_plan_catch(&identify);
+}
+
+static void begin_to_look(void)
+{
+    setUp();
+    begin_phase(IDENTIFY_CATCH);
+    identify.step = 10U;
+    TEST_ASSERT_TRUE(identify_rest_plan_catch(&identify));
+}
+
+static void look_with(int32_t noise_a, int32_t noise_b, int32_t across, bool rests)
+{
+    begin_to_look();
+    sums()->noise_a = noise_a * 100 * MS;
+    sums()->noise_b = noise_b * 100 * MS;
+    TEST_ASSERT_EQUAL(!rests, look(across, 0));
+}
+
+/* 344 of 5504, and five times the mean change from sample to sample. */
+static void test_what_noise_has_for_its_largest_sample_is_no_swing(void)
+{
+    look_with(10, 3, 344 + 49, true);
+    look_with(10, 3, 344 + 50, false);
+    look_with(3, 10, 344 + 49, true);
+    look_with(3, 10, 344 + 50, false);
+}
+
+static void look_often(uint32_t count, int32_t across, int32_t mean)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        TEST_ASSERT_TRUE(look(across, mean));
+    }
+}
+
+/* The first look that has it, and 5 more. */
+static void test_a_mean_across_that_stays_is_no_swing(void)
+{
+    begin_to_look();
+    look_often(5U, 1000, 800);
+    TEST_ASSERT_FALSE(look(1000, 800));
+    begin_to_look();
+    look_often(5U, 1000, -800);
+    TEST_ASSERT_FALSE(look(1000, -800));
+    begin_to_look(); /* 0 was there before the first look */
+    look_often(4U, 344, 1);
+    TEST_ASSERT_FALSE(look(344, 1));
+}
+
+/* By 172 from that which the others are compared with; or it swings by 344. */
+static void test_a_mean_across_that_moves_begins_anew(void)
+{
+    begin_to_look();
+    look_often(4U, 1000, 800);
+    TEST_ASSERT_TRUE(look(1000, 972));
+    look_often(4U, 1000, 972);
+    TEST_ASSERT_FALSE(look(1000, 972));
+    begin_to_look();
+    look_often(3U, 1000, 800);
+    look_often(2U, 1000, 971);
+    TEST_ASSERT_FALSE(look(970, 629));
+    begin_to_look();
+    look_often(5U, 1000, 800);
+    TEST_ASSERT_TRUE(look(1144, 800));
+    look_often(4U, 1000, 800);
+    TEST_ASSERT_FALSE(look(1143, 800));
+}
+
 /* ---- STILL ---- */
 
 #define LOSS (300)
@@ -481,6 +554,8 @@ static void test_resistances_may_differ_by_a_quarter_and_an_lsb(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
     leave_the_last_axis(1000, 1121);
     TEST_ASSERT_EQUAL(IDENTIFY_ENDS, identify.phase);
+    leave_the_last_axis(1004, 1125); /* 964 and 1206 */
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
     leave_the_last_axis(3, 2);
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
@@ -497,43 +572,62 @@ static void test_between_two_axes_the_rotor_follows_with_the_continuous_current(
     TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
     TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.settle);
     TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.ticks);
+    TEST_ASSERT_EQUAL_UINT32(1U, identify.rest.looks);
     sums()->voltage.d = 12345; /* of the way: no level */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(0, identify.rest.high_voltage);
 }
 
-/* A 16th of the continuous current is a swing: 40 looks are 4 s. */
-static void test_on_the_next_axis_the_levels_wait_until_the_rotor_rests(void)
+/* 4 s of looks. */
+static void test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests(void)
 {
     begin_still();
     identify.step = EXPERIMENTS;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    sums()->across = CONTINUOUS / 16;
-    for (uint32_t k = 0U; k < 40U; k++) {
+    (void)identify_rest_plan_still(&identify);
+    sums()->across = CONTINUOUS;
+    for (uint32_t k = 0U; k < 39U; k++) {
         TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
         TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
         TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
+        TEST_ASSERT_EQUAL_INT32(100 * MS, identify.aim.ticks);
+        TEST_ASSERT_EQUAL_UINT32(0U, identify.step);
     }
-    sums()->across = (CONTINUOUS / 16) - 1;
+    sums()->across = 0;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    TEST_ASSERT_EQUAL_UINT32(1U, identify.step);
     TEST_ASSERT_EQUAL_STRING("still", identify.aim.kind);
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.rest.looks);
 }
 
-static void test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused(void)
+static void test_a_rotor_that_never_rests_on_the_next_axis_is_refused(void)
 {
-    uint32_t looks = 0U;
-
     begin_still();
     identify.step = EXPERIMENTS;
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    sums()->across = CONTINUOUS / 16;
-    while ((looks < 100U) && identify_rest_plan_still(&identify)) {
-        looks++;
+    (void)identify_rest_plan_still(&identify);
+    sums()->across = CONTINUOUS;
+    for (uint32_t k = 0U; k < 40U; k++) {
+        TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     }
-    TEST_ASSERT_EQUAL_UINT32(40U, looks);
+    TEST_ASSERT_FALSE(identify_rest_plan_still(&identify));
     assert_refused("the rotor does not come to rest on the current: does a load turn it?");
+}
+
+static void first_level(int32_t current)
+{
+    setUp();
+    begin_still();
+    (void)identify_rest_plan_still(&identify);
+    TEST_ASSERT_EQUAL_INT32(7343, word(PROBE_CURRENT));
+    sums()->current.d = current * identify.aim.ticks;
+    TEST_ASSERT_EQUAL(identify_rest_plan_still(&identify), current >= 6425);
+}
+
+/* 7/8 of the largest: the voltage regulates the rest of it no more. */
+static void test_a_bus_that_is_too_low_for_the_current_is_refused(void)
+{
+    first_level(6425);
+    TEST_ASSERT_EQUAL(IDENTIFY_STILL, identify.phase);
+    first_level(6424);
+    assert_refused("the bus voltage is too low for the current");
 }
 
 /* 3000 of 65536·10: a burst of 3/16 of 1600 has 3000 volts for a tick. */
@@ -567,6 +661,26 @@ static void test_bursts_have_their_shares_of_current_along_and_across_another_on
     }
     (void)identify_rest_plan_still(&identify);
     TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+}
+
+static void expect_bias(uint32_t burst, int32_t current_max, int32_t bias)
+{
+    setUp();
+    begin_bursts();
+    cfg.derating.current_max = current_max;
+    identify.step = LEVELS + burst;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(bias, word(PROBE_CURRENT));
+}
+
+/* Along it both add up, 600 of the pulses with it: 9/10 of the largest one are the end. */
+static void test_a_current_with_its_pulses_stays_below_the_largest(void)
+{
+    expect_bias(1U, 2445, 1600);
+    expect_bias(1U, 2000, 1200);
+    expect_bias(1U, 668, 1);
+    expect_bias(1U, 600, 0);
+    expect_bias(4U, 600, 200);
 }
 
 static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
@@ -689,6 +803,9 @@ int main(void)
     RUN_TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along);
     RUN_TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused);
     RUN_TEST(test_a_rotor_that_was_lost_goes_on_turning);
+    RUN_TEST(test_what_noise_has_for_its_largest_sample_is_no_swing);
+    RUN_TEST(test_a_mean_across_that_stays_is_no_swing);
+    RUN_TEST(test_a_mean_across_that_moves_begins_anew);
     RUN_TEST(test_levels_reach_twice_the_continuous_current_or_nine_tenths_of_the_largest);
     RUN_TEST(test_an_axis_has_14_levels_of_current);
     RUN_TEST(test_each_axis_gives_its_resistance_and_the_last_one_the_loss);
@@ -697,7 +814,11 @@ int main(void)
     RUN_TEST(test_phases_whose_resistances_differ_by_more_than_a_quarter_are_refused);
     RUN_TEST(test_resistances_may_differ_by_a_quarter_and_an_lsb);
     RUN_TEST(test_between_two_axes_the_rotor_follows_with_the_continuous_current);
+    RUN_TEST(test_a_rotor_that_swings_on_the_next_axis_is_looked_at_until_it_rests);
+    RUN_TEST(test_a_rotor_that_never_rests_on_the_next_axis_is_refused);
+    RUN_TEST(test_a_bus_that_is_too_low_for_the_current_is_refused);
     RUN_TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one);
+    RUN_TEST(test_a_current_with_its_pulses_stays_below_the_largest);
     RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
     RUN_TEST(test_what_follows_the_last_level_has_no_inductance);
     RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);

@@ -213,6 +213,47 @@ static void test_a_bus_that_is_too_low_is_refused(void)
     TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
 }
 
+/* A rotor that stands does so whatever voltage is left. */
+static void test_a_standing_rotor_is_named_before_a_bus_that_is_too_low(void)
+{
+    begin_spin(20000, 60);
+    assert_refused(STANDS);
+}
+
+static void spin_at(dq_t voltage)
+{
+    begin_spinning();
+    app.drive.signals.voltage = voltage;
+    answer_spin(500, 2000, QUARTER);
+    (void)identify_turn_plan_spin(&identify);
+}
+
+/* 12382 is the limit: 1/32 of it is left, 386. */
+static void test_a_bus_whose_whole_voltage_is_used_is_too_low(void)
+{
+    spin_at((dq_t){0, 11996});
+    TEST_ASSERT_EQUAL(IDENTIFY_SPIN, identify.phase);
+    spin_at((dq_t){0, 11997});
+    assert_refused(TOO_LOW);
+    spin_at((dq_t){-11997, 0});
+    assert_refused(TOO_LOW);
+}
+
+/* Later on the speed is bounded by what it has taken. */
+static void test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only(void)
+{
+    begin_spinning();
+    app.drive.signals.voltage = (dq_t){0, 12382};
+    TEST_ASSERT_TRUE(identify_turn_lacks_voltage(&identify));
+    identify.step = 0U;
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+    identify.step = 2U;
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+    identify_aim_phase(&identify, IDENTIFY_RAMP);
+    identify.step = 1U;
+    TEST_ASSERT_FALSE(identify_turn_lacks_voltage(&identify));
+}
+
 /* 3000 at a quarter of the speed. */
 static void spin_to(uint32_t step)
 {
@@ -304,6 +345,38 @@ static void test_half_of_the_current_comes_last(void)
     TEST_ASSERT_FALSE(identify_turn_plan_spin(&identify));
     TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
     TEST_ASSERT_EQUAL_INT32(CURRENT, word(PROBE_CURRENT));
+}
+
+/* Of half of the current R·i is 389, and the legs lose 100: what is above it along the current is EMF. */
+static void at_half_of_the_current(int32_t emf_d, int32_t emf_q)
+{
+    spin_to(5U);
+    answer_spin(389 + 100 + emf_d, emf_q, TOP);
+    (void)identify_turn_plan_spin(&identify);
+}
+
+/* 5/8 of 8000 at the whole speed: an EMF does not halve with the current, the L·i of a standing rotor does. */
+static void test_a_rotor_whose_emf_falls_with_the_current_has_stood(void)
+{
+    at_half_of_the_current(0, 4990);
+    assert_refused(STANDS);
+    at_half_of_the_current(0, 5010);
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+}
+
+/* √(4000² + 3000²) is 5000. */
+static void test_the_emf_of_a_rotor_that_lags_is_along_the_current_too(void)
+{
+    at_half_of_the_current(3980, 3000);
+    assert_refused(STANDS);
+    at_half_of_the_current(4015, 3000);
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+    at_half_of_the_current(-3980, 3000);
+    assert_refused(STANDS);
+    at_half_of_the_current(-4015, 3000);
+    TEST_ASSERT_EQUAL(IDENTIFY_RAMP, identify.phase);
+    at_half_of_the_current(4015, 0);
+    assert_refused(STANDS);
 }
 
 #define OUT_OF_STEP "the rotor falls out of step: is the load too large, or does it change?"
@@ -622,9 +695,12 @@ static int32_t torque_down_of(probe_sums_t window)
 /* 18000000 over a current of 3 and 6000 ticks are 1000; over a flux of 300, 3.33. */
 static void test_a_torque_is_that_over_the_ramp_of_current_and_flux(void)
 {
-    const probe_sums_t window = {
+    probe_sums_t window = {
         .torque = 18000000, .current = {30, 0}, .turn_q16 = 1, .voltage = {0, 32 * 300}};
 
+    TEST_ASSERT_EQUAL_INT32(54613, torque_down_of(window));
+    window.torque = 6000000;
+    window.current.d = 10;
     TEST_ASSERT_EQUAL_INT32(54613, torque_down_of(window));
 }
 
@@ -827,12 +903,17 @@ int main(void)
     RUN_TEST(test_the_voltage_of_the_inductance_is_no_emf);
     RUN_TEST(test_a_highest_speed_of_nothing_divides_by_nothing);
     RUN_TEST(test_a_bus_that_is_too_low_is_refused);
+    RUN_TEST(test_a_standing_rotor_is_named_before_a_bus_that_is_too_low);
+    RUN_TEST(test_a_bus_whose_whole_voltage_is_used_is_too_low);
+    RUN_TEST(test_the_whole_voltage_counts_at_a_quarter_of_the_speed_only);
     RUN_TEST(test_the_way_from_half_of_the_speed_to_the_whole_is_a_ramp_in_its_window);
     RUN_TEST(test_the_first_ramp_of_a_further_attempt_has_half_of_the_slope);
     RUN_TEST(test_in_the_first_ramp_no_rotor_is_lost);
     RUN_TEST(test_a_flux_is_voltage_over_speed);
     RUN_TEST(test_the_flux_is_what_half_of_the_speed_shows);
     RUN_TEST(test_half_of_the_current_comes_last);
+    RUN_TEST(test_a_rotor_whose_emf_falls_with_the_current_has_stood);
+    RUN_TEST(test_the_emf_of_a_rotor_that_lags_is_along_the_current_too);
     RUN_TEST(test_a_rotor_out_of_step_is_caught_twice_and_then_refused);
     RUN_TEST(test_a_first_ramp_that_is_steep_enough_keeps_its_slope_and_goes_less_far_down);
     RUN_TEST(test_a_first_ramp_of_half_the_torque_becomes_twice_as_steep);

@@ -768,6 +768,21 @@ static void test_the_vector_is_damped_by_what_the_lag_is_off_its_mean(void)
     TEST_ASSERT_EQUAL_INT32(SPEED, probe.own_speed);
 }
 
+/* Half of an LSB is one. */
+static void test_the_mean_lag_counts_to_the_nearest(void)
+{
+    begin_to_turn(SPEED);
+    set(PROBE_DAMPING, K_1);
+    probe.mean_lag_q29 = 8191;
+    TEST_ASSERT_EQUAL_INT32(SPEED, turn((dq_t){0, 4000}));
+    probe.mean_lag_q29 = 8192;
+    TEST_ASSERT_EQUAL_INT32(SPEED + 16, turn((dq_t){0, 4000}));
+    probe.mean_lag_q29 = -8192;
+    TEST_ASSERT_EQUAL_INT32(SPEED, turn((dq_t){0, 4000}));
+    probe.mean_lag_q29 = -8193;
+    TEST_ASSERT_EQUAL_INT32(SPEED - 16, turn((dq_t){0, 4000}));
+}
+
 static void test_damping_is_of_the_same_size_backwards(void)
 {
     begin_to_turn(-SPEED);
@@ -858,6 +873,9 @@ static void test_the_mean_of_a_lag_that_stays_is_that_lag(void)
         (void)turn((dq_t){-4000, 0});
     }
     TEST_ASSERT_INT32_WITHIN(16384, -16384 * 32767, probe.mean_lag_q29);
+    probe.mean_lag_q29 = (-16384 * 32767) + 1;
+    (void)turn((dq_t){-4000, 0});
+    TEST_ASSERT_EQUAL_INT32(-16384 * 32767, probe.mean_lag_q29); /* rounded down */
 }
 
 /* 8/K = 2^bits: K = 0.03125 a tick for 2^8, which is a word of 2·0.03125·2^32/(2·pi). */
@@ -918,8 +936,8 @@ int main(void)
     RUN_TEST(test_what_the_legs_lose_is_no_torque);
     RUN_TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again);
     RUN_TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only);
-    RUN_TEST(test_the_voltage_of_pulses_saturates);
     RUN_TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across);
+    RUN_TEST(test_the_voltage_of_pulses_saturates);
     RUN_TEST(test_changes_of_the_current_count_with_the_sign_of_the_pulse_two_ticks_before);
     RUN_TEST(test_a_sum_that_was_beyond_its_end_counts_from_there);
     RUN_TEST(test_sums_of_the_pulses_end_likewise);
@@ -932,6 +950,7 @@ int main(void)
     RUN_TEST(test_what_the_legs_lose_is_no_lag_while_a_current_flows);
     RUN_TEST(test_an_emf_below_the_full_one_counts_less);
     RUN_TEST(test_the_vector_is_damped_by_what_the_lag_is_off_its_mean);
+    RUN_TEST(test_the_mean_lag_counts_to_the_nearest);
     RUN_TEST(test_damping_is_of_the_same_size_backwards);
     RUN_TEST(test_a_constant_lag_does_not_slow_the_vector_down);
     RUN_TEST(test_damping_takes_or_adds_half_of_the_speed_at_most);
