@@ -826,7 +826,5 @@ int main(void)
     RUN_TEST(test_long_pulses_share_their_volts);
     RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
     RUN_TEST(test_without_a_bus_pulses_are_1);
-    RUN_TEST(test_on_the_next_axis_the_levels_wait_until_the_rotor_rests);
-    RUN_TEST(test_a_rotor_that_does_not_rest_on_the_next_axis_is_refused);
     return UNITY_END();
 }
