@@ -9,7 +9,7 @@
  *   damping  The speed of the frame changes by −K·(sin δ − its mean). So a rotor in the field of a stiff current, which
  *            nothing else damps, settles with δ' = −K·δ.
  *   tracking The speed of the frame changes by −k·sin δ in each tick: with no current the frame follows a rotor that coasts.
- *   pulses   In a window with a pulse voltage the current control pauses. The voltage is what it was, and on top of it
+ *   pulses   In a window with a pulse voltage the current control holds its voltage along it, and on top of that come
  *            +V, −V, −V, +V, each for so many ticks, again and again. The current along the pulse goes up, down and back:
  *            the rotor gets no momentum.
  *   window   So many ticks in which the sums below are formed.
