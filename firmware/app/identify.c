@@ -505,9 +505,7 @@ static void look_for_end(identify_t *identify)
 {
     const drive_t *const drive = &identify->app->drive;
 
-    if (identify->phase == IDENTIFY_ENDS) {
-        /* it has its reason */
-    } else if (drive->state == DRIVE_STATE_FAULT) {
+    if (drive->state == DRIVE_STATE_FAULT) {
         identify_aim_refusal_of(identify,
                                 "the drive has a fault: ", fault_text(drive->fault.id)->name);
     } else if ((identify->said != IDENTIFY_IDLE) && (drive->state != DRIVE_STATE_PROBE)) {
@@ -524,7 +522,9 @@ static void look_for_end(identify_t *identify)
 void identify_step(identify_t *identify, text_t *text)
 {
     if (identify_is_busy(identify)) {
-        look_for_end(identify);
+        if (identify->phase != IDENTIFY_ENDS) {
+            look_for_end(identify);
+        }
         if (text->length == 0U) {
             take_turn(identify, text);
         }

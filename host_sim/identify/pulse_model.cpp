@@ -12,19 +12,19 @@ namespace
 
 using Vector = std::complex<double>;
 
-constexpr int LEGS = 3;
+constexpr std::size_t LEGS = 3;
 constexpr double TWO_THIRDS = 2.0 / 3;
 constexpr double HALF_SQRT3 = 0.86602540378443864676;
 const Vector AXIS[LEGS] = {{1, 0}, {-0.5, HALF_SQRT3}, {-0.5, -HALF_SQRT3}};
 
-double on_leg(Vector value, int leg)
+double on_leg(Vector value, std::size_t leg)
 {
     return (value * std::conj(AXIS[leg])).real();
 }
 
 struct Edge {
     double at; // share of the period
-    int leg;
+    std::size_t leg;
     bool rises;
 };
 
@@ -32,16 +32,16 @@ struct Edge {
 std::array<Edge, 2 * LEGS> edges_of(Vector voltage, double bus_v)
 {
     double leg_v[LEGS];
-    for (int leg = 0; leg < LEGS; leg++) {
+    for (std::size_t leg = 0; leg < LEGS; leg++) {
         leg_v[leg] = on_leg(voltage, leg);
     }
     const auto [low, high] = std::minmax_element(leg_v, leg_v + LEGS);
     const double middle = (*low + *high) / 2;
     std::array<Edge, 2 * LEGS> edges{};
-    for (int leg = 0; leg < LEGS; leg++) {
+    for (std::size_t leg = 0; leg < LEGS; leg++) {
         const double duty = std::clamp(0.5 + (leg_v[leg] - middle) / bus_v, 0.0, 1.0);
-        edges[static_cast<std::size_t>(leg)] = {(1 - duty) / 2, leg, true};
-        edges[static_cast<std::size_t>(leg + LEGS)] = {(1 + duty) / 2, leg, false};
+        edges[leg] = {(1 - duty) / 2, leg, true};
+        edges[leg + LEGS] = {(1 + duty) / 2, leg, false};
     }
     std::sort(edges.begin(), edges.end(), [](const Edge &a, const Edge &b) { return a.at < b.at; });
     return edges;
