@@ -459,18 +459,6 @@ int bench(const BenchArguments &arguments)
     return LIMITS_HOLD;
 }
 
-// The drive of a simulated motor knows what stands on its name plate.
-nf::Config plate_of_scenario(const nf::Config &config)
-{
-    nf::Config plate = config;
-    plate.motor = nf::plate_of(config.motor);
-    plate.model.resistance = 1;
-    plate.model.inductance = 1;
-    plate.model.flux = 1;
-    plate.model.inertia = 1;
-    return plate;
-}
-
 std::vector<std::string> lines_of(const std::string &path)
 {
     std::ifstream file(path, std::ios::binary);
@@ -556,7 +544,7 @@ int identify_simulated(const IdentifyArguments &arguments)
     const Choice choice = {arguments.scenario, arguments.with, arguments.set, arguments.motor,
                            arguments.board};
     const nf::Config config = choice.load();
-    const nf::Config plate = plate_of_scenario(config);
+    const nf::Config plate = nf::known_from_plate(config);
     nf::check_output(config, "--output", arguments.output);
     nf::Simulation sim(config, nf::with_typical(plate));
     const nf::identify::Measurement found = nf::identify::measure(sim, show_phase);

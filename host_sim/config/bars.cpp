@@ -79,12 +79,17 @@ std::string significant(double number, int digits)
 
 } // namespace
 
+double error_bar(double std, double bound)
+{
+    return std::hypot(SIGMAS * std, bound);
+}
+
 double bar_of(const MotorSettings &motor, const MeasuredSettings &measured, const std::string &key)
 {
     for (const Relative &row : RELATIVE) {
         if (row.key == key) {
             return std::abs(motor.*row.value) * PER_CENT *
-                   std::hypot(SIGMAS * measured.*row.std_pct, measured.*row.bound_pct);
+                   error_bar(measured.*row.std_pct, measured.*row.bound_pct);
         }
     }
     const auto *row = std::find_if(std::begin(ABSOLUTE), std::end(ABSOLUTE),

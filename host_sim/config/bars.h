@@ -9,9 +9,12 @@
 namespace nf
 {
 
+// The error bar of a standard deviation and a systematic bound, both in one unit: 95 % of values lie within.
+double error_bar(double std, double bound);
+
 // The error bar of a value of [motor] or [measured] in the value's own unit, 0 or more; 0 where none is stated, or for any
-// other key. Of a standard deviation s and a systematic bound b it is √((2s)² + b²): 95 % of values lie within. The rated
-// torque has the bar of φ, of which it is made. `key` is "section.key".
+// other key. Of a standard deviation and a bound it is error_bar(). The rated torque has the
+// bar of φ, of which it is made. `key` is "section.key".
 double bar_of(const MotorSettings &motor, const MeasuredSettings &measured, const std::string &key);
 
 // A finite number above 0 with two significant digits, as a TOML number: "0.031", "1.0", "12", "1.5e-06".

@@ -89,6 +89,17 @@ MotorSettings typical(const MotorSettings &plate, const BoardSettings &board)
     return motor;
 }
 
+Config known_from_plate(const Config &config)
+{
+    Config plate = config;
+    plate.motor = plate_of(config.motor);
+    plate.model.resistance = 1;
+    plate.model.inductance = 1;
+    plate.model.flux = 1;
+    plate.model.inertia = 1;
+    return plate;
+}
+
 Config with_typical(const Config &plate)
 {
     Config config = plate;

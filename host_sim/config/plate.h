@@ -43,6 +43,9 @@ MotorSettings plate_of(const MotorSettings &motor);
 // ten in R, L and J, so this is where a measurement starts, and no value to control a motor with.
 MotorSettings typical(const MotorSettings &plate, const BoardSettings &board);
 
+// What a drive knows of a configuration's motor that it has not measured: the name plate, and no factor of [model].
+Config known_from_plate(const Config &config);
+
 // The configuration of a name plate as build() takes it: `motor` is typical(). A message about such a value says
 // "FILE (typical value)" for its place.
 Config with_typical(const Config &plate);

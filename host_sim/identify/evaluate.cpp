@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "evaluate.h"
 
+#include "bars.h"
 #include "numbers.h"
-#include "truth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,6 @@ namespace
 
 constexpr double PER_CENT = 100;
 constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
-constexpr double SQRT3 = 1.7320508075688772935;
 constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are those of one board
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
@@ -57,8 +56,7 @@ double with_still_rotor(const Inductances &l, const Flux &flux, const Shaft &sha
 // Where EMF and R·i take what the bus leaves them, at most the highest speed; a round number.
 double rated_speed_rpm(const MotorSettings &motor, const Config &plate, double current_a)
 {
-    const double circle =
-        BUS_USED * plate.board.bus_nominal_v / SQRT3 * (1 - plate.board.duty_margin_pct / PER_CENT);
+    const double circle = BUS_USED * largest_ratio(plate.board) * plate.board.bus_nominal_v;
     const double left = std::max(circle - motor.resistance_ohm * current_a, 0.1 * circle);
     const double x = motor.inductance_q_h * current_a / motor.flux_linkage_wb;
     const double rpm =
@@ -71,8 +69,7 @@ double rated_speed_rpm(const MotorSettings &motor, const Config &plate, double c
 void bound_max_speed(MotorSettings &motor, const Config &plate, double flux_wb,
                      std::vector<std::string> &remarks)
 {
-    const double left_v =
-        plate.board.bus_nominal_v / SQRT3 * (1 - plate.board.duty_margin_pct / PER_CENT);
+    const double left_v = largest_ratio(plate.board) * plate.board.bus_nominal_v;
     const double rpm = left_v / flux_wb / motor.pole_pairs / RAD_S_PER_RPM;
     if (rpm < motor.max_speed_rpm) {
         remarks.push_back(fmt::format(
@@ -93,10 +90,9 @@ void fill_motor(MotorSettings &motor, const Legs &legs, const Inductances &l, co
     motor.viscous_friction_nm_s = shaft.viscous_nm_s.value;
 }
 
-// As nf::bar_of() has it.
 double bar_of(const Value &value)
 {
-    return std::hypot(2 * value.std, value.bound);
+    return error_bar(value.std, value.bound);
 }
 
 void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, const Flux &flux,
@@ -173,7 +169,7 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     fill_bars(result.measured, legs, inductances, flux, shaft, current_a);
     fill_conditions(result.measured, records, plate, legs, inductances, flux);
     result.measured.temperature_c = temperature_c;
-    result.lost_time_s = lost_time_s(legs.dead_time_s(), legs.knee_a.value, current_a);
+    result.lost_time_s = legs.lost_v(current_a) * legs.period_s / legs.bus_v;
     result.lost_time_bar_s = result.measured.dead_time_bar_s;
     result.flux = flux;
     remark_flux(flux, result.remarks);

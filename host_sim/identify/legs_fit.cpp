@@ -22,14 +22,6 @@ constexpr double VOLTAGE_SCALE = 5e-4;
 constexpr double RESISTANCE_UNSURE = 2e-3;
 constexpr double TIMER_UNSURE = 1.6e-5;
 
-// The share that is lost, knee.h.
-double share(double z)
-{
-    const double size = std::abs(z);
-    const double lost = size <= 1 ? size / 2 : 1 - 1 / (2 * size);
-    return z < 0 ? -lost : lost;
-}
-
 // Another shape with the same slope at zero and the same end: how far R moves with it says how much the knee's shape counts.
 double other_share(double z)
 {
@@ -110,9 +102,16 @@ void add_scale_bounds(Legs &legs, double largest_a)
 
 } // namespace
 
+double lost_share(double z)
+{
+    const double size = std::abs(z);
+    const double lost = size <= 1 ? size / 2 : 1 - 1 / (2 * size);
+    return z < 0 ? -lost : lost;
+}
+
 double Legs::lost_v(double leg_a) const
 {
-    return loss_v.value * share(leg_a / knee_a.value);
+    return loss_v.value * lost_share(leg_a / knee_a.value);
 }
 
 std::complex<double> Legs::lost_v(std::complex<double> current) const
@@ -143,7 +142,7 @@ Legs fit_legs(const Records &records)
         throw ConfigError(
             "the records have too few levels of current at rest: the identification did not come that far");
     }
-    const Fit fit = fit_shape(levels, share);
+    const Fit fit = fit_shape(levels, lost_share);
     const Fit other = fit_shape(levels, other_share);
     Legs legs;
     const auto value = [&](Parameter which) {

@@ -16,6 +16,9 @@ struct Value {
     double bound = 0;
 };
 
+// The share of the loss at a large current that a leg loses at z knees, knee.h; of the current's sign.
+double lost_share(double z);
+
 struct Legs {
     Value resistance_ohm;
     Value

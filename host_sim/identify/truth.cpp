@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "truth.h"
 
+#include "legs_fit.h"
 #include "machine.h"
 #include "numbers.h"
 
@@ -48,11 +49,7 @@ Truth truth_of(const Config &config)
 
 double lost_time_s(double dead_time_s, double knee_a, double current_a)
 {
-    if (knee_a <= 0) {
-        return dead_time_s;
-    }
-    const double z = current_a / knee_a;
-    return dead_time_s * (z <= 1 ? z / 2 : 1 - 1 / (2 * z));
+    return knee_a > 0 ? dead_time_s * lost_share(current_a / knee_a) : dead_time_s;
 }
 
 } // namespace nf::identify

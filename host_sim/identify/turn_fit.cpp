@@ -265,7 +265,7 @@ void add_held_drags(const std::vector<Pair> &pairs, const Scales &scales, const 
     }
 }
 
-// Without current the friction brakes the rotor; what current is left is taken off. The frame has to have found the rotor.
+// Without current the friction brakes the rotor. The torque of the current that is left is taken off.
 void add_coasting_drags(const Records &records, double inertia, const Flux &flux,
                         std::vector<Drag> &drags)
 {

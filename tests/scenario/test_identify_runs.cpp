@@ -33,17 +33,6 @@ constexpr double PI = 3.14159265358979323846;
 constexpr double RAD_S_PER_RPM = PI / 30;
 constexpr int TICKS_TO_OPEN = 40; // a command is taken once in a slow period
 
-nf::Config plate_of(const nf::Config &config)
-{
-    nf::Config plate = config;
-    plate.motor = nf::plate_of(config.motor);
-    plate.model.resistance = 1;
-    plate.model.inductance = 1;
-    plate.model.flux = 1;
-    plate.model.inertia = 1;
-    return plate;
-}
-
 // What it has done to the machine, beside its lines.
 struct Outcome {
     Measurement measurement;
@@ -54,7 +43,7 @@ struct Outcome {
 Outcome measured(const nf::Config &config, const nf::identify::Event &event = {},
                  const nf::identify::Listener &listener = {})
 {
-    nf::Simulation sim(config, nf::with_typical(plate_of(config)));
+    nf::Simulation sim(config, nf::with_typical(nf::known_from_plate(config)));
     Outcome outcome;
     outcome.measurement = nf::identify::measure(sim, listener, event);
     for (int k = 0; k < TICKS_TO_OPEN; k++) {
@@ -69,7 +58,7 @@ Outcome measured(const nf::Config &config, const nf::identify::Event &event = {}
 nf::identify::Result found(const nf::Config &config, const Measurement &measurement)
 {
     const auto records = nf::identify::read_records(measurement.lines, "records");
-    return nf::identify::evaluate(records, plate_of(config), 25);
+    return nf::identify::evaluate(records, nf::known_from_plate(config), 25);
 }
 
 // Of different size: 2 kW, some kW at 24 V, 40 W with high resistance, 10 kW.

@@ -11,19 +11,23 @@ PER_CENT, NANO = 100, 1e9
 class Value:
     key: str
     title: str
-    asked: str          # of the 95th percentile
+    goal: float | None  # of the 95th percentile, % or ns
     relative: bool = True
+
+    @property
+    def unit(self):
+        return "%" if self.relative else "ns"
 
 
 VALUES = (
-    Value("resistance_ohm", "R", "2 %"),
-    Value("inductance_d_h", "L_d", "3 %"),
-    Value("inductance_q_h", "L_q at the continuous current", "3 %"),
-    Value("flux_linkage_wb", "flux linkage", "1.5 %"),
-    Value("inertia_kg_m2", "J", "5 %"),
-    Value("lost_time_s", "lost by a leg at the continuous current", "30 ns", relative=False),
-    Value("viscous_friction_nm_s", "viscous friction", ""),
-    Value("coulomb_friction_nm", "Coulomb friction", ""),
+    Value("resistance_ohm", "R", 2),
+    Value("inductance_d_h", "L_d", 3),
+    Value("inductance_q_h", "L_q at the continuous current", 3),
+    Value("flux_linkage_wb", "flux linkage", 1.5),
+    Value("inertia_kg_m2", "J", 5),
+    Value("lost_time_s", "lost by a leg at the continuous current", 30, relative=False),
+    Value("viscous_friction_nm_s", "viscous friction", None),
+    Value("coulomb_friction_nm", "Coulomb friction", None),
 )
 
 
@@ -49,12 +53,13 @@ def percentile_95(numbers):
 
 def row(value, results):
     found = errors(value, results)
-    unit = "%" if value.relative else "ns"
+    unit = value.unit
+    goal = "" if value.goal is None else f"{value.goal:g} {unit}"
     median = statistics.median(error for error, _ in found)
     last = percentile_95([error for error, _ in found])
     bar = statistics.median(bar for _, bar in found)
     inside = PER_CENT * sum(error <= bar for error, bar in found) / len(found)
-    return (f"| {value.title} | {value.asked} | {last:.2g} {unit} | {median:.2g} {unit} | {bar:.2g} {unit} | {inside:.1f} % |")
+    return (f"| {value.title} | {goal} | {last:.2g} {unit} | {median:.2g} {unit} | {bar:.2g} {unit} | {inside:.1f} % |")
 
 
 def all_inside_pct(results):
