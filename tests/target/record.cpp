@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Records a run of the simulator for the replay on targets:
 //
-//     record FOLDER SCENARIO [IMPERFECTION | SECTION.KEY=VALUE]...
+//     record FOLDER SCENARIO [identify] [IMPERFECTION | SECTION.KEY=VALUE]...
 //
 // writes FOLDER/frames.nfr, what the drive was given, and FOLDER/results.nfr, what it made of it, tick
-// by tick from the first one on (hal/mps2/recording.h). Exit status: 0, or 2 with a line on stderr.
+// by tick from the first one on (hal/mps2/recording.h). With `identify` the drive measures the
+// scenario's motor instead of running it. Exit status: 0, or 2 with a line on stderr.
+#include "measure.h"
 #include "scenario.h"
 
 extern "C" {
@@ -30,7 +32,11 @@ class Recorder : public nf::TickSink
 public:
     void add(const nf::Tick &tick) override
     {
-        const nf::Simulation &sim = *tick.sim;
+        add(*tick.sim);
+    }
+
+    void add(const nf::Simulation &sim)
+    {
         recording_put_frame(grow(frames_, RECORDING_FRAME_BYTES), &sim.in());
         recording_put_result(grow(results_, RECORDING_RESULT_BYTES), &sim.out(), &sim.drive());
         ticks_++;
@@ -70,9 +76,34 @@ private:
     uint32_t ticks_ = 0;
 };
 
-void record(const std::filesystem::path &folder, const std::string &scenario,
-            const std::vector<std::string> &choices)
+void run(const nf::Config &config, Recorder &recorder)
 {
+    nf::RunOptions options;
+    options.sink = &recorder;
+    (void)nf::run_scenario(config, options);
+}
+
+void identify(const nf::Config &config, Recorder &recorder)
+{
+    nf::Simulation sim(config);
+    bool first = true;
+    const auto before_tick = [&](const nf::Simulation &ended) {
+        if (!first) {
+            recorder.add(ended);
+        }
+        first = false;
+    };
+    const nf::identify::Measurement found = nf::identify::measure(sim, {}, before_tick);
+    recorder.add(sim);
+    if (!found.refusal.empty()) {
+        throw std::runtime_error(found.refusal);
+    }
+}
+
+void record(const std::filesystem::path &folder, const std::string &scenario,
+            std::vector<std::string> choices)
+{
+    const bool measured = std::erase(choices, "identify") != 0;
     std::vector<std::string> with;
     std::vector<std::string> set;
     for (const std::string &choice : choices) {
@@ -80,9 +111,7 @@ void record(const std::filesystem::path &folder, const std::string &scenario,
     }
     const nf::Config config = nf::load_scenario(scenario, with, set);
     Recorder recorder;
-    nf::RunOptions options;
-    options.sink = &recorder;
-    (void)nf::run_scenario(config, options);
+    (measured ? identify : run)(config, recorder);
     std::filesystem::create_directories(folder);
     recorder.write(folder, nf::build(config));
 }
@@ -93,7 +122,7 @@ int main(int argc, char **argv)
 {
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     if (arguments.size() < 2) {
-        std::fputs("usage: record FOLDER SCENARIO [IMPERFECTION | SECTION.KEY=VALUE]...\n", stderr);
+        std::fputs("usage: record FOLDER SCENARIO [identify] [IMPERFECTION | SECTION.KEY=VALUE]...\n", stderr);
         return BAD_INPUT;
     }
     try {
