@@ -10,11 +10,12 @@
 
 #define MS_PS (1000000000U)
 #define WINDOW_NUMBERS (0x7FFU)
-#define CURRENT_LEAST \
-    (192) /* 24 counts of a converter of 12 bits: a quarter of it is still above its noise */
-#define CURRENT_ONE (32768)  /* I_b in Q15 */
-#define NOISE_SHARE (16)     /* of the continuous current, mean change from sample to sample */
-#define LONGEST_MS (120000U) /* of all experiments with their lines, which take 10 to 30 s */
+#define COUNTS_LEAST (24) /* of the current's converter: a quarter of it is still above its noise */
+#define CURRENT_ONE (32768)     /* I_b in Q15 */
+#define FULL_SCALE (16384)      /* of a current sensor, Q15 of I_b */
+#define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
+#define LONGEST_MOVE_MS (5000U) /* the gentlest ramp takes half of that */
+#define LONGEST_MS (120000U)    /* of all experiments with their lines, which take 10 to 30 s */
 
 /* ---- the words of an experiment ---- */
 
@@ -151,20 +152,14 @@ static void say_record(const identify_t *identify, text_t *text)
     text_end_line(text);
 }
 
-static void add_amperes(const identify_t *identify, text_t *text, int32_t current)
+static int32_t milliamperes(const identify_t *identify, int32_t current)
 {
-    const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
-
-    text_number(text, units_thousandths(current, CURRENT_ONE, base_ua), 3U);
-    text_add(text, " A");
+    return units_thousandths(current, CURRENT_ONE, 2U * identify->about->current_full_scale_ua);
 }
 
-/* Rounded up: a name plate with the current that is said has enough of it. */
-static void add_needed(const identify_t *identify, text_t *text, int32_t current)
+static void add_amperes(text_t *text, int32_t current_ma)
 {
-    const uint32_t base_ua = 2U * identify->about->current_full_scale_ua;
-
-    text_number(text, units_thousandths(current, CURRENT_ONE, base_ua) + 1, 3U);
+    text_number(text, current_ma, 3U);
     text_add(text, " A");
 }
 
@@ -178,7 +173,8 @@ static void say_end(const identify_t *identify, text_t *text)
         text_add(text, identify->detail);
     }
     if (identify->needed > 0) {
-        add_needed(identify, text, identify->needed);
+        /* rounded up: a name plate with the current that is said has enough of it */
+        add_amperes(text, milliamperes(identify, identify->needed) + 1);
     }
 }
 
@@ -195,26 +191,26 @@ static void add_highest_speed(const identify_t *identify, text_t *text, const ch
 /* Before each phase: what it will do, with which current and speed. */
 static void say_phase(const identify_t *identify, text_t *text)
 {
-    const int32_t current = identify_aim_continuous(identify);
+    const int32_t continuous = milliamperes(identify, identify_aim_continuous(identify));
 
     switch (identify->phase) {
     case IDENTIFY_PULSE:
         text_add(text, "pulses on each phase, the shaft hardly moves, up to ");
-        add_amperes(identify, text, current);
+        add_amperes(text, continuous);
         add_highest_speed(identify, text, "; behind them it turns, up to ");
         break;
     case IDENTIFY_CATCH:
         text_add(text, "the shaft turns by up to one and a half electrical turns, with ");
-        add_amperes(identify, text, current);
+        add_amperes(text, continuous);
         break;
     case IDENTIFY_STILL:
         text_add(text, "the shaft goes to three angles of an electrical turn, up to ");
-        add_amperes(identify, text, identify_rest_largest(identify));
+        add_amperes(text, milliamperes(identify, identify_rest_largest(identify)));
         break;
     case IDENTIFY_SPIN:
         add_highest_speed(identify, text, "the shaft turns, up to ");
-        text_add(text, ", with ");
-        add_amperes(identify, text, identify_turn_current(identify));
+        text_add(text, ", with at most ");
+        add_amperes(text, continuous);
         break;
     case IDENTIFY_RAMP:
         text_add(text, "between half of that speed and the whole");
@@ -306,6 +302,11 @@ static void have_asked(identify_t *identify)
     wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
 }
 
+static uint32_t longest_move(const identify_t *identify)
+{
+    return LONGEST_MOVE_MS * fx_unsigned(identify->ms_ticks);
+}
+
 static void go_on(identify_t *identify, text_t *text)
 {
     switch (identify->wait) {
@@ -322,6 +323,11 @@ static void go_on(identify_t *identify, text_t *text)
     case IDENTIFY_MOVING:
         if ((ticks_passed(identify) > 2U) && has_arrived(identify)) {
             wait_for(identify, IDENTIFY_SETTLING);
+        } else if (ticks_passed(identify) > longest_move(identify)) {
+            identify_turn_catch_again(identify); /* the vector waits for a rotor that is lost */
+            plan_next(identify);
+        } else {
+            /* it moves */
         }
         break;
     case IDENTIFY_SETTLING:
@@ -343,12 +349,20 @@ void identify_init(identify_t *identify, app_t *app, const about_t *about)
     *identify = (identify_t){.app = app, .about = about};
 }
 
+/* Continuous current of which the sensors show enough, Q15 of I_b. */
+static int32_t current_least(const about_t *about)
+{
+    return (COUNTS_LEAST * FULL_SCALE) / fx_max((int32_t)about->current_zero_count, 1);
+}
+
 /* The words that probe_reset() leaves. A run that the drive has not taken yet is taken back. */
 static void begin_identifying(identify_t *identify)
 {
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
     const uint32_t pulse_ticks = (uint32_t)PROBE_PULSE_TICKS - (uint32_t)PROBE_CURRENT;
     const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
+
+    const int32_t least = current_least(identify->about);
 
     identify_init(identify, identify->app, identify->about);
     identify->before = command_mailbox_take(&identify->app->mailbox);
@@ -360,8 +374,8 @@ static void begin_identifying(identify_t *identify)
     identify->in_force[emf] = 1;
     identify->aim.words[emf] = 1;
     identify_aim_phase(identify, IDENTIFY_BEGINS);
-    if (identify_aim_continuous(identify) < CURRENT_LEAST) {
-        identify->needed = CURRENT_LEAST;
+    if (identify_aim_continuous(identify) < least) {
+        identify->needed = least;
         identify_aim_refusal(
             identify,
             "the continuous current of the name plate is too small for this board's sensors, it takes at least ");
@@ -437,7 +451,7 @@ static int32_t runaway_current(const identify_t *identify)
         largest = (identify->turn.slower > 0U) ? fault : middle;
         break;
     case IDENTIFY_SPIN:
-        largest = (identify->step > 1U) ? fault : middle;
+        largest = identify_turn_seeks_speed(identify) ? middle : fault;
         break;
     default: /* a rotor falls into the field */
         largest = middle;

@@ -21,16 +21,19 @@ void identify_aim_window(identify_t *identify, const char *kind, int32_t settle,
     identify->aim.ticks = ticks;
 }
 
-/* A gain in Q32 as a word of PROBE_GAIN_D. */
+/* A gain in Q32 as a word of PROBE_GAIN_D. One that the word has no shift for is the largest that it has. */
 static int32_t gain_word(uint64_t gain_q32)
 {
     uint64_t mantissa = gain_q32;
     uint32_t shift = 32U;
     uint32_t word;
 
-    while ((mantissa > (uint64_t)FX_Q15_MAX) || (shift > 30U)) {
+    while ((shift > 30U) || ((mantissa > (uint64_t)FX_Q15_MAX) && (shift > 1U))) {
         mantissa >>= 1U;
         shift--;
+    }
+    if (mantissa > (uint64_t)FX_Q15_MAX) {
+        mantissa = (uint64_t)FX_Q15_MAX;
     }
     word = (shift << 16U) | (uint32_t)mantissa;
     return fx_signed(word);

@@ -19,6 +19,21 @@ static inline const probe_sums_t *identify_aim_sums(const identify_t *identify)
     return &identify->app->drive.probe.sums;
 }
 
+/* value, limited to what it may be. */
+static inline int32_t identify_aim_bounded(int64_t value, int32_t least, int32_t most)
+{
+    const int64_t above = (value > (int64_t)least) ? value : (int64_t)least;
+    const int64_t bounded = (above < (int64_t)most) ? above : (int64_t)most;
+
+    return (int32_t)bounded;
+}
+
+/* The current of the next experiment, or of the one that has ended. */
+static inline int32_t identify_aim_asked_current(const identify_t *identify)
+{
+    return identify->aim.words[0];
+}
+
 /* A word of the next experiment, or of the one that has ended. */
 static inline int32_t *identify_aim_word(identify_t *identify, probe_word_t which)
 {
@@ -31,7 +46,10 @@ void identify_aim_current(identify_t *identify, int32_t current);
 /* Its record's first word, ticks to settle, and ticks of its window. */
 void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks);
 
-/* Gains of the current control for the measured L. soft: R alone damps the swings of a rotor at rest, as the current across is left to itself. */
+/*
+ * Gains of the current control for the measured L. soft: weak control across the current, so that the winding's resistance
+ * damps a rotor that swings.
+ */
 void identify_aim_gains(identify_t *identify, bool soft);
 
 void identify_aim_phase(identify_t *identify, identify_phase_t phase);

@@ -52,12 +52,15 @@ static int32_t largest_peak(const identify_rest_t *rest)
     return fx_max(fx_max(rest->peaks[0].d, rest->peaks[1].d), rest->peaks[2].d);
 }
 
-/* At most INT32_MAX. value: 0 and above. */
-static int32_t bounded_word(int64_t value)
+/* In any direction: exchanged wires turn the current away from the pulse. */
+static int32_t largest_current(const identify_rest_t *rest)
 {
-    const int64_t bounded = (value < (int64_t)INT32_MAX) ? value : (int64_t)INT32_MAX;
+    int32_t largest = 0;
 
-    return (int32_t)bounded;
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        largest = fx_max(largest, fx_max(fx_abs(rest->peaks[axis].d), fx_abs(rest->peaks[axis].q)));
+    }
+    return largest;
 }
 
 /* What the legs lose is the same in two pulses: it cancels in their difference. */
@@ -67,15 +70,17 @@ static void find_inductance(identify_rest_t *rest)
     const int64_t volts = ((int64_t)rest->pulse * (int64_t)rest->quarter) / 5;
     const int64_t ratio = (volts * 65536) / more;
 
-    rest->inductance_q16 = bounded_word(ratio);
+    rest->inductance_q16 = identify_aim_bounded(ratio, 0, INT32_MAX);
     rest->along_q16 = rest->inductance_q16;
     rest->across_q16 = rest->inductance_q16;
+    rest->across_volts = 0;
+    rest->across_current = 0;
 }
 
 /* So large a current says which phases are connected, long before the drive misses one. */
 static bool shows_current(const identify_t *identify)
 {
-    return largest_peak(&identify->rest) >= (identify_aim_continuous(identify) / 16);
+    return largest_current(&identify->rest) >= (identify_aim_continuous(identify) / 16);
 }
 
 /* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
@@ -108,7 +113,7 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
         "the wires or the current sensors of phases a and c are exchanged",
         "the wires or the current sensors of phases a and b are exchanged",
     };
-    const int32_t least = largest_peak(rest) / OPEN_SHARE;
+    const int32_t least = largest_current(rest) / OPEN_SHARE;
     const char *why = NULL;
     uint32_t turned = 0U;
     uint32_t straight = 0U;
@@ -124,7 +129,17 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
             straight = axis;
         }
     }
-    return ((why == NULL) && (turned == 2U)) ? crossed[straight] : why;
+    if (why != NULL) {
+        /* an open phase turns the current of the others */
+    } else if (turned == IDENTIFY_AXES) {
+        why =
+            "a current sensor is reversed, or the wires or the sensors of all three phases are exchanged";
+    } else if (turned == 2U) {
+        why = crossed[straight];
+    } else {
+        /* a phase that stands out is judged by its resistance */
+    }
+    return why;
 }
 
 /* All three axes have answered to pulses of this size. */
@@ -196,7 +211,7 @@ static bool swings_no_more(identify_t *identify)
     identify_rest_t *const rest = &identify->rest;
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int32_t noise = fx_max(sums->noise_a, sums->noise_b) / identify->aim.ticks;
-    const int32_t most = (identify->aim.words[0] / CALM_SHARE) + (NOISE_PEAK * noise);
+    const int32_t most = (identify_aim_asked_current(identify) / CALM_SHARE) + (NOISE_PEAK * noise);
     const int32_t mean = sums->current.q / identify->aim.ticks;
     const int32_t swing = sums->across - fx_abs(mean);
 
@@ -304,7 +319,22 @@ typedef struct {
     uint8_t across;
 } burst_t;
 
-/* Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most the largest current. */
+/*
+ * Volt-ticks for pulses of so much current. Across, what the legs lose changes its sign with the current and is a large part
+ * of a small pulse: the pulses before say what a current takes, and L what more of it takes.
+ */
+static int64_t volts_for(const identify_rest_t *rest, bool along, int64_t current)
+{
+    const int64_t more = current - (int64_t)rest->across_current;
+
+    return along ? ((current * rest->along_q16) / ONE_Q16)
+                 : (rest->across_volts + ((more * rest->across_q16) / ONE_Q16));
+}
+
+/*
+ * Pulses of so much current, as short as the voltage allows: 3/8 of the bus. The sum of both is at most 7/8 of the largest
+ * current: while the current control holds its voltage along the pulses, a ripple of the bus changes the mean current.
+ */
 static void aim_burst(identify_t *identify)
 {
     static const burst_t bursts[BURSTS] = {{8, 3, 0}, {16, 6, 0}, {5, 4, 0},  {3, 2, 0},
@@ -315,21 +345,35 @@ static void aim_burst(identify_t *identify)
     const int64_t current = ((int64_t)identify_aim_continuous(identify) *
                              ((int64_t)burst->along + (int64_t)burst->across)) /
                             16;
-    const int64_t volts = (current * (along ? rest->along_q16 : rest->across_q16)) / ONE_Q16;
-    const int64_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
+    const int64_t volts = volts_for(rest, along, current);
+    const int32_t most = fx_max(fx_asr(identify->app->drive.signals.bus * 3, 3U), 1);
     const int64_t needed = 1 + (volts / most);
-    const int32_t quarter = fx_min(bounded_word(needed), PULSE_TICKS_MOST);
+    const int32_t quarter = identify_aim_bounded(needed, 1, PULSE_TICKS_MOST);
     const int64_t each = volts / quarter;
     const int32_t patterns = fx_max(BURST_TICKS / (QUARTERS * quarter), 1);
-    const int32_t most_bias = identify_rest_largest(identify) - (int32_t)current;
+    const int32_t most_bias = ((identify_rest_largest(identify) * 7) / 8) - (int32_t)current;
     const int32_t bias = (identify_aim_continuous(identify) * (int32_t)burst->bias) / 16;
 
     identify_aim_current(identify, along ? fx_max(fx_min(bias, most_bias), 0) : bias);
     *identify_aim_word(identify, along ? PROBE_PULSE_D : PROBE_PULSE_Q) =
-        bounded_word((each < most) ? each : most);
+        identify_aim_bounded(each, 0, most);
     *identify_aim_word(identify, PROBE_PULSE_TICKS) = quarter;
     identify_aim_window(identify, "burst", LEVEL_SETTLE_MS * identify->ms_ticks,
                         patterns * QUARTERS * quarter);
+}
+
+/* L across, of two pulses of unlike current. The smaller one may hardly overcome what the legs lose. */
+static void note_across(identify_rest_t *rest, int32_t volts, int32_t current)
+{
+    const int32_t more = current - rest->across_current;
+
+    if ((rest->across_current > 0) && (fx_abs(more) > (current / 8))) {
+        const int64_t ratio = ((int64_t)(volts - rest->across_volts) * 65536) / more;
+
+        rest->across_q16 = identify_aim_bounded(ratio, rest->inductance_q16 / 2, INT32_MAX);
+    }
+    rest->across_volts = volts;
+    rest->across_current = current;
 }
 
 /* L of the pulses that have ended: it falls with the current. */
@@ -337,14 +381,17 @@ static void note_burst(identify_t *identify)
 {
     const probe_sums_t *const sums = identify_aim_sums(identify);
     const int64_t ticks_q16 = (int64_t)identify->aim.ticks * 65536;
+    const int32_t quarter = *identify_aim_word(identify, PROBE_PULSE_TICKS);
     const int32_t along = *identify_aim_word(identify, PROBE_PULSE_D);
     const int32_t across = *identify_aim_word(identify, PROBE_PULSE_Q);
 
     if ((along > 0) && (sums->change.d > 0)) {
-        identify->rest.along_q16 = bounded_word((ticks_q16 * along) / sums->change.d);
+        identify->rest.along_q16 =
+            identify_aim_bounded((ticks_q16 * along) / sums->change.d, 0, INT32_MAX);
     }
     if ((across > 0) && (sums->change.q > 0)) {
-        identify->rest.across_q16 = bounded_word((ticks_q16 * across) / sums->change.q);
+        note_across(&identify->rest, across * quarter,
+                    (sums->change.q / identify->aim.ticks) * quarter);
     }
 }
 
@@ -358,7 +405,7 @@ static void note_level(identify_t *identify)
     if (identify->step == 1U) {
         rest->high_voltage = voltage;
         rest->high_current = current;
-        if (current < ((identify->aim.words[0] * 7) / 8)) {
+        if (current < ((identify_aim_asked_current(identify) * 7) / 8)) {
             identify_aim_refusal(identify, "the bus voltage is too low for the current");
         }
     } else if (identify->step == LEVEL_FOR_R) {

@@ -52,12 +52,15 @@ typedef struct {
     int32_t before;            /* largest current of those before */
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
     int32_t inductance_q16;    /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
-    int32_t along_q16;         /* the same along and across a current, of the last pulses */
-    int32_t across_q16;
-    uint32_t looks;       /* at a rotor that has come to another axis; 0: it is at rest */
-    int32_t mean_across;  /* i_q of an earlier look, */
-    uint32_t steady;      /* and how many since then have about the same */
-    int32_t high_voltage; /* means at the largest current of this axis */
+    int32_t along_q16;         /* the same along a current, of the last pulses */
+    int32_t
+        across_q16; /* and across: of the change of both between the last pulses and those before */
+    int32_t across_volts;   /* volt-ticks of the last pulses across, */
+    int32_t across_current; /* and their current */
+    uint32_t looks;         /* at a rotor that has come to another axis; 0: it is at rest */
+    int32_t mean_across;    /* i_q of an earlier look, */
+    uint32_t steady;        /* and how many since then have about the same */
+    int32_t high_voltage;   /* means at the largest current of this axis */
     int32_t high_current;
     int32_t resistance_q13[IDENTIFY_AXES]; /* U_b/I_b */
     int32_t loss;                          /* of the voltage at no current, Q15 of U_b */
@@ -72,9 +75,11 @@ typedef struct {
     int32_t ramp_ticks;
     int32_t swing_ticks; /* 1/ω_n of the rotor in the field of the current; 0: not known */
     int32_t flux_q14;    /* φ as it showed, U_b/Ω_b */
+    bool loaded;         /* friction takes so much torque that the current is the continuous one */
     int32_t torque_down; /* torque of the last ramps over what the current can pull, Q14 */
     int32_t torque_up;
-    int32_t pairs_left; /* of ramps, and 1; 0: still becoming steeper */
+    bool steep;         /* the ramps are as steep as they get */
+    int32_t pairs_left; /* and so many more pairs of them follow */
     int32_t coast_ticks;
     int32_t coast_speed; /* at first */
 } identify_turn_t;

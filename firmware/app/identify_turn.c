@@ -18,9 +18,11 @@
 #define RAMP_MS_FIRST (1000) /* from half of the speed to the whole */
 #define RAMP_MS_ALL (2500)   /* of all pairs of ramps */
 #define RAMP_TICKS_LEAST (64)
-#define RAMP_MS_MOST (500) /* a longer one goes less far down */
-#define EDGE_TICKS (1024)  /* before and behind a ramp in its window, at least */
+#define RAMP_MS_MOST (400)                     /* a longer one goes less far down */
+#define RAMP_TICKS_MOST (PROBE_WINDOW_MAX / 2) /* a ramp and two edges fit a window */
+#define EDGE_TICKS (1024) /* before and behind a ramp in its window, at least */
 #define EDGE_MS_MOST (450)
+#define EDGE_TICKS_MOST (PROBE_WINDOW_MAX / 4)
 #define EDGE_SWINGS (8) /* 1/ω_n: a swing that the ramp has begun is damped by then */
 #define DAMPING_MOST \
     (41000000) /* K = 0.03 a tick: a quarter of the bandwidth of the current control */
@@ -43,13 +45,15 @@ static void aim_speed(identify_t *identify, step_t speed, step_t ramp)
     *identify_aim_word(identify, PROBE_RAMP) = fx_max(ramp, 1);
 }
 
+/* Of a first ramp no swing is known yet: a quarter of its time. */
 static int32_t edge_ticks(const identify_t *identify)
 {
-    const int32_t most = fx_max(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS);
-
+    const int32_t most = fx_clamp(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
     const int32_t swings = EDGE_SWINGS * identify->turn.swing_ticks;
 
-    return fx_clamp((identify->turn.ramp_ticks / 2) + swings, EDGE_TICKS, most);
+    const int32_t unknown = (identify->turn.swing_ticks > 0) ? 0 : identify->turn.ramp_ticks / 4;
+
+    return fx_clamp(unknown + swings, EDGE_TICKS, most);
 }
 
 /* The window begins before the ramp and ends behind it, at a constant speed. */
@@ -86,9 +90,8 @@ static int32_t flux_q14(const identify_t *identify)
     const int64_t one_step = one_of_q15(identify);
     const int64_t speed_q15 = ((int64_t)fx_max(sums->turn_q16, 1) * STEPS_PER_Q16) / one_step;
     const int64_t flux = ((int64_t)sums->voltage.q * ONE_Q14) / ((speed_q15 > 0) ? speed_q15 : 1);
-    const int64_t positive = (flux < 1) ? 1 : flux;
 
-    return (int32_t)positive;
+    return identify_aim_bounded(flux, 1, INT32_MAX);
 }
 
 /*
@@ -101,10 +104,8 @@ static int32_t mean_torque(const identify_t *identify)
     const int64_t current = fx_max(sums->current.d / identify->aim.ticks, 1);
     const int64_t each = (((int64_t)sums->torque * ONE_Q14) / current) / identify->turn.ramp_ticks;
     const int64_t share = (each * ONE_Q14) / flux_q14(identify);
-    const int64_t above = (share > -(int64_t)TORQUE_MOST) ? share : -(int64_t)TORQUE_MOST;
-    const int64_t bounded = (above < (int64_t)TORQUE_MOST) ? above : (int64_t)TORQUE_MOST;
 
-    return (int32_t)bounded;
+    return identify_aim_bounded(share, -TORQUE_MOST, TORQUE_MOST);
 }
 
 /*
@@ -113,9 +114,22 @@ static int32_t mean_torque(const identify_t *identify)
  */
 static int32_t shortest_ramp(const identify_t *identify)
 {
-    const int32_t each = fx_max(identify->aim.words[0] / 8, 1);
+    const int32_t each = fx_max(identify_aim_asked_current(identify) / 8, 1);
 
     return fx_max(fx_abs(identify_aim_sums(identify)->current.q) / each, RAMP_TICKS_LEAST);
+}
+
+/* The next ramps, from the speed `low` to the highest. One that would take longer than `longest` goes less far down. */
+static void take_ramp(identify_t *identify, step_t low, int32_t ramp, int32_t longest)
+{
+    identify_turn_t *const turn = &identify->turn;
+
+    turn->low = low;
+    turn->ramp_ticks = ramp;
+    if (ramp > longest) {
+        turn->low = turn->top - (((turn->top - low) / ramp) * longest);
+        turn->ramp_ticks = longest;
+    }
 }
 
 /* √square, which saturates at 32 bits. square: 0 and above. */
@@ -136,27 +150,32 @@ static void steepen(identify_t *identify, int32_t torque)
     const int32_t shown = fx_max(torque, TORQUE_ENOUGH / 4);
     const int64_t lagging = ((int64_t)turn->ramp_ticks * shown) / ONE_Q14;
     const int64_t square = (lagging * STEPS_PER_RADIAN) / fx_max(turn->top - turn->low, 1);
-    const int32_t longest = RAMP_MS_MOST * identify->ms_ticks;
+    const int32_t longest = fx_min(RAMP_MS_MOST * identify->ms_ticks, RAMP_TICKS_MOST);
     const int32_t ramp = (turn->ramp_ticks * (shown / 16)) / (TORQUE_ENOUGH / 16);
 
     turn->swing_ticks = fx_max(root_of(square), SWING_TICKS_LEAST);
     *identify_aim_word(identify, PROBE_DAMPING) =
         fx_min((2 * STEPS_PER_RADIAN) / turn->swing_ticks, DAMPING_MOST);
-    turn->ramp_ticks = fx_max(ramp, shortest_ramp(identify));
-    if (turn->ramp_ticks > longest) {
-        turn->low = turn->top - (((turn->top - turn->low) / turn->ramp_ticks) * longest);
-        turn->ramp_ticks = longest;
-    }
+    take_ramp(identify, turn->low, fx_max(ramp, shortest_ramp(identify)), longest);
 }
 
 /* ---- SPIN ---- */
 
+/* Its experiments. While one is under way, and when it is noted, `step` is one more. */
+#define SPIN_QUARTER (0U)
+#define SPIN_LOW (1U)
+#define SPIN_RAMP (2U)
+#define SPIN_WHOLE (3U)
+#define SPIN_HALF_CURRENT (4U)
+
 #define ATTEMPTS (2U)  /* more, after the rotor was lost */
-#define SPIN_MS (2500) /* from rest to the highest speed */
+#define SPIN_MS (2000) /* from rest to the highest speed */
 #define SPIN_SETTLE_MS (150)
 #define VOLTAGE_SHARE (12) /* of 16: so much of the voltage is used at the highest speed */
 #define VOLTAGE_LEFT (32)  /* and so much of it is left where all is used */
 #define SPEED_SHARE_LEAST (16)
+#define LAG_OF_LOAD \
+    (1093) /* 1/cos of 20 degrees, Q10: half of the current would let it lag by 43 */
 #define FLUX_SHARE_LEAST \
     (20) /* the EMF at the highest speed takes 1/20 of the voltage at least, or the rotor stands */
 
@@ -166,9 +185,8 @@ static int32_t reactance_q13(const identify_t *identify)
     const int64_t one_step = one_of_q15(identify);
     const int64_t per_radian = ((int64_t)identify->rest.inductance_q16 * TWO_PI_Q16) / ONE_Q16;
     const int64_t reactance = (per_radian * one_step) / ONE_Q20;
-    const int64_t bounded = (reactance < FX_Q15_MAX) ? reactance : FX_Q15_MAX;
 
-    return (int32_t)bounded;
+    return identify_aim_bounded(reactance, 0, FX_Q15_MAX);
 }
 
 static void begin_spin(identify_t *identify)
@@ -208,7 +226,10 @@ static int32_t largest_voltage(const identify_t *identify)
     return modulator_limit(&drive->cfg->modulator, drive->signals.bus);
 }
 
-/* Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i, and up to twice the L that the pulses have shown. */
+/*
+ * Whether a rotor turns with the vector: a standing one has no EMF, only ωL·i. One of unlike L_d and L_q has up to twice the L
+ * that the pulses have shown: it is found at half of the current (has_stood()).
+ */
 static bool turns_along(const identify_t *identify)
 {
     const int32_t limit = largest_voltage(identify);
@@ -217,16 +238,17 @@ static bool turns_along(const identify_t *identify)
                                    1);
     const int32_t least_q14 = (limit * ONE_Q14) / (FLUX_SHARE_LEAST * max_q15);
     const int32_t inductive_q14 =
-        (reactance_q13(identify) * 2 * (identify->aim.words[0] / 64)) / 512;
+        (reactance_q13(identify) * (identify_aim_asked_current(identify) / 64)) / 256;
 
-    return (flux_q14(identify) - inductive_q14) >= fx_max(least_q14, inductive_q14);
+    return (flux_q14(identify) - inductive_q14) >= fx_max(least_q14, inductive_q14 / 4);
 }
 
 /* |e| of the window that has ended over its voltage across, Q10, at least 1.0: a rotor that lags has an EMF along the current too. */
 static int32_t lag_q10(const identify_t *identify)
 {
     const identify_rest_t *const rest = &identify->rest;
-    const int32_t resistive = (rest->resistance_q13[2] * identify->aim.words[0]) / 8192;
+    const int32_t resistive =
+        (rest->resistance_q13[2] * identify_aim_asked_current(identify)) / 8192;
     const int32_t along =
         (identify_aim_sums(identify)->voltage.d / identify->aim.ticks) - resistive - rest->loss;
     const int32_t across = identify_aim_sums(identify)->voltage.q / identify->aim.ticks;
@@ -234,16 +256,21 @@ static int32_t lag_q10(const identify_t *identify)
     const int64_t size = (int64_t)trig_sqrt(transforms_square(e)) * 1024;
     const int64_t share = size / fx_max(fx_abs(across), 1);
 
-    return (share < INT16_MAX) ? (int32_t)share : INT16_MAX;
+    return identify_aim_bounded(share, 0, INT16_MAX);
 }
 
-/* The EMF of a rotor is there without current; what half of the current halves is not. */
+/* The EMF of a rotor is there without current; what half of the current halves is not. One that lags has an EMF. */
 static bool has_stood(const identify_t *identify)
 {
     const int64_t whole = identify->turn.flux_q14;
     const int64_t half = ((int64_t)flux_q14(identify) * lag_q10(identify)) / 1024;
 
-    return ((2 * half) - whole) < (whole / 4);
+    return !identify->turn.loaded && (((2 * half) - whole) < (whole / 4));
+}
+
+bool identify_turn_seeks_speed(const identify_t *identify)
+{
+    return (identify->phase == IDENTIFY_SPIN) && (identify->step == (SPIN_QUARTER + 1U));
 }
 
 bool identify_turn_lacks_voltage(const identify_t *identify)
@@ -252,8 +279,7 @@ bool identify_turn_lacks_voltage(const identify_t *identify)
     const int32_t used =
         (int32_t)trig_sqrt(transforms_square(identify->app->drive.signals.voltage));
 
-    return (identify->phase == IDENTIFY_SPIN) && (identify->step == 1U) &&
-           (used > (limit - (limit / VOLTAGE_LEFT)));
+    return identify_turn_seeks_speed(identify) && (used > (limit - (limit / VOLTAGE_LEFT)));
 }
 
 void identify_turn_refuse_voltage(identify_t *identify)
@@ -262,10 +288,16 @@ void identify_turn_refuse_voltage(identify_t *identify)
         identify, "the bus voltage is too low to turn the motor at 1/8 of its highest speed");
 }
 
-static void refuse_standing(identify_t *identify)
+/* A heavy rotor may have been left behind by the way to this speed, and follows a slower one. */
+static void retry_standing(identify_t *identify)
 {
-    identify_aim_refusal(
-        identify, "the rotor does not turn with the current: is it blocked, braked, or loaded?");
+    if (identify->turn.slower < ATTEMPTS) {
+        identify_turn_catch_again(identify);
+    } else {
+        identify_aim_refusal(
+            identify,
+            "the rotor does not turn with the current: is it blocked, braked, or loaded?");
+    }
 }
 
 /* The highest speed for which the voltage is there, of what a quarter of the speed has taken. */
@@ -286,7 +318,7 @@ static void bound_speed(identify_t *identify)
     if (identify_turn_lacks_voltage(identify) || (turns && (reached < least))) {
         identify_turn_refuse_voltage(identify);
     } else if (!turns) {
-        refuse_standing(identify);
+        retry_standing(identify);
     } else {
         identify->turn.top = (reached < identify->turn.top) ? (step_t)reached : identify->turn.top;
     }
@@ -304,12 +336,11 @@ void identify_turn_refuse_lost(identify_t *identify)
                          "the rotor falls out of step: is the load too large, or does it change?");
 }
 
-/* The rotor has fallen out of step: it is caught again, and goes more slowly. */
-static void catch_again(identify_t *identify)
+void identify_turn_catch_again(identify_t *identify)
 {
     if (identify->turn.slower < ATTEMPTS) {
         identify->turn.slower++;
-        identify->turn.pairs_left = 0;
+        identify->turn.steep = false;
         identify->aim.leads = false;
         identify_aim_phase(identify, IDENTIFY_CATCH);
     } else {
@@ -317,12 +348,13 @@ static void catch_again(identify_t *identify)
     }
 }
 
-static void begin_ramps(identify_t *identify)
+/* The first ramp begins at half of the speed, or above it where it would not fit its window. */
+static void plan_first_ramp(identify_t *identify)
 {
-    identify->turn.ramp_ticks = RAMP_MS_FIRST * identify->ms_ticks * slowness(identify);
+    const int32_t ramp = RAMP_MS_FIRST * identify->ms_ticks * slowness(identify);
+
     identify->turn.swing_ticks = 0;
-    identify->turn.low = identify->turn.top / 2;
-    aim_ramp(identify, false);
+    take_ramp(identify, identify->turn.top / 2, ramp, RAMP_TICKS_MOST);
 }
 
 /* A change of the current lets the rotor swing too. */
@@ -332,33 +364,47 @@ static int32_t spin_settle(const identify_t *identify)
 }
 
 /*
+ * L·i takes another part of the voltage with another current: half of it, or the whole continuous one where friction lets the
+ * rotor lag so much that half would lose it. The ramps have that too, then.
+ */
+static void aim_other_current(identify_t *identify)
+{
+    const int32_t current = identify_turn_current(identify);
+
+    identify->turn.loaded = lag_q10(identify) > LAG_OF_LOAD;
+    identify_aim_current(identify,
+                         identify->turn.loaded ? identify_aim_continuous(identify) : (current / 2));
+}
+
+/*
  * The way from half of the speed to the whole is a first ramp: its torque, with that of friction, says how steep the next
- * ones may be. At the whole speed half of the current follows: L·i takes another part of the voltage then.
+ * ones may be.
  */
 static void aim_spin(identify_t *identify)
 {
-    const int32_t torque = (identify->step == 3U) ? mean_torque(identify) : 0;
+    const int32_t torque = (identify->step == SPIN_WHOLE) ? mean_torque(identify) : 0;
 
     identify->aim.leads = false;
     identify_aim_window(identify, "spin", spin_settle(identify),
                         2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks);
     switch (identify->step) {
-    case 0U:
+    case SPIN_QUARTER:
         begin_spin(identify);
         aim_speed(identify, identify->turn.top / 4, spin_ramp(identify));
         break;
-    case 1U:
-        aim_speed(identify, identify->turn.top / 2, spin_ramp(identify));
+    case SPIN_LOW:
+        plan_first_ramp(identify);
+        aim_speed(identify, identify->turn.low, spin_ramp(identify));
         break;
-    case 2U:
-        begin_ramps(identify);
+    case SPIN_RAMP:
+        aim_ramp(identify, false);
         break;
-    case 3U:
+    case SPIN_WHOLE:
         steepen(identify, torque);
         identify->aim.settle = spin_settle(identify);
         break;
     default:
-        identify_aim_current(identify, identify_turn_current(identify) / 2);
+        aim_other_current(identify);
         break;
     }
 }
@@ -366,14 +412,14 @@ static void aim_spin(identify_t *identify)
 /* φ with ωL·i, as half of the speed shows it. */
 static void note_spin(identify_t *identify)
 {
-    if (identify->step == 1U) {
+    if (identify->step == (SPIN_QUARTER + 1U)) {
         bound_speed(identify);
-    } else if (identify->step == 2U) {
+    } else if (identify->step == (SPIN_LOW + 1U)) {
         identify->turn.flux_q14 = flux_q14(identify);
-    } else if ((identify->step == 4U) && is_lost(identify)) {
-        catch_again(identify);
-    } else if ((identify->step == 5U) && has_stood(identify)) {
-        refuse_standing(identify);
+    } else if ((identify->step == (SPIN_WHOLE + 1U)) && is_lost(identify)) {
+        identify_turn_catch_again(identify);
+    } else if ((identify->step == (SPIN_HALF_CURRENT + 1U)) && has_stood(identify)) {
+        retry_standing(identify);
     } else {
         /* for the record only */
     }
@@ -384,11 +430,13 @@ bool identify_turn_plan_spin(identify_t *identify)
     note_spin(identify);
     if (identify->phase != IDENTIFY_SPIN) {
         /* refused, or lost */
-    } else if (identify->step < 5U) {
+    } else if (identify->step <= SPIN_HALF_CURRENT) {
         aim_spin(identify);
         identify->step++;
     } else {
-        identify_aim_current(identify, identify_turn_current(identify));
+        if (!identify->turn.loaded) {
+            identify_aim_current(identify, identify_turn_current(identify));
+        }
         identify_aim_phase(identify, IDENTIFY_RAMP);
     }
     return identify->phase == IDENTIFY_SPIN;
@@ -397,6 +445,7 @@ bool identify_turn_plan_spin(identify_t *identify)
 /* ---- RAMP ---- */
 
 #define RAMP_PARTS (4U) /* of a pair: down, hold, up, hold */
+#define PAIRS_MOST (9)  /* as steep as they get */
 
 /* Torque that shows, or ramps that cannot be shorter. */
 static bool is_steep(const identify_t *identify, int32_t torque)
@@ -412,13 +461,14 @@ static void judge_pair(identify_t *identify)
     identify_turn_t *const turn = &identify->turn;
     const int32_t torque = (turn->torque_up - turn->torque_down) / 2;
 
-    if (turn->pairs_left > 0) {
+    if (turn->steep) {
         turn->pairs_left--;
     } else if (is_steep(identify, torque)) {
         const int32_t hold = 2 * IDENTIFY_AIM_WINDOW_MS * identify->ms_ticks;
         const int32_t pair = 2 * ((2 * (turn->ramp_ticks + edge_ticks(identify))) + hold);
 
-        turn->pairs_left = fx_clamp((RAMP_MS_ALL * identify->ms_ticks) / pair, 2, 9);
+        turn->steep = true;
+        turn->pairs_left = fx_clamp((RAMP_MS_ALL * identify->ms_ticks) / pair, 2, PAIRS_MOST) - 1;
     } else {
         steepen(identify, torque);
     }
@@ -432,7 +482,7 @@ static void note_ramp(identify_t *identify, uint32_t part)
         identify->turn.torque_up = mean_torque(identify);
         judge_pair(identify);
     } else if ((identify->step > 0U) && is_lost(identify)) {
-        catch_again(identify);
+        identify_turn_catch_again(identify);
     } else {
         /* nothing is measured yet */
     }
@@ -445,7 +495,7 @@ bool identify_turn_plan_ramp(identify_t *identify)
     note_ramp(identify, part);
     if (identify->phase != IDENTIFY_RAMP) {
         /* refused */
-    } else if ((part == 0U) && (identify->turn.pairs_left == 1)) {
+    } else if ((part == 0U) && identify->turn.steep && (identify->turn.pairs_left == 0)) {
         identify->aim.leads = false;
         identify_aim_phase(identify, IDENTIFY_COAST);
     } else if ((part % 2U) == 0U) {

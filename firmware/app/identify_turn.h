@@ -12,9 +12,12 @@
 
 #include <stdbool.h>
 
-/* Current and highest speed of SPIN, Q15 of I_b and steps per tick: known from the beginning. */
+/* Current of SPIN and its highest speed, Q15 of I_b and steps per tick. Under load the current is the continuous one. */
 int32_t identify_turn_current(const identify_t *identify);
 step_t identify_turn_speed(const identify_t *identify);
+
+/* Whether it is on the way to the first speed, or measures there. */
+bool identify_turn_seeks_speed(const identify_t *identify);
 
 /* Whether the way to the first speed takes all of the voltage: then current and rotor are about to be lost. */
 bool identify_turn_lacks_voltage(const identify_t *identify);
@@ -22,6 +25,9 @@ bool identify_turn_lacks_voltage(const identify_t *identify);
 /* Ends it for that, and for a rotor that falls out of step again and again. */
 void identify_turn_refuse_voltage(identify_t *identify);
 void identify_turn_refuse_lost(identify_t *identify);
+
+/* The rotor has fallen out of step: it is caught again, and goes more slowly. At the third time it is refused. */
+void identify_turn_catch_again(identify_t *identify);
 
 bool identify_turn_plan_spin(identify_t *identify);
 bool identify_turn_plan_ramp(identify_t *identify);

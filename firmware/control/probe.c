@@ -284,11 +284,17 @@ static int32_t rounded_ratio(int32_t x, int32_t y)
     return ((x < 0) ? (x - half) : (x + half)) / y;
 }
 
-/* The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. */
+/*
+ * The power of the EMF over the speed, 0 at standstill. ωL·i is no part of it, whatever L. R takes its part from the current
+ * that flows: in a ramp it is another one than the EMF of a sample counts with, and a light rotor has little torque beside it.
+ */
 static int32_t torque_of(const probe_t *probe, const probe_sample_t *sample)
 {
-    const int32_t along = emf_along(probe, sample->emf.d) * fx_sat15(sample->current.d);
-    const int32_t across = fx_sat16(sample->emf.q) * fx_sat15(sample->current.q);
+    const int32_t r_q13 = probe->loop.resistance_q13;
+    const dq_t more = {fx_asr(r_q13 * fx_sat16(sample->current.d - probe->current), 13U),
+                       fx_asr(r_q13 * fx_sat16(sample->current.q), 13U)};
+    const int32_t along = emf_along(probe, sample->emf.d - more.d) * fx_sat15(sample->current.d);
+    const int32_t across = fx_sat16(sample->emf.q - more.q) * fx_sat15(sample->current.q);
     const int32_t power = along + across;
     const int32_t speed = fx_abs(sample->speed_q15);
     const int32_t onwards = (sample->speed_q15 < 0) ? -power : power;

@@ -16,14 +16,17 @@ constexpr double LONGEST_S = 130;                 // the firmware ends it after 
 constexpr std::size_t LINE_END = 2;               // CR, LF
 const std::string REFUSED = "identify refused: "; // last line, with the cause behind it
 
-about_t about_of(const Bases &bases)
+about_t about_of(const Simulation &sim)
 {
+    const Bases &bases = sim.bases();
     constexpr double pico = 1e12;
     constexpr double micro = 1e6;
     const auto whole = [](double value) { return static_cast<uint32_t>(std::lround(value)); };
     about_t about{};
     about.rotation.tick_ps = whole(bases.control_period_s * pico);
     about.rotation.pole_pairs = static_cast<uint32_t>(bases.pole_pairs);
+    about.current_zero_count =
+        static_cast<uint16_t>(1U << (14U - sim.cfg().sampling.current_shift));
     about.current_full_scale_ua = whole(bases.current_a / 2 * micro);
     about.bus_full_scale_uv = whole(bases.voltage_v * micro);
     return about;
@@ -33,7 +36,7 @@ about_t about_of(const Bases &bases)
 
 Measurement measure(Simulation &sim, const Listener &listener, const Event &event)
 {
-    const about_t about = about_of(sim.bases());
+    const about_t about = about_of(sim);
     const double tick_s = sim.bases().control_period_s;
     Measurement found;
     identify_t identify;

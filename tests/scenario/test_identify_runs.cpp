@@ -277,6 +277,22 @@ void test_two_exchanged_phases_are_refused_by_their_names()
     }
 }
 
+// Wires in a circle, and a sensor with its sign exchanged.
+void test_three_exchanged_phases_and_a_reversed_sensor_are_refused()
+{
+    for (const char *const machine : MACHINES) {
+        const nf::Config config = nf::load_scenario(machine);
+        expect_refused("all three phases are exchanged", config, machine,
+                       [&](nf::Simulation &sim) { exchange_sensors(sim, config, 1, 2); });
+        expect_refused("a current sensor is reversed", config, machine, [&](nf::Simulation &sim) {
+            exchange_sensors(sim, config, 0, 1);
+            auto &count = sim.seam().hal.ia.count;
+            const int most = (1 << config.board.adc_bits) - 1;
+            count = static_cast<uint16_t>(most - std::min<int>(count, most));
+        });
+    }
+}
+
 // ---- windings ----
 
 void test_a_winding_with_shorted_turns_is_refused_by_its_name()
@@ -435,6 +451,7 @@ int main()
     RUN_TEST(test_an_open_phase_is_refused_by_its_name);
     RUN_TEST(test_no_motor_at_all_is_refused);
     RUN_TEST(test_two_exchanged_phases_are_refused_by_their_names);
+    RUN_TEST(test_three_exchanged_phases_and_a_reversed_sensor_are_refused);
     RUN_TEST(test_a_winding_with_shorted_turns_is_refused_by_its_name);
     RUN_TEST(test_a_bad_contact_is_refused_by_its_phase);
     RUN_TEST(test_a_blocked_rotor_is_refused);

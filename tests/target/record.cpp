@@ -13,6 +13,7 @@ extern "C" {
 #include "recording.h"
 }
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -103,7 +104,9 @@ void identify(const nf::Config &config, Recorder &recorder)
 void record(const std::filesystem::path &folder, const std::string &scenario,
             std::vector<std::string> choices)
 {
-    const bool measured = std::erase(choices, "identify") != 0;
+    const auto last = std::remove(choices.begin(), choices.end(), "identify");
+    const bool measured = last != choices.end();
+    choices.erase(last, choices.end());
     std::vector<std::string> with;
     std::vector<std::string> set;
     for (const std::string &choice : choices) {
@@ -122,7 +125,9 @@ int main(int argc, char **argv)
 {
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     if (arguments.size() < 2) {
-        std::fputs("usage: record FOLDER SCENARIO [identify] [IMPERFECTION | SECTION.KEY=VALUE]...\n", stderr);
+        std::fputs(
+            "usage: record FOLDER SCENARIO [identify] [IMPERFECTION | SECTION.KEY=VALUE]...\n",
+            stderr);
         return BAD_INPUT;
     }
     try {

@@ -96,6 +96,22 @@ static void test_a_current_that_the_converter_hardly_sees_is_refused_with_the_on
     TEST_ASSERT_EQUAL_STRING_LEN("identify 1 ", pass(), 11U);
 }
 
+/* 24 counts of 8 bits, which has 128 of them from its middle to its end. */
+static void test_a_coarser_converter_takes_more_current(void)
+{
+    about_t coarse = *identify.about;
+
+    coarse.current_zero_count = 128U;
+    identify.about = &coarse;
+    cfg.derating.current_continuous = 3071;
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_INT32(3072, identify.needed);
+    identify_stop(&identify);
+    coarse.current_zero_count = 0U; /* of a file that says nothing: one count is all */
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_EQUAL_INT32(24 * 16384, identify.needed);
+}
+
 static void test_it_is_refused_while_it_is_under_way(void)
 {
     start();
@@ -796,6 +812,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_it_is_refused_unless_the_drive_is_ready);
     RUN_TEST(test_a_current_that_the_converter_hardly_sees_is_refused_with_the_one_it_takes);
+    RUN_TEST(test_a_coarser_converter_takes_more_current);
     RUN_TEST(test_it_is_refused_while_it_is_under_way);
     RUN_TEST(test_it_says_its_scales_and_what_it_will_do_before_it_does_it);
     RUN_TEST(test_a_stop_opens_the_gates_and_brings_the_users_command_back);

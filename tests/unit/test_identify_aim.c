@@ -79,6 +79,15 @@ static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
     TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4 / 16), word(PROBE_GAIN_Q));
 }
 
+/* The largest L: K_i needs more halvings than a word has. */
+static void test_a_gain_beyond_its_word_is_the_largest_that_it_has(void)
+{
+    identify.rest.inductance_q16 = INT32_MAX;
+    identify_aim_gains(&identify, false);
+    TEST_ASSERT_EQUAL_INT32((3 << 16) | 32767, word(PROBE_GAIN_D));
+    TEST_ASSERT_EQUAL_INT32((1 << 16) | 32767, word(PROBE_INTEGRAL_D));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -88,5 +97,6 @@ int main(void)
     RUN_TEST(test_gains_follow_the_inductance_that_was_found);
     RUN_TEST(test_soft_gains_leave_the_current_across_to_itself);
     RUN_TEST(test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most);
+    RUN_TEST(test_a_gain_beyond_its_word_is_the_largest_that_it_has);
     return UNITY_END();
 }

@@ -221,7 +221,7 @@ static void test_an_open_phase_is_named(void)
 static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
 {
     answer_to_the_end((const dq_t[]){{-1400, 2000}, {-1400, -2000}, {0, 0}});
-    TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase); /* no current along any axis */
+    assert_refused("phase c is open");
     answer_to_the_end((const dq_t[]){{1400, 2000}, {1400, -2000}, {0, 0}});
     assert_refused("phase c is open");
 }
@@ -239,6 +239,21 @@ static void test_two_exchanged_phases_are_named(void)
         peaks[straight] = (dq_t){1400, 0};
         answer_to_the_end(peaks);
         assert_refused(names[straight]);
+    }
+}
+
+/* A reversed sensor of a, both reversed, wires exchanged in a circle: the current lies along none of the pulses. */
+static void test_three_axes_that_are_turned_are_refused(void)
+{
+    static const dq_t answers[][IDENTIFY_AXES] = {{{-1400, -1617}, {1400, -1617}, {0, 808}},
+                                                  {{-1400, 0}, {-1400, 0}, {-1400, 0}},
+                                                  {{-700, 1212}, {-700, 1212}, {-700, 1212}},
+                                                  {{-700, -1212}, {-700, -1212}, {-700, -1212}}};
+
+    for (uint32_t k = 0U; k < 4U; k++) {
+        answer_to_the_end(answers[k]);
+        assert_refused("a current sensor is reversed, or the wires or the sensors of all three "
+                       "phases are exchanged");
     }
 }
 
@@ -799,6 +814,7 @@ int main(void)
     RUN_TEST(test_an_open_phase_is_named);
     RUN_TEST(test_an_open_phase_is_named_before_two_that_are_exchanged);
     RUN_TEST(test_two_exchanged_phases_are_named);
+    RUN_TEST(test_three_axes_that_are_turned_are_refused);
     RUN_TEST(test_a_current_that_is_turned_by_less_than_45_degrees_is_straight);
     RUN_TEST(test_the_rotor_is_caught_half_a_turn_away_and_taken_along);
     RUN_TEST(test_a_rotor_at_rest_goes_on_and_one_that_never_rests_is_refused);
