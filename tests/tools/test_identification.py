@@ -58,23 +58,23 @@ class Table(unittest.TestCase):
         self.assertAlmostEqual(0, table.friction_off([one])[0])
 
     def test_a_motor_that_was_refused_is_named(self):
-        self.assertIn("1 were measured", table.summary([result(), REFUSED])[0])
+        self.assertIn("2 motors of seed 7. 1 were measured", table.summary([result(), REFUSED], 7)[0])
         self.assertEqual(["zoo:1@1:user: identify refused: the rotor is stuck"], table.refused([result(), REFUSED]))
 
     def test_a_run_that_was_refused_is_named(self):
         self.assertEqual(["zoo:0@1:user, run with the result: no"], table.refused([result(run={"refusal": "no"})]))
-        self.assertIn("The drive ran with none of the results.", table.summary([result(run={"refusal": "no"})]))
+        self.assertIn("The drive ran with none of the results.", table.summary([result(run={"refusal": "no"})], 7))
 
     def test_without_a_motor_that_was_measured_it_says_so(self):
         for results in ([REFUSED], [REFUSED, REFUSED]):
             self.assertIn("| R | 2 % | none measured | | | | |", table.lines(results))
-            self.assertEqual("None measured.", table.summary(results)[0])
+            self.assertEqual(f"{len(results)} motors of seed 7. None measured.", table.summary(results, 7)[0])
             self.assertEqual([], table.missed(results))
 
     def test_a_run_counts_as_close_only_with_both_errors_small(self):
-        self.assertIn("100.0 % were locked and within", table.summary([result(run=GOOD_RUN)])[2])
+        self.assertIn("100.0 % were locked and within", table.summary([result(run=GOOD_RUN)], 7)[2])
         for key, value in (("speed_error_load_pct", 2.1), ("speed_error_command_pct", 5.1), ("locked", False)):
-            self.assertIn("; 0.0 % were locked and within", table.summary([result(run=GOOD_RUN | {key: value})])[2])
+            self.assertIn("; 0.0 % were locked and within", table.summary([result(run=GOOD_RUN | {key: value})], 7)[2])
 
 
 class Goals(unittest.TestCase):
@@ -87,7 +87,7 @@ class Goals(unittest.TestCase):
 
     def test_where_all_are_met_nothing_is_missed(self):
         self.assertEqual([], table.missed([self.good()]))
-        self.assertEqual("All goals are met.", table.summary([self.good()])[-1])
+        self.assertEqual("All goals are met.", table.summary([self.good()], 7)[-1])
 
     def test_each_that_is_not_met_is_said(self):
         for changed, sentence in (
@@ -99,7 +99,7 @@ class Goals(unittest.TestCase):
                 ({"duration_s": 20.1}, "Time: 100.0 % took more than 20 s.")):
             with self.subTest(sentence):
                 self.assertEqual([sentence], table.missed([self.good(**changed)]))
-                self.assertEqual(f"- {sentence}", table.summary([self.good(**changed)])[-1])
+                self.assertEqual(f"- {sentence}", table.summary([self.good(**changed)], 7)[-1])
 
     def test_a_drive_that_is_locked_but_not_close_misses_one_goal(self):
         far = GOOD_RUN | {"speed_error_load_pct": 3}
@@ -148,7 +148,7 @@ class Command(FolderTest):
         self.assertIn("is not what the measurement has", str(exit_.exception))
         self.assertEqual(cli.DONE, self.called("--results", str(results), "--write")[0])
         text = page.read_text(encoding="utf-8")
-        self.assertIn("1 motors of seed 7.\n1 were measured", text)
+        self.assertIn("1 motors of seed 7. 1 were measured", text)
         self.assertTrue(text.startswith("before\n<!-- results -->\n| | goal |") and text.endswith("<!-- end -->\nafter\n"))
         self.assertEqual(cli.DONE, self.called("--results", str(results), "--check")[0])
 

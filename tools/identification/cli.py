@@ -46,9 +46,8 @@ def parser():
     found.add_argument("--motorsim", type=Path, default=ROOT / "build/host/motorsim", help="the program, with nfconfig beside it")
     found.add_argument("--out", type=Path, help="folder of the results; default build/identified/SEED")
     found.add_argument("--results", type=Path, metavar="JSON", help=f"measure nothing: {RESULTS} of an earlier measurement")
-    page = found.add_mutually_exclusive_group()
-    page.add_argument("--check", action="store_true", help=f"compare {PAGE} with the results; exit status 1 if it shows others")
-    page.add_argument("--write", action="store_true", help=f"write the results to {PAGE}")
+    found.add_argument("--check", action="store_true", help=f"compare {PAGE} with the results; exit status 1 if it shows others")
+    found.add_argument("--write", action="store_true", help=f"write the results to {PAGE}")
     return found
 
 
@@ -103,7 +102,7 @@ def main(words=None):
     if isinstance(found, int):
         return found
     results = found["motors"]
-    shown = [*table.lines(results), "", f"{len(results)} motors of seed {found['seed']}.", *table.summary(results)]
+    shown = [*table.lines(results), "", *table.summary(results, found["seed"])]
     print("\n".join([*shown, "", *table.refused(results)]))
     if args.check or args.write:
         generated.finish(PAGE, {"results": "\n".join([*shown, ""])}, "the measurement", args.write)

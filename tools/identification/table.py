@@ -3,6 +3,7 @@
 
 import math
 import statistics
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ RAD_S_PER_RPM = math.pi / 30
 # What is asked for beside the errors of the values below.
 INSIDE_PCT, BAR_OVER_ERROR, LONGEST_S, HELD_PCT = 95, 2, 20, 99
 COMMAND_PCT, LOAD_PCT = 5, 2     # of the speed, in a run with the result
+WIDTH = 132     # of a line of a page
 
 
 def of_truth(result, key):
@@ -138,13 +140,13 @@ def friction_off(results):
             for result in results]
 
 
-def said_of_identifications(results):
+def said_of_identifications(results, seed):
     good = measured(results)
     if not good:
-        return "None measured."
+        return f"{len(results)} motors of seed {seed}. None measured."
     times = sorted(result["duration_s"] for result in good)
     friction = friction_off(good)
-    return (f"{len(good)} were measured, in {statistics.median(times):.1f} s at the median, "
+    return (f"{len(results)} motors of seed {seed}. {len(good)} were measured, in {statistics.median(times):.1f} s at the median, "
             f"{percentile_95(times):.1f} s for 95 %, {times[-1]:.1f} s for the slowest. "
             f"{share_pct(time > LONGEST_S for time in times):.1f} % took more than {LONGEST_S} s. "
             f"{all_inside_pct(good):.1f} % of all values lie within their bars. The friction torque at the highest speed is off by "
@@ -195,8 +197,9 @@ def refused(results):
     return texts + [f"{motor}, run with the result: {refusal}" for motor, refusal in runs if refusal is not None]
 
 
-def summary(results):
+def summary(results, seed):
     """Lines below the table."""
     goals = missed(results)
     bullets = ["Goals that are not met:", "", *(f"- {text}" for text in goals)] if goals else ["All goals are met."]
-    return [said_of_identifications(results), "", said_of_runs(results), "", *bullets]
+    said = [textwrap.fill(text, WIDTH) for text in (said_of_identifications(results, seed), said_of_runs(results))]
+    return [said[0], "", said[1], "", *bullets]
