@@ -174,26 +174,35 @@ bool same_file(const std::filesystem::path &a, const std::filesystem::path &b)
            fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
 }
 
-void apart(const char *option_a, const std::string &a, const char *option_b, const std::string &b)
+// A file of the command line, by its option; "" where it is not given.
+struct NamedFile {
+    const char *option;
+    std::string path;
+};
+using NamedFiles = std::vector<NamedFile>;
+
+bool is_same(const NamedFile &a, const NamedFile &b)
 {
-    if (!a.empty() && !b.empty() && same_file(a, b)) {
-        throw FileError(
-            fmt::format("{}: {} and {} cannot go to the same file", a, option_a, option_b));
-    }
+    return !a.path.empty() && !b.path.empty() && same_file(a.path, b.path);
 }
 
-// Nothing is written over what was read, nor twice to the same file.
-void check_outputs(const RunArguments &arguments, const nf::Config &config)
+// Nothing is written over what was read, by the configuration or as one of `inputs`, nor twice to the same file.
+void check_outputs(const nf::Config &config, const NamedFiles &outputs,
+                   const NamedFiles &inputs = {})
 {
-    const std::vector<std::pair<const char *, std::string>> outputs = {
-        {"--trace", arguments.trace},       {"--json", arguments.json},
-        {"--vcd", arguments.vcd},           {"--record", arguments.record},
-        {"--extremes", arguments.extremes},
-    };
-    for (auto a = outputs.begin(); a != outputs.end(); ++a) {
-        nf::check_output(config, a->first, a->second);
-        for (auto b = outputs.begin(); b != a; ++b) {
-            apart(b->first, b->second, a->first, a->second);
+    for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+        nf::check_output(config, output->option, output->path);
+        for (const NamedFile &input : inputs) {
+            if (is_same(*output, input)) {
+                throw FileError(fmt::format("{}: {} would replace what {} reads", output->path,
+                                            output->option, input.option));
+            }
+        }
+        for (auto before = outputs.begin(); before != output; ++before) {
+            if (is_same(*before, *output)) {
+                throw FileError(fmt::format("{}: {} and {} cannot go to the same file",
+                                            before->path, before->option, output->option));
+            }
         }
     }
 }
@@ -320,7 +329,11 @@ std::function<void(drive_t &)> replace_observer(const RunArguments &arguments, n
 int run(const RunArguments &arguments)
 {
     nf::Config config = arguments.load();
-    check_outputs(arguments, config);
+    check_outputs(config, {{"--trace", arguments.trace},
+                           {"--json", arguments.json},
+                           {"--vcd", arguments.vcd},
+                           {"--record", arguments.record},
+                           {"--extremes", arguments.extremes}});
     check_window(arguments);
     Outputs outputs(arguments, config);
     nf::RunOptions options;
@@ -514,14 +527,28 @@ void check_writable(const std::vector<std::string> &paths)
     }
 }
 
+// What is written is no file that was read, and can be.
+void check_findings(const IdentifyArguments &arguments, const nf::Config &config)
+{
+    check_new(arguments.output, arguments.overwrite);
+    check_outputs(
+        config,
+        {{"--output", arguments.output}, {"--json", arguments.json}, {"--log", arguments.log}},
+        {{"--records", arguments.records}});
+    check_writable({arguments.output, arguments.log, arguments.json});
+}
+
 int identify_records(const IdentifyArguments &arguments)
 {
+    if (!arguments.log.empty() || !arguments.with.empty()) {
+        throw FileError("--log and --with are for a simulated motor; --records is of a real one");
+    }
     if (arguments.motor.empty() || arguments.board.empty()) {
         throw FileError(
             "--records needs the name plate, --motor FILE, and the board, --board FILE");
     }
     const nf::Config plate = nf::load_plate(arguments.motor, arguments.board, {}, arguments.set);
-    nf::check_output(plate, "--output", arguments.output);
+    check_findings(arguments, plate);
     const nf::identify::Records records =
         nf::identify::read_records(lines_of(arguments.records), arguments.records);
     show(arguments, nf::identify::evaluate(records, plate, arguments.temperature_c), std::nullopt,
@@ -545,7 +572,7 @@ int identify_simulated(const IdentifyArguments &arguments)
                            arguments.board};
     const nf::Config config = choice.load();
     const nf::Config plate = nf::known_from_plate(config);
-    nf::check_output(config, "--output", arguments.output);
+    check_findings(arguments, config);
     nf::Simulation sim(config, nf::with_typical(plate));
     const nf::identify::Measurement found = nf::identify::measure(sim, show_phase);
     if (!arguments.log.empty()) {
@@ -568,8 +595,6 @@ int identify(const IdentifyArguments &arguments)
     if (arguments.scenario.empty() == arguments.records.empty()) {
         throw FileError("name a scenario, whose motor is simulated, or --records FILE of a board");
     }
-    check_new(arguments.output, arguments.overwrite);
-    check_writable({arguments.output, arguments.log, arguments.json});
     return arguments.records.empty() ? identify_simulated(arguments) : identify_records(arguments);
 }
 
@@ -586,9 +611,7 @@ std::vector<std::string> overrides_of(const CertifyArguments &arguments)
 void check_certificate(const CertifyArguments &arguments, const nf::Config &config)
 {
     check_new(arguments.output, arguments.overwrite);
-    nf::check_output(config, "--output", arguments.output);
-    nf::check_output(config, "--json", arguments.json);
-    apart("--output", arguments.output, "--json", arguments.json);
+    check_outputs(config, {{"--output", arguments.output}, {"--json", arguments.json}});
     check_writable({arguments.output, arguments.json});
 }
 

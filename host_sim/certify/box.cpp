@@ -41,8 +41,9 @@ struct MotorRow {
     const char *unit;
     double scale; // of the unit, in SI
     double MotorSettings::*value;
-    double typical_pct; // where no bar is stated
-    const char *better;
+    double typical_pct;                    // where no bar is stated
+    const char *better;                    // how to know it better
+    const char *better_measured = nullptr; // once it was identified; nullptr: the same
 };
 using M = MotorSettings;
 const MotorRow MOTOR[] = {
@@ -60,9 +61,13 @@ const MotorRow MOTOR[] = {
      "flux linkage, within 1 % with an ordinary oscilloscope."},
     {INERTIA, "inertia J", "kg cm2", 1e-4, &M::inertia_kg_m2, 30,
      "Let the drive accelerate with a constant torque current and take J from the slope of the speed; motorsim identify "
-     "does this, with the load coupled."},
+     "does this, with the load coupled.",
+     "Repeat the identification with steeper ramps, which a larger continuous_current_a of the name plate gives if the motor "
+     "bears it, or weigh the rotor and compute J from its shape."},
     {"motor.viscous_friction_nm_s", "viscous friction", "mN m s", MILLI, &M::viscous_friction_nm_s,
-     50, "Let the shaft coast from high speed and take the friction from how fast it slows down."},
+     50, "Let the shaft coast from high speed and take the friction from how fast it slows down.",
+     "Repeat the identification with a larger max_speed_rpm of the name plate, if the motor bears it: the shaft then coasts from "
+     "a higher speed."},
 };
 
 double bar_or(double bar, double typical)
@@ -77,6 +82,12 @@ Ground ground_of(double bar)
 
 using Axes = std::vector<Axis>;
 
+// How to know a value better; an identification that is done need not be named again.
+const char *advice(double stated, const char *better, const char *better_measured)
+{
+    return stated > 0 && better_measured != nullptr ? better_measured : better;
+}
+
 void add_motor(const Config &config, Axes &axes)
 {
     for (const MotorRow &row : MOTOR) {
@@ -88,7 +99,8 @@ void add_motor(const Config &config, Axes &axes)
             real.motor.*row.value = now * row.scale;
         };
         axes.push_back({row.key, row.title, row.unit, std::max(value - bar, least) / row.scale,
-                        (value + bar) / row.scale, ground_of(stated), row.better, set});
+                        (value + bar) / row.scale, ground_of(stated),
+                        advice(stated, row.better, row.better_measured), set});
     }
 }
 
@@ -107,20 +119,28 @@ void add_coulomb(const Config &config, Axes &axes)
          [](Config &real, double now) { real.plant.coulomb_friction_nm = now * MILLI; }});
 }
 
-// What a leg loses as a time; of that the drop's part is the plant's drop already.
+// Only what shows the legs themselves knows more of them than an identification does.
+const char *const LEGS_MEASURED =
+    "An identification can say no more; an oscilloscope at the leg's output shows both edges at several currents.";
+
+// The drive believes what a leg loses as one time, without a drop; the plant has its drop apart, so the rest is its dead
+// time.
 void add_dead_time(const Config &config, Axes &axes)
 {
     const MeasuredSettings &m = config.measured;
     const bool is_measured = m.dead_time_s > 0;
-    const double drop_s =
-        config.plant.device_drop_v / config.board.bus_nominal_v / config.board.pwm_frequency_hz;
+    const double bus_v = m.bus_v > 0 ? m.bus_v : config.board.bus_nominal_v;
+    const double drop_s = config.plant.device_drop_v / bus_v / config.board.pwm_frequency_hz;
     const double value = is_measured ? m.dead_time_s - drop_s : config.plant.dead_time_s;
     const double stated = is_measured ? bar_of(config.motor, m, "measured.dead_time_s") : 0;
     const double bar = bar_or(stated, DEAD_TIME_TYPICAL * value);
     axes.push_back(
         {is_measured ? "measured.dead_time_s" : "board.dead_time_s", "dead time", "us",
          std::max(value - bar, 0.0) / MICRO, std::max(value + bar, 0.0) / MICRO, ground_of(stated),
-         "Measure at the leg's output with an oscilloscope, or let motorsim identify find what a leg loses.",
+         advice(
+             stated,
+             "Measure at the leg's output with an oscilloscope, or let motorsim identify find what a leg loses.",
+             LEGS_MEASURED),
          [](Config &real, double now) { real.plant.dead_time_s = now * MICRO; }});
 }
 
@@ -134,8 +154,11 @@ void add_knee(const Config &config, Axes &axes)
     axes.push_back(
         {m.knee_a > 0 ? "measured.knee_a" : "board.output_capacitance_f", "commutation knee", "A",
          low, high, ground_of(stated),
-         "Let motorsim identify find the knee, or add up output capacitance of the switches and of the "
-         "motor cable.",
+         advice(
+             stated,
+             "Let motorsim identify find the knee, or add up output capacitance of the switches and of the "
+             "motor cable.",
+             LEGS_MEASURED),
          [](Config &real, double now) { real.plant.commutation_knee_a = now; }});
 }
 

@@ -155,9 +155,9 @@ int only_first(const Trials &a, const Trials &b)
     return runs;
 }
 
-// Whether the second is better, and the words for it.
+// Which of two tunings is better, if one is, and the words for it.
 struct Comparison {
-    bool is_second;
+    std::optional<std::size_t> better;
     std::string why;
 };
 
@@ -169,12 +169,13 @@ Comparison compare(const Campaign &campaign, const std::vector<Summary> &all, st
     const int for_second =
         only_first(campaign.series[second].trials, campaign.series[first].trials);
     const bool is_second_good = for_second > for_first;
+    const auto of = [&](bool is_second) { return is_second ? second : first; };
     const double a = all[first].worst.low;
     const double b = all[second].worst.low;
-    const auto name = [&](bool is_second) { return all[is_second ? second : first].tuning; };
+    const auto name = [&](bool is_second) { return all[of(is_second)].tuning; };
     if (std::abs(for_second - for_first) > SIGMAS * std::sqrt(for_first + for_second)) {
         return {
-            is_second_good,
+            of(is_second_good),
             fmt::format(
                 "{0} holds {1} machines without a swing that {2} does not, {2} holds {3} that {0} does not",
                 name(is_second_good), std::max(for_first, for_second), name(!is_second_good),
@@ -182,30 +183,57 @@ Comparison compare(const Campaign &campaign, const std::vector<Summary> &all, st
     }
     if (std::abs(a - b) > SAME_MARGIN) {
         return {
-            b > a,
+            of(b > a),
             fmt::format(
-                "both hold the same share; 95 of 100 machines leave a margin of {:.2f} with {}, {:.2f} "
-                "with {}",
-                std::max(a, b), name(b > a), std::min(a, b), name(b <= a))};
+                "{0} and {1} hold as many machines, within chance, but 95 of 100 machines leave a margin of "
+                "{2:.2f} with {0}, {3:.2f} with {1}",
+                name(b > a), name(b <= a), std::max(a, b), std::min(a, b))};
     }
-    return {false, fmt::format("{} does no better on these machines, and {} was named first",
-                               name(true), name(false))};
+    return {std::nullopt, fmt::format("{} and {} do as well on these machines, within chance",
+                                      name(false), name(true))};
+}
+
+// The first that no other beats. In a circle, of which chance is the cause, the one that was named first.
+std::size_t best_of(const Campaign &campaign, const std::vector<Summary> &all,
+                    const std::vector<std::size_t> &possible)
+{
+    const auto is_unbeaten = [&](std::size_t one) {
+        return std::none_of(possible.begin(), possible.end(), [&](std::size_t other) {
+            return other != one && compare(campaign, all, one, other).better == other;
+        });
+    };
+    const auto found = std::find_if(possible.begin(), possible.end(), is_unbeaten);
+    return found == possible.end() ? possible.front() : *found;
+}
+
+// One sentence for each of the others.
+std::string reason_for(const Campaign &campaign, const std::vector<Summary> &all,
+                       const std::vector<std::size_t> &possible, std::size_t best)
+{
+    std::vector<std::string> sentences;
+    for (const std::size_t other : possible) {
+        if (other != best) {
+            const Comparison found = compare(campaign, all, best, other);
+            const bool is_by_order = !found.better && best < other;
+            sentences.push_back(
+                found.why + (is_by_order ? ", and " + all[best].tuning + " was named first" : ""));
+        }
+    }
+    return sentences.empty() ? "it is the only one that was tried"
+                             : fmt::format("{}", fmt::join(sentences, "; "));
 }
 
 void choose(const Campaign &campaign, Judgement &judgement)
 {
     const std::vector<Summary> &all = judgement.summaries;
-    const auto is_possible = [](const Summary &summary) { return summary.refusal.empty(); };
-    judgement.best =
-        static_cast<std::size_t>(std::find_if(all.begin(), all.end(), is_possible) - all.begin());
-    judgement.why = "it is the only one that was tried";
-    for (std::size_t k = judgement.best + 1; k < all.size(); k++) {
-        if (is_possible(all[k])) {
-            const Comparison found = compare(campaign, all, judgement.best, k);
-            judgement.best = found.is_second ? k : judgement.best;
-            judgement.why = found.why;
+    std::vector<std::size_t> possible;
+    for (std::size_t k = 0; k < all.size(); k++) {
+        if (all[k].refusal.empty()) {
+            possible.push_back(k);
         }
     }
+    judgement.best = best_of(campaign, all, possible);
+    judgement.why = reason_for(campaign, all, possible, judgement.best);
 }
 
 std::optional<std::size_t> limiting_of(const Campaign &campaign, const Summary &best)

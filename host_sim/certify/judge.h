@@ -71,7 +71,7 @@ struct Summary {
 struct Judgement {
     std::vector<Summary> summaries; // one a tuning, in the order of the campaign
     std::size_t best = 0;           // the recommended one
-    std::string why;                // one sentence
+    std::string why;                // against each of the others
     // Of the values that can be known better the one that the worst margin of the best tuning depends on most. Empty where
     // none stands out: chance may explain as much of the margin, or the margin hardly changes.
     std::optional<std::size_t> limiting;

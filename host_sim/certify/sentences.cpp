@@ -30,7 +30,7 @@ std::string limit_of(const Campaign &campaign, const Judgement &judgement)
     std::string text;
     if (judgement.bound) {
         const Axis &axis = campaign.box[judgement.bound->axis];
-        text = fmt::format("All {} machines with a {} below {:.3g} {} are locked. ",
+        text = fmt::format("All {} machines where the {} is below {:.3g} {} are locked. ",
                            judgement.bound->runs, axis.title, judgement.bound->up_to, axis.unit);
     }
     if (!judgement.limiting) {

@@ -72,8 +72,10 @@ void check_complete(FileKind kind, const Layer &home, const Config &config)
                               return is_unknown_of_plate(*field);
                           });
     if (is_plate) {
-        fail(place, fmt::format("{}", fmt::join(names_of(lacking), ", ")), "",
-             "are missing: this is a name plate, motorsim identify measures them", "");
+        fail(
+            place, fmt::format("{}", fmt::join(names_of(lacking), ", ")), "",
+            "are missing: this is a name plate, motorsim identify --records measures them on a board",
+            "");
     }
     refuse_missing(place, lacking);
 }

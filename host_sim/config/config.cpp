@@ -273,7 +273,8 @@ double measured_capacitance_f(const Config &config)
 }
 
 // The plant's dead time and drop are the board's, the model's are the plant's, unless they are written; −1 is as
-// if nothing were. Where the legs' loss was measured, the model has that one, and the plant what it had.
+// if nothing were. A measured dead time is all that the legs lose, the drop with it: the model that takes it has no
+// drop beside it. The plant has what it had.
 void pass_on_dead_time(Config &config)
 {
     const auto take_over = [&](const char *key, double &value, double from) {
@@ -287,9 +288,11 @@ void pass_on_dead_time(Config &config)
     take_over("measured.knee_a", measured.knee_a, NOT_MEASURED);
     take_over("plant.dead_time_s", config.plant.dead_time_s, config.board.dead_time_s);
     take_over("plant.device_drop_v", config.plant.device_drop_v, config.board.device_drop_v);
+    const bool is_measured = measured.dead_time_s >= 0 && config.model.dead_time_s < 0;
     take_over("model.dead_time_s", config.model.dead_time_s,
-              measured.dead_time_s >= 0 ? measured.dead_time_s : config.plant.dead_time_s);
-    take_over("model.device_drop_v", config.model.device_drop_v, config.plant.device_drop_v);
+              is_measured ? measured.dead_time_s : config.plant.dead_time_s);
+    take_over("model.device_drop_v", config.model.device_drop_v,
+              is_measured ? 0 : config.plant.device_drop_v);
     take_over("model.output_capacitance_f", config.model.output_capacitance_f,
               has_no_measured_knee(config) ? config.board.output_capacitance_f
                                            : measured_capacitance_f(config));

@@ -80,7 +80,7 @@ const std::vector<Field> FIELDS = {
     {"measured", "viscous_friction_bar_nm_s", "N·m·s", 0, 100, OPTIONAL, measured<&E::viscous_friction_bar_nm_s>, "error of motor.viscous_friction_nm_s, at most; 0: not stated", RECORD},
     {"measured", "coulomb_friction_nm", "N·m", 0, 1e4, OPTIONAL, measured<&E::coulomb_friction_nm>, "friction torque that does not depend on the speed", RECORD},
     {"measured", "coulomb_friction_bar_nm", "N·m", 0, 1e4, OPTIONAL, measured<&E::coulomb_friction_bar_nm>, "its error, at most; 0: not stated", RECORD},
-    {"measured", "dead_time_s", "s", -1, 1e-5, OPTIONAL, measured<&E::dead_time_s>, "what a leg loses at a large current, a period, of the bus: the drive's model.dead_time_s; -1: not measured", WITHOUT_MODEL_DEAD_TIME},
+    {"measured", "dead_time_s", "s", -1, 1e-5, OPTIONAL, measured<&E::dead_time_s>, "what a leg loses at a large current, a period, of the bus, device drop included: the drive's model.dead_time_s, with a drop of 0; -1: not measured", WITHOUT_MODEL_DEAD_TIME},
     {"measured", "dead_time_bar_s", "s", 0, 1e-5, OPTIONAL, measured<&E::dead_time_bar_s>, "its error, at most; 0: not stated", RECORD},
     {"measured", "knee_a", "A", -1, 1000, OPTIONAL, measured<&E::knee_a>, "current at which a leg loses half of that: gives the drive's model.output_capacitance_f; -1: not measured", WITH_MEASURED_DEAD_TIME},
     {"measured", "knee_bar_a", "A", 0, 1000, OPTIONAL, measured<&E::knee_bar_a>, "its error, at most; 0: not stated", RECORD},
@@ -192,7 +192,7 @@ const std::vector<Field> FIELDS = {
 
     {"model", "dead_time_s", "s", -1, 1e-5, OPTIONAL, model<&ModelScales::dead_time_s>, "dead time that the drive compensates; -1: measured.dead_time_s, else plant.dead_time_s"},
     {"model", "output_capacitance_f", "F", -1, 1e-6, OPTIONAL, model<&ModelScales::output_capacitance_f>, "capacitance of a leg's output that the drive reckons with; -1: by measured.knee_a, else board.output_capacitance_f"},
-    {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v"},
+    {"model", "device_drop_v", "V", -1, 10, OPTIONAL, model<&ModelScales::device_drop_v>, "device drop that the drive compensates; -1: plant.device_drop_v, or 0 with a measured dead time, which has it"},
 
     {"plant", "resistance_scale", "", 0.1, 10, OPTIONAL, plant<&P::resistance_scale>, "real motor / motor file"},
     {"plant", "inductance_scale", "", 0.1, 10, OPTIONAL, plant<&P::inductance_scale>, "real motor / motor file"},

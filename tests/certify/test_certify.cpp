@@ -117,6 +117,54 @@ void test_a_measured_dead_time_is_that_of_the_leg_less_its_drop()
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.6, dead_time.high);
 }
 
+// The drive believes all of the loss as dead time, the plant has the drop apart: in the middle both lose the same.
+void test_in_the_middle_the_legs_lose_what_the_drive_believes()
+{
+    const nf::Config believed = nf::load_scenario(
+        "any", {},
+        {"motor=motor_a", "board.dead_time_s=2e-6", "board.device_drop_v=1.2",
+         "measured.dead_time_s=2.5e-6", "measured.dead_time_bar_s=1e-7", "measured.bus_v=300"});
+    const std::vector<Axis> box = box_of(believed);
+    const Axis &dead_time = needed_axis(box, "measured.dead_time_s");
+    nf::Config real = believed;
+    dead_time.set(real, (dead_time.low + dead_time.high) / 2);
+    const auto lost_v = [&](double dead_time_s, double drop_v) {
+        return dead_time_s * 300 * believed.board.pwm_frequency_hz + drop_v;
+    };
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1.2, real.plant.device_drop_v);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT,
+                              lost_v(believed.model.dead_time_s, believed.model.device_drop_v),
+                              lost_v(real.plant.dead_time_s, real.plant.device_drop_v));
+}
+
+// Of what an identification has measured, the advice is not to identify it.
+void test_the_advice_follows_where_a_range_is_from()
+{
+    nf::Config config = nf::load_scenario(
+        "any", {}, {"motor=motor_a", "board.dead_time_s=2e-6", "board.output_capacitance_f=1e-9"});
+    const auto says = [&](const char *key, const char *words) {
+        const std::string better = needed_axis(box_of(config), key).better;
+        return better.find(words) != std::string::npos;
+    };
+    for (const char *const key :
+         {"motor.inertia_kg_m2", "board.dead_time_s", "board.output_capacitance_f"}) {
+        TEST_ASSERT_TRUE_MESSAGE(says(key, "motorsim identify"), key);
+    }
+    config.measured.inertia_std_pct = 1;
+    config.measured.viscous_friction_bar_nm_s = 1e-5;
+    config.measured.dead_time_s = 2e-6;
+    config.measured.dead_time_bar_s = 1e-7;
+    config.measured.knee_a = 0.2;
+    config.measured.knee_bar_a = 0.05;
+    TEST_ASSERT_TRUE(says("motor.inertia_kg_m2", "steeper ramps"));
+    TEST_ASSERT_TRUE(says("motor.viscous_friction_nm_s", "higher speed"));
+    for (const char *const key : {"measured.dead_time_s", "measured.knee_a"}) {
+        TEST_ASSERT_TRUE_MESSAGE(says(key, "oscilloscope"), key);
+        TEST_ASSERT_FALSE_MESSAGE(says(key, "motorsim identify"), key);
+    }
+    TEST_ASSERT_TRUE(says("motor.flux_linkage_wb", "drill"));
+}
+
 void test_an_axis_changes_the_real_machine()
 {
     const nf::Config believed = motor_a();
@@ -343,6 +391,8 @@ void test_a_load_that_makes_runs_fail_has_a_bound()
     TEST_ASSERT_EQUAL_INT(120, judgement.bound->runs);
     TEST_ASSERT_EQUAL_INT(80, judgement.summaries[0].stopped);
     TEST_ASSERT_EQUAL_INT(80, judgement.summaries[0].faults.at("OVERCURRENT"));
+    TEST_ASSERT_NOT_NULL(std::strstr(text_of(campaign, judgement).c_str(),
+                                     "All 120 machines where the load.step_pct is below 0.6 "));
     TEST_ASSERT_FALSE(judgement.limiting.has_value());
 }
 
@@ -377,7 +427,44 @@ void test_of_two_that_hold_the_same_the_one_with_more_room_is_taken()
 
 void test_of_two_that_are_alike_the_first_is_taken()
 {
-    TEST_ASSERT_EQUAL(0, judge(made_up({"one", "two"}, "motor.flux_linkage_wb", 2)).best);
+    const Judgement judgement = judge(made_up({"one", "two"}, "motor.flux_linkage_wb", 2));
+    TEST_ASSERT_EQUAL(0, judgement.best);
+    TEST_ASSERT_EQUAL_STRING("one and two do as well on these machines, within chance, and one was "
+                             "named first",
+                             judgement.why.c_str());
+}
+
+// 120, 160 and 160 of 200 machines; the third leaves more room.
+void test_of_three_the_best_is_compared_with_each_other_one()
+{
+    Campaign campaign = made_up({"one", "two", "three"}, "motor.flux_linkage_wb", 0.8);
+    campaign.series[0].trials = made_up({"one"}, "motor.flux_linkage_wb", 0.6).series[0].trials;
+    const Judgement alike = judge(campaign);
+    TEST_ASSERT_EQUAL(1, alike.best);
+    TEST_ASSERT_EQUAL_STRING(
+        "two holds 40 machines without a swing that one does not, one holds 0 that two does not; "
+        "two and three do as well on these machines, within chance, and two was named first",
+        alike.why.c_str());
+    std::swap(campaign.series[0].trials, campaign.series[2].trials);
+    TEST_ASSERT_EQUAL(0, judge(campaign).best);
+    TEST_ASSERT_EQUAL_STRING(
+        "one and two do as well on these machines, within chance, and one was named first; one "
+        "holds 40 machines without a swing that three does not, three holds 0 that one does not",
+        judge(campaign).why.c_str());
+}
+
+// One machine more is chance; then the margin decides, and the words say no more than that.
+void test_counts_that_differ_by_chance_are_not_said_to_be_the_same()
+{
+    Campaign campaign = made_up({"one", "two"}, "motor.flux_linkage_wb", 2);
+    for (Trial &made : campaign.series[1].trials) {
+        made.margins.current = 0.5 + made.margins.current / 2;
+    }
+    campaign.series[1].trials[0] = trial(-0.1);
+    const Judgement judgement = judge(campaign);
+    TEST_ASSERT_EQUAL(1, judgement.best);
+    TEST_ASSERT_EQUAL_size_t(
+        0, judgement.why.find("two and one hold as many machines, within chance, but 95 of 100 "));
 }
 
 void test_a_tuning_that_is_refused_is_said_and_not_taken()
@@ -436,6 +523,8 @@ int main()
     RUN_TEST(test_a_bar_wider_than_its_value_leaves_a_value_above_0);
     RUN_TEST(test_what_is_not_there_has_no_axis);
     RUN_TEST(test_a_measured_dead_time_is_that_of_the_leg_less_its_drop);
+    RUN_TEST(test_in_the_middle_the_legs_lose_what_the_drive_believes);
+    RUN_TEST(test_the_advice_follows_where_a_range_is_from);
     RUN_TEST(test_an_axis_changes_the_real_machine);
     RUN_TEST(test_a_draw_lies_in_the_box_and_is_the_same_each_time);
     RUN_TEST(test_another_axis_leaves_a_draw_as_it_was);
@@ -453,6 +542,8 @@ int main()
     RUN_TEST(test_a_tuning_that_swings_is_not_taken);
     RUN_TEST(test_of_two_that_hold_the_same_the_one_with_more_room_is_taken);
     RUN_TEST(test_of_two_that_are_alike_the_first_is_taken);
+    RUN_TEST(test_of_three_the_best_is_compared_with_each_other_one);
+    RUN_TEST(test_counts_that_differ_by_chance_are_not_said_to_be_the_same);
     RUN_TEST(test_a_tuning_that_is_refused_is_said_and_not_taken);
     RUN_TEST(test_each_run_is_in_a_cell_of_the_map);
     RUN_TEST(test_the_page_asks_for_nothing_elsewhere_and_keeps_names_as_text);

@@ -213,6 +213,25 @@ void the_drive_believes_the_measured_dead_time_and_the_plant_does_not()
     TEST_ASSERT_EQUAL_DOUBLE(nf::AS_BOARD, as_if_none.model.output_capacitance_f);
 }
 
+// A measured dead time is all that the legs lose; the drop compensated beside it would be so twice.
+void the_drive_believes_no_drop_beside_a_measured_dead_time()
+{
+    const Folder folder;
+    folder.edit("motors/m.toml", "", FOUND);
+    const std::string drop = "board.device_drop_v=1.2";
+    const nf::Config config = nf::load_scenario("s", {}, {drop});
+    TEST_ASSERT_EQUAL_DOUBLE(1.2, config.plant.device_drop_v);
+    TEST_ASSERT_EQUAL_DOUBLE(0, config.model.device_drop_v);
+    TEST_ASSERT_EQUAL_INT(0, nf::build(config).modulator.drop_q15);
+    const nf::Config own_drop = nf::load_scenario("s", {}, {drop, "model.device_drop_v=0.7"});
+    TEST_ASSERT_EQUAL_DOUBLE(1e-6, own_drop.model.dead_time_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.7, own_drop.model.device_drop_v);
+    for (const char *const without : {"model.dead_time_s=3e-6", "measured.dead_time_s=-1"}) {
+        const nf::Config plain = nf::load_scenario("s", {}, {drop, without});
+        TEST_ASSERT_EQUAL_DOUBLE_MESSAGE(1.2, plain.model.device_drop_v, without);
+    }
+}
+
 // The knee is 0.5 A at 300 V, and so 0.5·310/300 A at the board's 310 V.
 void the_drive_believes_the_measured_knee()
 {
@@ -298,6 +317,7 @@ int main()
     RUN_TEST(without_findings_there_is_no_table_of_them);
     RUN_TEST(a_value_that_no_loader_takes_is_not_written);
     RUN_TEST(the_drive_believes_the_measured_dead_time_and_the_plant_does_not);
+    RUN_TEST(the_drive_believes_no_drop_beside_a_measured_dead_time);
     RUN_TEST(the_drive_believes_the_measured_knee);
     RUN_TEST(a_measured_dead_time_that_does_not_fit_is_named_where_it_stands);
     RUN_TEST(wrong_findings_are_refused_as_all_other_keys);

@@ -55,7 +55,7 @@ void every_other_loader_says_that_it_is_a_name_plate()
     write_plate(folder);
     const std::string line = "motors/m.toml:1: " + UNKNOWN +
                              ", motor.viscous_friction_nm_s: are missing: this is a name plate, "
-                             "motorsim identify measures them";
+                             "motorsim identify --records measures them on a board";
     TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
     TEST_ASSERT_EQUAL_STRING(line.c_str(),
                              refusal_of([] { nf::load_parts("m", "b", "t"); }).c_str());
@@ -66,8 +66,9 @@ void a_friction_in_a_name_plate_makes_no_difference()
 {
     const Folder folder;
     write_plate(folder, "viscous_friction_nm_s = 0.5\n");
-    const std::string line = "motors/m.toml:1: " + UNKNOWN +
-                             ": are missing: this is a name plate, motorsim identify measures them";
+    const std::string line =
+        "motors/m.toml:1: " + UNKNOWN +
+        ": are missing: this is a name plate, motorsim identify --records measures them on a board";
     TEST_ASSERT_EQUAL_STRING(line.c_str(), test::refusal().c_str());
     TEST_ASSERT_EQUAL_DOUBLE(0, nf::load_plate("m", "b").motor.viscous_friction_nm_s);
 }

@@ -4,6 +4,8 @@
 //
 //     test_fault_table            holds the table
 //     test_fault_table --measure  prints it as it is measured now
+#include "measure.h"
+#include "plate.h"
 #include "scripted_run.h"
 
 extern "C" {
@@ -14,6 +16,7 @@ extern "C" {
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <string>
@@ -41,6 +44,8 @@ enum PlaceId {
     RAMP,
     HANDOVER,
     RUNNING,
+    PROBE_REST,
+    PROBE_TURNS,
     PLACES
 };
 
@@ -48,7 +53,13 @@ constexpr Place PLACE[PLACES] = {
     {"READY", false},       {"start", true},           {"FLYING_START", false},
     {"ALIGN, pull", false}, {"ALIGN, measure", false}, {"HOLD", false},
     {"IF_RAMP", true},      {"HANDOVER", true},        {"RUN", true},
+    {"PROBE, rest", false}, {"PROBE, turns", false},
 };
+
+bool is_probe(PlaceId place)
+{
+    return place == PROBE_REST || place == PROBE_TURNS;
+}
 
 constexpr double RPM_PER_RAD_S = 30.0 / 3.14159265358979323846;
 
@@ -63,16 +74,17 @@ struct Row {
 struct Rows {
     std::vector<Row> all;
     fault_t fault{};
+    std::string refusal; // of the identification
 
-    void add(const nf::Tick &tick)
+    void add(const nf::Simulation &sim, const plant_view_t &truth)
     {
-        const drive_t &drive = tick.sim->drive();
+        const drive_t &drive = sim.drive();
         double current_a = 0;
-        for (const double i : tick.truth.i_abc_a) {
+        for (const double i : truth.i_abc_a) {
             current_a = std::max(current_a, std::fabs(i));
         }
-        all.push_back({drive.state, tick.sim->out().gate_enable, drive.align.phase, current_a,
-                       tick.truth.omega_mech_rad_s * RPM_PER_RAD_S});
+        all.push_back({drive.state, sim.out().gate_enable, drive.align.phase, current_a,
+                       truth.omega_mech_rad_s * RPM_PER_RAD_S});
         fault = drive.fault;
     }
 };
@@ -106,11 +118,63 @@ Rows run(const nf::Config &config)
     nf::ScriptedRun run(config);
     std::size_t latched = 0;
     while (run.tick() < run.end() && latched < LATCHED_TICKS) {
-        rows.add(run.control());
+        const nf::Tick tick = run.control();
+        rows.add(*tick.sim, tick.truth);
         run.advance();
         latched += rows.all.back().state == DRIVE_STATE_FAULT ? 1U : 0U;
     }
     return rows;
+}
+
+// An identification with the faults of the scenario, and what follows for as long as above. `phase` is told of each of its
+// lines, and of the tick.
+using Phase = std::function<void(const std::string &, std::size_t)>;
+
+Rows run_identification(const nf::Config &config, const Phase &phase = {})
+{
+    nf::Simulation sim(config, nf::with_typical(nf::known_from_plate(config)));
+    const double period_s = sim.bases().control_period_s;
+    nf::Injection injection(config, period_s, std::llround(config.scenario.prelude_s / period_s));
+    Rows rows;
+    const auto add = [&] {
+        plant_view_t truth{};
+        plant_view(&sim.plant(), &truth);
+        rows.add(sim, truth);
+    };
+    int64_t tick = 0;
+    const auto before_tick = [&](nf::Simulation &now) {
+        if (tick > 0) {
+            add(); // of the tick before
+        }
+        injection.act(tick, now);
+        tick++;
+    };
+    const auto line = [&](const std::string &text) {
+        if (phase) {
+            phase(text, rows.all.size());
+        }
+    };
+    rows.refusal = nf::identify::measure(sim, line, before_tick).refusal;
+    for (std::size_t k = 0; k < LATCHED_TICKS; k++) {
+        before_tick(sim);
+        sim.control();
+        sim.advance();
+    }
+    add();
+    return rows;
+}
+
+// In the middle of the phase whose line begins with `first`; `next` is the line behind it.
+std::size_t middle_of_phase(const char *first, const char *next)
+{
+    std::size_t from = 0;
+    std::size_t to = 0;
+    run_identification(config_of(settings(PROBE_REST, 1)),
+                       [&](const std::string &line, std::size_t tick) {
+                           from = line.rfind(first, 0) == 0 ? tick : from;
+                           to = line.rfind(next, 0) == 0 ? tick : to;
+                       });
+    return (from + to) / 2;
 }
 
 // The ticks after which a healthy drive is in the middle of each place.
@@ -149,6 +213,10 @@ std::size_t place_tick(PlaceId place, const drive_cfg_t &cfg)
                2;
     case HANDOVER:
         return first_with(moving, DRIVE_STATE_HANDOVER) + 1;
+    case PROBE_REST:
+        return middle_of_phase("the shaft goes to three angles", "the shaft turns");
+    case PROBE_TURNS:
+        return middle_of_phase("the shaft turns, up to", "between half of that speed");
     default: // a second after the load step
         return first_with(moving, DRIVE_STATE_RUN) + 17500;
     }
@@ -204,10 +272,12 @@ constexpr Fault FAULTS[] = {
 
 struct Found {
     fault_t fault{};         // latched at the end, else FAULT_NONE
+    bool is_refused = false; // the identification
     std::size_t at = 0;      // the tick of the fault
     int64_t ticks = 0;       // from then until it is latched
     int64_t gates_after = 0; // from the tick that latches it on, ticks with gates enabled
     drive_state_t end = DRIVE_STATE_INIT;
+    bool gates_at_end = false;
     double current_a = 0; // until then: the largest true phase current
     double rpm = 0;       // and the largest true speed
     double rpm_end = 0;
@@ -229,6 +299,8 @@ void observe(const Rows &rows, Found &found)
     }
     found.ticks = static_cast<int64_t>(open - found.at);
     found.end = rows.all.back().state;
+    found.gates_at_end = rows.all.back().gates;
+    found.is_refused = !rows.refusal.empty();
     found.rpm_end = rows.all.back().rpm;
     if (found.end == DRIVE_STATE_FAULT) {
         found.fault = rows.fault;
@@ -261,7 +333,8 @@ Found inject(const Fault &fault, PlaceId place)
                                   "{{time_s = {:.6f}, run = true}}]",
                                   time_s));
     }
-    observe(run(config_of(set)), found);
+    const nf::Config config = config_of(set);
+    observe(is_probe(place) ? run_identification(config) : run(config), found);
     return found;
 }
 
@@ -301,9 +374,24 @@ int64_t bound_of(Kind kind, PlaceId place, const drive_cfg_t &cfg)
     }
 }
 
+// Where an identification ends as if nothing were.
+const char *excuse_of_probe(const Fault &fault, PlaceId place)
+{
+    const char *excuse = nullptr;
+    if (fault.kind == Kind::bus) {
+        excuse = "not seen";
+    } else if (fault.kind == Kind::jump) {
+        excuse = place == PROBE_REST ? "pulled back" : "caught again";
+    }
+    return excuse;
+}
+
 // Where nothing is to be found while gates are closed or the rotor stands.
 const char *excuse_of(const Fault &fault, PlaceId place)
 {
+    if (is_probe(place)) {
+        return excuse_of_probe(fault, place);
+    }
     const bool stands = place != READY && !PLACE[place].moves;
     const bool seen_without_current =
         std::strcmp(fault.name, "break_input") == 0 || fault.kind == Kind::temperature ||
@@ -336,9 +424,14 @@ constexpr double OVERCURRENT_A = 18; // of the board
 std::string cell(const Fault &fault, PlaceId place, const Found &found)
 {
     const bool latched = found.fault.id != FAULT_NONE;
-    std::string text =
-        latched ? fmt::format("{} {}", fault_text(found.fault.id)->name, found.ticks)
-                : std::string(excuse_of(fault, place) ? excuse_of(fault, place) : "NOT FOUND");
+    std::string text;
+    if (latched) {
+        text = fmt::format("{} {}", fault_text(found.fault.id)->name, found.ticks);
+    } else if (found.is_refused) {
+        text = fmt::format("refused {}", found.ticks);
+    } else {
+        text = excuse_of(fault, place) ? excuse_of(fault, place) : "NOT FOUND";
+    }
     if (found.current_a > OVERCURRENT_A) {
         text += fmt::format(", {:.0f} A", found.current_a);
     }
@@ -487,7 +580,7 @@ void test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control()
     constexpr double SETTLED_RPM = 5;
     for (const Cell &one : cells()) {
         const std::string text = label(*one.fault, one.place, one.found);
-        if (one.found.fault.id == FAULT_NONE) {
+        if (one.found.fault.id == FAULT_NONE && !is_probe(one.place)) {
             const double command = PLACE[one.place].moves ? 1000 : 0;
             TEST_ASSERT_NOT_NULL_MESSAGE(excuse_of(*one.fault, one.place), text.c_str());
             TEST_ASSERT_EQUAL_INT_MESSAGE(healthy_end(one.place), one.found.end, text.c_str());
@@ -495,6 +588,21 @@ void test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control()
                 std::strstr(excuse_of(*one.fault, one.place), "speed off") != nullptr;
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(misled ? command / 2 : SETTLED_RPM, command,
                                               one.found.rpm_end, text.c_str());
+        }
+    }
+}
+
+// What the drive lets pass the identification refuses, or it comes to its end. Then the gates are open, and nothing turns the
+// shaft.
+void test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates()
+{
+    for (const Cell &one : cells()) {
+        const std::string text = label(*one.fault, one.place, one.found);
+        if (one.found.fault.id == FAULT_NONE && is_probe(one.place)) {
+            TEST_ASSERT_TRUE_MESSAGE(one.found.is_refused || excuse_of(*one.fault, one.place),
+                                     text.c_str());
+            TEST_ASSERT_EQUAL_INT_MESSAGE(DRIVE_STATE_READY, one.found.end, text.c_str());
+            TEST_ASSERT_FALSE_MESSAGE(one.found.gates_at_end, text.c_str());
         }
     }
 }
@@ -596,6 +704,7 @@ int main(int argc, char **argv)
     UNITY_BEGIN();
     RUN_TEST(test_what_is_found_is_latched_with_its_numbers_in_its_time);
     RUN_TEST(test_what_is_not_found_has_a_reason_and_leaves_the_drive_in_control);
+    RUN_TEST(test_what_the_drive_does_not_find_in_probe_ends_the_identification_with_open_gates);
     RUN_TEST(test_current_and_speed_stay_within_their_limits_until_the_gates_open);
     RUN_TEST(test_a_wrong_angle_sensor_is_found_in_motion_and_else_leaves_the_drive_in_control);
     RUN_TEST(test_the_advice_of_a_fault_names_what_it_was_made_by);

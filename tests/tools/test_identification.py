@@ -2,12 +2,15 @@
 """Identifications of many motors: the table, the command, and a dozen motors from end to end."""
 
 import json
+import math
 import os
+import subprocess
 import unittest
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from unittest import mock
 
 from support import TOOLS, FolderTest
 from identification import cli, motor, table
@@ -18,6 +21,8 @@ SEED, MOTORS = 12, 12
 WORST = 2
 INSIDE_PCT = 90     # 95 % are expected, and 96 values are few
 LONGEST_S = 22
+REFUSED = {"motor": "zoo:1@1:user", "refusal": "identify refused: the rotor is stuck"}
+GOOD_RUN = {"locked": True, "speed_error_command_pct": 5.0, "speed_error_load_pct": 2.0}
 
 
 def entry(value, bar, truth):
@@ -26,29 +31,83 @@ def entry(value, bar, truth):
 
 def result(off=0.01, bar=0.02, **changed):
     found = {value.key: entry(1 + off, bar, 1.0) for value in table.VALUES}
-    return {"motor": "zoo:0@1:user", "refusal": None, "duration_s": 15.0} | found | changed
+    return {"motor": "zoo:0@1:user", "refusal": None, "duration_s": 15.0, "rated_torque_nm": 2.0, "speed_rpm": 60.0} | found | changed
 
 
 class Table(unittest.TestCase):
     def test_a_row_has_the_95th_percentile_the_medians_and_the_share_within(self):
         results = [result(off=k / 1000, bar=0.0205) for k in range(100)]
-        self.assertEqual("| R | 2 % | 9.5 % | 4.9 % | 2.1 % | 21.0 % |", table.row(table.VALUES[0], results))
+        self.assertEqual("| R | 2 % | 9.5 % | 4.9 % | 2.1 % | 0.4 | 21.0 % |", table.row(table.VALUES[0], results))
 
     def test_a_time_is_in_ns(self):
         self.assertIn("| 1e+07 ns |", table.row(table.VALUES[5], [result()]))
 
     def test_a_value_whose_truth_is_zero_has_no_relative_error(self):
-        self.assertEqual([], table.errors(table.VALUES[-1], [result(coulomb_friction_nm=entry(1, 1, 0))]))
+        self.assertEqual([], table.errors(table.VALUES[0], [result(resistance_ohm=entry(1, 1, 0))]))
+
+    def test_friction_is_of_rated_torque(self):
+        viscous, coulomb = table.FRICTION
+        off = result(off=0.1, bar=0.2)
+        for found, wanted in ((table.errors(coulomb, [off]), 5), (table.errors(viscous, [off]), 5 * 2 * math.pi)):
+            (error, bar), = found
+            self.assertAlmostEqual(wanted, error)
+            self.assertAlmostEqual(2 * wanted, bar)
+
+    def test_the_two_frictions_make_one_torque_whose_errors_cancel(self):
+        one = result(viscous_friction_nm_s=entry(1.1, 1, 1.0), coulomb_friction_nm=entry(1 - 0.2 * math.pi, 1, 1.0))
+        self.assertAlmostEqual(0, table.friction_off([one])[0])
 
     def test_a_motor_that_was_refused_is_named(self):
-        refused = {"motor": "zoo:1@1:user", "refusal": "identify refused: the rotor is stuck"}
-        text = table.summary([result(), refused])
-        self.assertIn("1 of 2 motors measured", text[0])
-        self.assertIn("zoo:1@1:user: identify refused: the rotor is stuck", text)
+        self.assertIn("2 motors of seed 7. 1 were measured", table.summary([result(), REFUSED], 7)[0])
+        self.assertEqual(["zoo:1@1:user: identify refused: the rotor is stuck"], table.refused([result(), REFUSED]))
+
+    def test_a_run_that_was_refused_is_named(self):
+        self.assertEqual(["zoo:0@1:user, run with the result: no"], table.refused([result(run={"refusal": "no"})]))
+        self.assertIn("The drive ran with none of the results.", table.summary([result(run={"refusal": "no"})], 7))
+
+    def test_without_a_motor_that_was_measured_it_says_so(self):
+        for results in ([REFUSED], [REFUSED, REFUSED]):
+            self.assertIn("| R | 2 % | none measured | | | | |", table.lines(results))
+            self.assertEqual(f"{len(results)} motors of seed 7. None measured.", table.summary(results, 7)[0])
+            self.assertEqual([], table.missed(results))
 
     def test_a_run_counts_as_close_only_with_both_errors_small(self):
-        run = {"locked": True, "speed_error_command_pct": 5.0, "speed_error_load_pct": 2.1}
-        self.assertIn("1 of 1 locked when run with the result, 0 within", table.summary([result(run=run)])[1])
+        self.assertIn("100.0 % were locked and within", table.summary([result(run=GOOD_RUN)], 7)[2])
+        for key, value in (("speed_error_load_pct", 2.1), ("speed_error_command_pct", 5.1), ("locked", False)):
+            self.assertIn("; 0.0 % were locked and within", table.summary([result(run=GOOD_RUN | {key: value})], 7)[2])
+
+
+class Goals(unittest.TestCase):
+    """A made-up result has all values off by 1 % with bars of 2 %, but the loss of a leg, in ns."""
+
+    GOOD = {"lost_time_s": entry(1.00000001, 2e-8, 1.0), "run": GOOD_RUN}
+
+    def good(self, **changed):
+        return result(**(self.GOOD | changed))
+
+    def test_where_all_are_met_nothing_is_missed(self):
+        self.assertEqual([], table.missed([self.good()]))
+        self.assertEqual("All goals are met.", table.summary([self.good()], 7)[-1])
+
+    def test_each_that_is_not_met_is_said(self):
+        for changed, sentence in (
+                ({"resistance_ohm": entry(1.03, 0.04, 1.0)}, "R: 95 % are off by less than 3 %, in place of 2 %."),
+                ({"resistance_ohm": entry(1.01, 0.005, 1.0)}, "R: 0.0 % of the truths lie within their bars, in place of 95 %."),
+                ({"resistance_ohm": entry(1.01, 0.03, 1.0)}, "R: the median bar is 3.0 times the median error, in place of 2."),
+                ({"lost_time_s": entry(1.00000004, 5e-8, 1.0)},
+                 "lost by a leg at the continuous current: 95 % are off by less than 40 ns, in place of 30 ns."),
+                ({"duration_s": 20.1}, "Time: 100.0 % took more than 20 s.")):
+            with self.subTest(sentence):
+                self.assertEqual([sentence], table.missed([self.good(**changed)]))
+                self.assertEqual(f"- {sentence}", table.summary([self.good(**changed)], 7)[-1])
+
+    def test_a_drive_that_is_locked_but_not_close_misses_one_goal(self):
+        far = GOOD_RUN | {"speed_error_load_pct": 3}
+        self.assertEqual(["Locked and close: 0.0 % of the runs, in place of 99 %."], table.missed([self.good(run=far)]))
+        self.assertEqual(2, len(table.missed([self.good(run=far | {"locked": False})])))
+
+    def test_a_friction_has_no_goal(self):
+        self.assertEqual([], table.missed([self.good(coulomb_friction_nm=entry(9, 0.1, 1.0))]))
 
 
 class Command(FolderTest):
@@ -68,6 +127,81 @@ class Command(FolderTest):
             with self.assertRaises(SystemExit), redirect_stderr(StringIO()) as err:
                 cli.parser().parse_args(["--motors", word])
             self.assertIn("expected a whole number from 1 to 999999", err.getvalue())
+
+
+    def results(self, *motors):
+        path = self.folder / "results.json"
+        path.write_text(json.dumps({"seed": 7, "motors": motors}), encoding="utf-8")
+        return path
+
+    def page(self):
+        """A page of its own, in place of the one of the project."""
+        path = self.folder / "page.md"
+        path.write_text("before\n<!-- results -->\nof yesterday\n<!-- end -->\nafter\n", encoding="utf-8")
+        self.enterContext(mock.patch.object(cli, "PAGE", path))
+        return path
+
+    def test_the_page_is_written_and_then_is_that_of_the_results(self):
+        page, results = self.page(), self.results(result(run=GOOD_RUN))
+        with self.assertRaises(SystemExit) as exit_:
+            self.called("--results", str(results), "--check")
+        self.assertIn("is not what the measurement has", str(exit_.exception))
+        self.assertEqual(cli.DONE, self.called("--results", str(results), "--write")[0])
+        text = page.read_text(encoding="utf-8")
+        self.assertIn("1 motors of seed 7. 1 were measured", text)
+        self.assertTrue(text.startswith("before\n<!-- results -->\n| | goal |") and text.endswith("<!-- end -->\nafter\n"))
+        self.assertEqual(cli.DONE, self.called("--results", str(results), "--check")[0])
+
+    def test_the_page_of_the_project_has_room_for_it(self):
+        text = (cli.ROOT / cli.PAGE).read_text(encoding="utf-8")
+        self.assertEqual(["results"], [name for _, name in cli.generated.TABLE.findall(text)])
+
+    def test_results_that_are_none_are_named(self):
+        for text in ("", "{}", "[]", '{"seed": 1}'):
+            path = self.write("results.json", text)
+            status, out, err = self.called("--results", str(path))
+            self.assertEqual((cli.BAD_INPUT, "", 1), (status, out, len(err.splitlines())))
+            self.assertIn(f"measure_zoo: {path}: no results of measure_zoo", err)
+
+    def test_one_motor_that_is_refused_ends_with_a_sentence(self):
+        status, out, _ = self.called("--results", str(self.results(REFUSED)))
+        self.assertEqual(cli.DONE, status)
+        self.assertIn("None measured.", out)
+        self.assertIn("zoo:1@1:user: identify refused: the rotor is stuck", out)
+
+
+class Troubles(FolderTest):
+    """Programs that fail, or that do not end."""
+
+    MOTOR = motor.Motor(1, 0)
+
+    def program(self, name, text):
+        path = self.write(name, f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+        return path
+
+    def identified(self, nfconfig, motorsim="exit 0"):
+        return motor.identified(motor.Programs(self.program("motorsim", motorsim), self.program("nfconfig", nfconfig)), self.MOTOR,
+                                self.folder)["refusal"]
+
+    def test_a_motor_that_cannot_be_drawn_is_refused(self):
+        self.assertEqual("nfconfig: no such motor", self.identified("echo a >&2; echo no such motor >&2; exit 2"))
+        self.assertEqual("nfconfig: ended with status 3, without a word", self.identified("exit 3"))
+
+    def test_a_program_that_does_not_end_is_refused(self):
+        with mock.patch.object(motor, "LONGEST_S", 0.2):
+            self.assertEqual("nfconfig: no result within 0.2 s", self.identified("exec sleep 5"))
+
+    def test_a_program_that_says_nothing_is_refused_with_its_status(self):
+        with mock.patch.object(motor.Motor, "plant", return_value={}):
+            self.assertEqual("ended with status 4, without a word", self.identified("exit 0", "exit 4"))
+
+    def test_a_run_that_does_not_end_is_refused(self):
+        late = subprocess.TimeoutExpired([Path("x/motorsim")], 120)
+        found = {key: entry(1, 1, 1) for key in motor.NUMBERS} | {"plant": {}}
+        with mock.patch.object(motor.subprocess, "run", side_effect=late):
+            run = motor.driven(motor.Programs(Path("x/motorsim"), None), self.MOTOR, found, self.folder)
+        self.assertEqual({"refusal": "motorsim: no result within 120 s"}, run)
 
 
 class Motors(unittest.TestCase):

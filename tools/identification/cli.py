@@ -8,6 +8,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from docs import generated
 from rich.console import Console
 from rich.progress import Progress
 
@@ -15,13 +16,17 @@ from . import motor, table
 
 ROOT = Path(__file__).resolve().parents[2]
 DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+PAGE, RESULTS = "docs/identification.md", "results.json"
 
 HELP = """Identifies motors of the zoo as users have them, with the dead time off by half and saturated iron, and says how far the
-results are off and how often the truth lies within their bars. Then runs the drive with each result.
+results are off, how often the truth lies within their bars, and which goal is not met. Then runs the drive with each result.
 
   tools/measure_zoo                      500 motors of seed 2026, some minutes
   tools/measure_zoo --motors 20 --seed 7
   tools/measure_zoo --no-run             only the identification
+  tools/measure_zoo --write              500 motors, and their table in docs/identification.md anew
+  tools/measure_zoo --results build/identified/2026/results.json --check
+                                         of an earlier measurement: whether the page shows it; --write writes it
 
 The motor files, the console's lines and the results stay in the folder.
 """
@@ -40,6 +45,9 @@ def parser():
     found.add_argument("--no-run", action="store_true", help="do not run the drive with the results")
     found.add_argument("--motorsim", type=Path, default=ROOT / "build/host/motorsim", help="the program, with nfconfig beside it")
     found.add_argument("--out", type=Path, help="folder of the results; default build/identified/SEED")
+    found.add_argument("--results", type=Path, metavar="JSON", help=f"measure nothing: {RESULTS} of an earlier measurement")
+    found.add_argument("--check", action="store_true", help=f"compare {PAGE} with the results; exit status 1 if it shows others")
+    found.add_argument("--write", action="store_true", help=f"write the results to {PAGE}")
     return found
 
 
@@ -62,8 +70,8 @@ def all_of(args, programs, folder):
     return results
 
 
-def main(words=None):
-    args = parser().parse_args(words)
+def measured(args):
+    """The results, or the status of a problem, which has been said."""
     programs = motor.Programs(args.motorsim.resolve(), args.motorsim.resolve().with_name("nfconfig"))
     for program in (programs.motorsim, programs.nfconfig):
         if not os.access(program, os.X_OK):
@@ -72,8 +80,30 @@ def main(words=None):
     folder = args.out or ROOT / "build/identified" / str(args.seed)
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        results = all_of(args, programs, folder)
+        found = {"seed": args.seed, "motors": all_of(args, programs, folder)}
     except KeyboardInterrupt:
         return INTERRUPTED
-    print("\n".join([*table.lines(results), "", *table.summary(results)]))
+    Path(folder, RESULTS).write_text(json.dumps(found), encoding="utf-8")
+    return found
+
+
+def read(path):
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return {"seed": found["seed"], "motors": list(found["motors"])}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        print(f"measure_zoo: {path}: no results of measure_zoo: {error}", file=sys.stderr)
+        return BAD_INPUT
+
+
+def main(words=None):
+    args = parser().parse_args(words)
+    found = read(args.results) if args.results else measured(args)
+    if isinstance(found, int):
+        return found
+    results = found["motors"]
+    shown = [*table.lines(results), "", *table.summary(results, found["seed"])]
+    print("\n".join([*shown, "", *table.refused(results)]))
+    if args.check or args.write:
+        generated.finish(PAGE, {"results": "\n".join([*shown, ""])}, "the measurement", args.write)
     return DONE

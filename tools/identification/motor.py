@@ -36,7 +36,8 @@ class Motor:
     def plant(self, programs):
         """What is worse than `:user` makes it: dead time ±50 %, and saturated iron."""
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([programs.nfconfig, "zoo", self.name, "--out", f"{folder}/zoo"], check=True, capture_output=True)
+            subprocess.run([programs.nfconfig, "zoo", self.name, "--out", f"{folder}/zoo"], check=True,
+                           capture_output=True, text=True, timeout=LONGEST_S)
             board = tomllib.loads(Path(folder, "zoo/board.toml").read_text(encoding="utf-8"))["board"]
             plant = tomllib.loads(Path(folder, "zoo/user.toml").read_text(encoding="utf-8"))["plant"]
         draw = random.Random(f"{self.number}@{self.seed}")
@@ -55,16 +56,40 @@ def identify_command(programs, motor, plant, extra=()):
     return [str(programs.motorsim), "identify", motor.name, *motor.settings(plant), *extra]
 
 
+def last_line(text, status):
+    return (text.strip().splitlines() or [f"ended with status {status}, without a word"])[-1]
+
+
+def trouble(error):
+    """A program that failed, or that did not end, as a refusal."""
+    name = Path(error.cmd[0]).name
+    if isinstance(error, subprocess.TimeoutExpired):
+        return f"{name}: no result within {error.timeout:g} s"
+    return f"{name}: {last_line(error.stderr, error.returncode)}"
+
+
+TROUBLES = subprocess.TimeoutExpired, subprocess.CalledProcessError
+
+
 def identified(programs, motor, folder):
     """What `motorsim identify --json` says of it, with `refusal`. Leaves the motor file and the console's lines in `folder`."""
+    try:
+        return measured(programs, motor, folder)
+    except TROUBLES as error:
+        return {"motor": motor.name, "refusal": trouble(error)}
+
+
+def measured(programs, motor, folder):
     plant = motor.plant(programs)
     stem = f"{folder}/{motor.number}"
     command = identify_command(programs, motor, plant, ["--json", "-", "-o", f"{stem}.toml", "--overwrite", "--log", f"{stem}.log"])
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONGEST_S)
-    lines = done.stderr.strip().splitlines() or [""]
-    found = {"motor": motor.name, "plant": plant, "refusal": None if done.returncode == 0 else lines[-1]}
+    refusal = None if done.returncode == 0 else last_line(done.stderr, done.returncode)
+    found = {"motor": motor.name, "plant": plant, "refusal": refusal}
     if done.returncode == 0:
+        written = tomllib.loads(Path(f"{stem}.toml").read_text(encoding="utf-8"))
         found |= json.loads(done.stdout)
+        found |= {"rated_torque_nm": written["motor"]["rated_torque_nm"], "speed_rpm": written["measured"]["speed_rpm"]}
     return found
 
 
@@ -80,8 +105,12 @@ def run_command(programs, motor, found, folder):
 
 
 def driven(programs, motor, found, folder):
-    done = subprocess.run(run_command(programs, motor, found, folder), capture_output=True, text=True, check=False, timeout=LONGEST_S)
+    try:
+        done = subprocess.run(run_command(programs, motor, found, folder), capture_output=True, text=True, check=False,
+                              timeout=LONGEST_S)
+    except TROUBLES as error:
+        return {"refusal": trouble(error)}
     if not done.stdout:
-        return {"refusal": done.stderr.strip()}
+        return {"refusal": last_line(done.stderr, done.returncode)}
     metrics = json.loads(done.stdout)
     return {key: metrics[key] for key in ("locked", "limit_cycle", "faults", "speed_error_command_pct", "speed_error_load_pct")}
