@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from unittest import mock
 
 from support import TOOLS, FolderTest
-from identification import cli, motor, table
+from identification import cli, motor, peers, table
 
 MOTORSIM = Path(os.environ.get("NF_MOTORSIM", TOOLS.parent / "build/host/motorsim"))
 SEED, MOTORS = 12, 12
@@ -202,6 +202,74 @@ class Troubles(FolderTest):
         with mock.patch.object(motor.subprocess, "run", side_effect=late):
             run = motor.driven(motor.Programs(Path("x/motorsim"), None), self.MOTOR, found, self.folder)
         self.assertEqual({"refusal": "motorsim: no result within 120 s"}, run)
+def peer_result(peer, name, seed=1, **changed):
+    return result(**changed) | {"motor": peer.name, "set": name, "seed": seed}
+
+
+class PeersTable(unittest.TestCase):
+    def test_a_row_has_the_largest_error_and_the_median_bar(self):
+        results = [result(off=0.004, bar=bar, inertia_kg_m2=entry(1.9, 0.03, 2.0)) for bar in (0.01, 0.012, 0.04)]
+        results[1] |= {"resistance_ohm": entry(0.992, 0.012, 1.0)}
+        self.assertEqual("| hub |" + " 0.8 (± 1.2) % |" + " 0.4 (± 1.2) % |" * 3 + " 5 (± 1.5) % |", peers.row("hub", results))
+
+    def test_each_motor_has_a_row_for_each_set_and_one_of_the_other_project(self):
+        text = peers.lines(peers.PEERS, [peer_result(peer, name) for peer in peers.PEERS for name in peers.SETS])
+        self.assertEqual(2 + len(peers.PEERS) * (len(peers.SETS) + 1), len(text))
+        self.assertEqual({2 + len(peers.KEYS)}, {line.count("|") for line in text})
+        self.assertEqual("| hub motor, 250 W, phobia | 0.86 % | 0.36 % | 0.29 % | 0.45 % | 0.65 % |", text[10])
+
+    def test_a_motor_that_one_seed_refuses_has_no_numbers(self):
+        results = [result(), {"refusal": "identify refused: the rotor is stuck"}]
+        self.assertEqual("| hub |" + " refused |" * 5, peers.row("hub", results))
+
+
+class PeersCommand(FolderTest):
+    def called(self, *words):
+        out, err = StringIO(), StringIO()
+        with redirect_stdout(out), redirect_stderr(err):
+            status = peers.main([*words, "--out", str(self.folder)])
+        return status, out.getvalue(), err.getvalue()
+
+    def test_a_program_that_is_not_there_is_named(self):
+        status, _, err = self.called("--motorsim", "/nowhere/motorsim")
+        self.assertEqual(peers.BAD_INPUT, status)
+        self.assertEqual("measure_peers: /nowhere/motorsim: no program; run tools/dev build\n", err)
+
+    def test_a_motor_that_is_none_is_named(self):
+        status, out, err = self.called("hub_250w", "hub_251w")
+        self.assertEqual((peers.BAD_INPUT, ""), (status, out))
+        self.assertEqual("measure_peers: hub_251w: no such motor; expected xnova_4530, rotomax_120, hub_250w, qs_138\n", err)
+
+    def test_each_file_that_it_names_is_there(self):
+        names = [peer.name for peer in peers.PEERS] + [peer.supply for peer in peers.PEERS if peer.supply]
+        for name in (*names, *peers.SETS, "board"):
+            self.assertTrue((peers.FILES / f"{name}.toml").is_file(), name)
+
+    def test_the_refusal_of_a_motor_is_its_result(self):
+        program = self.write("motorsim", "#!/bin/sh\necho identify refused: the rotor is stuck >&2\nexit 1\n")
+        program.chmod(0o755)
+        status, out, _ = self.called("hub_250w", "--motorsim", str(program))
+        self.assertEqual(peers.REFUSED, status)
+        self.assertIn("hub_250w, as there, seed 5: identify refused: the rotor is stuck", out)
+
+    def test_a_number_of_seeds_that_is_none_is_refused(self):
+        for word in ("0", "-1", "x", "100"):
+            with self.assertRaises(SystemExit), redirect_stderr(StringIO()) as err:
+                peers.parser().parse_args(["--seeds", word])
+            self.assertIn("expected a whole number from 1 to 99", err.getvalue())
+
+
+class Peer(FolderTest):
+    """The one of least inductance, 3 µH at 48 V, with both sets."""
+
+    def test_each_value_meets_its_goal(self):
+        with redirect_stdout(StringIO()):
+            self.assertEqual(peers.DONE, peers.main(["xnova_4530", "--seeds", "1", "--motorsim", str(MOTORSIM),
+                                                     "--out", str(self.folder)]))
+        results = [json.loads((self.folder / f"xnova_4530_{name}_1.json").read_text(encoding="utf-8")) for name in peers.SETS]
+        for value in peers.compared():
+            worst = max(error for error, _ in table.errors(value, results))
+            self.assertLessEqual(worst, value.goal, value.title)
 
 
 class Motors(unittest.TestCase):
