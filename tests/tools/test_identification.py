@@ -202,6 +202,8 @@ class Troubles(FolderTest):
         with mock.patch.object(motor.subprocess, "run", side_effect=late):
             run = motor.driven(motor.Programs(Path("x/motorsim"), None), self.MOTOR, found, self.folder)
         self.assertEqual({"refusal": "motorsim: no result within 120 s"}, run)
+
+
 def peer_result(peer, name, seed=1, **changed):
     return result(**changed) | {"motor": peer.name, "set": name, "seed": seed}
 

@@ -21,12 +21,17 @@ HEADER = struct.Struct("<IHHII")  # hal/mps2/recording.h
 RESULT = struct.Struct("<HHHBBI")
 STATE = 4  # of a result
 
-# The recordings of a tuning, as `record` takes them: scenario, imperfection set, keys. The robust ones see every state.
+# The recordings of a tuning, and what `record` takes for each. The robust ones see every state.
 FAULT = "scenario.fault=[{time_s=1.6, what='break_input'}]"
 RECORDINGS = {
-    "published": (("s1", "ideal"), ("s2", "ideal"), ("s3", "ideal")),
-    "robust": (("s1_robust", "all"), ("s2_robust", "all"), ("s3_robust", "all", FAULT)),
-    "voltage_phase": (("s5", "adc"),),
+    "published": {name: (name, "ideal") for name in ("s1", "s2", "s3")},
+    "robust": {
+        "s1_robust": ("s1_robust", "all"),
+        "s2_robust": ("s2_robust", "all"),
+        "s3_robust": ("s3_robust", "all", FAULT),
+        "identify": ("s1_robust", "all", "identify"),
+    },
+    "voltage_phase": {"s5": ("s5", "adc")},
 }
 
 
@@ -116,10 +121,10 @@ def measure(build, cores, tunings, progress):
     with tempfile.TemporaryDirectory() as work:
         recordings = {}
         for tuning in tunings:
-            for scenario, *choices in RECORDINGS[tuning]:
-                folder = Path(work) / scenario
+            for name, (scenario, *choices) in RECORDINGS[tuning].items():
+                folder = Path(work) / name
                 record(build, folder, scenario, *choices)
-                recordings.setdefault(tuning, {})[scenario] = read_recording(folder)
+                recordings.setdefault(tuning, {})[name] = read_recording(folder)
     return [bench(build, core, tuning, recordings[tuning], progress)
             for core in cores for tuning in tunings]
 
