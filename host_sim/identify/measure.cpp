@@ -3,7 +3,10 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 extern "C" {
+#include "fault_text.h"
 #include "identify.h"
 }
 
@@ -32,6 +35,53 @@ about_t about_of(const Simulation &sim)
     return about;
 }
 
+// From power-up on: starts the identification as soon as the drive is READY.
+class Starter
+{
+public:
+    // Whether the run goes on.
+    bool step(identify_t &identify, const drive_t &drive, std::string &refusal)
+    {
+        if (!started_ && drive.state == DRIVE_STATE_FAULT) {
+            refusal = fmt::format("the drive has a fault before it is READY: {}",
+                                  fault_text(drive.fault.id)->name);
+        } else if (!started_ && drive.state == DRIVE_STATE_READY) {
+            const char *const why = identify_start(&identify);
+            refusal = why == nullptr ? "" : why;
+            started_ = true;
+        }
+        return refusal.empty();
+    }
+
+    bool has_started() const
+    {
+        return started_;
+    }
+
+private:
+    bool started_ = false;
+};
+
+std::string overtime(bool started)
+{
+    return fmt::format(started ? "it has not ended within {:.0f} s"
+                               : "the drive is not READY after {:.0f} s",
+                       LONGEST_S);
+}
+
+// Its line, if there is one.
+void take_line(identify_t &identify, Measurement &found, const Listener &listener)
+{
+    text_t text{};
+    identify_step(&identify, &text);
+    if (text.length > LINE_END) {
+        found.lines.emplace_back(text.characters, text.length - LINE_END);
+        if (listener) {
+            listener(found.lines.back());
+        }
+    }
+}
+
 } // namespace
 
 Measurement measure(Simulation &sim, const Listener &listener, const Event &event)
@@ -40,30 +90,23 @@ Measurement measure(Simulation &sim, const Listener &listener, const Event &even
     const double tick_s = sim.bases().control_period_s;
     Measurement found;
     identify_t identify;
+    Starter starter;
     identify_init(&identify, &sim.app(), &about);
-    bool started = false;
-    for (; found.duration_s < LONGEST_S && (!started || identify_is_busy(&identify));
-         found.duration_s += tick_s) {
+    while (found.refusal.empty() && (!starter.has_started() || identify_is_busy(&identify))) {
         if (event) {
             event(sim);
         }
         sim.control();
         sim.advance();
-        if (!started && sim.drive().state == DRIVE_STATE_READY) {
-            const char *const why = identify_start(&identify);
-            found.refusal = why == nullptr ? "" : why;
-            started = true;
+        if (starter.step(identify, sim.drive(), found.refusal)) {
+            take_line(identify, found, listener);
         }
-        text_t text{};
-        identify_step(&identify, &text);
-        if (text.length > LINE_END) {
-            found.lines.emplace_back(text.characters, text.length - LINE_END);
-            if (listener) {
-                listener(found.lines.back());
-            }
+        found.duration_s += tick_s;
+        if (found.duration_s > LONGEST_S) {
+            found.refusal = overtime(starter.has_started());
         }
     }
-    if (identify.why != nullptr && !found.lines.empty()) {
+    if (!found.lines.empty() && found.lines.back().rfind(REFUSED, 0) == 0) {
         found.refusal = found.lines.back().substr(REFUSED.length());
     }
     return found;

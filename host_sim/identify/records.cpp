@@ -7,9 +7,11 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace nf::identify
 {
@@ -20,8 +22,26 @@ constexpr double PI = 3.14159265358979323846;
 constexpr double Q15 = 32768;
 constexpr double Q16 = 65536;
 constexpr double STEPS = 4294967296; // of a turn
-constexpr std::size_t SCALE_NUMBERS = 6;
+constexpr long VERSION = 1;          // of the records, firmware/app/identify.h
+constexpr std::size_t SCALE_NUMBERS = 5;
 constexpr std::size_t RECORD_NUMBERS = 20;
+const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin", "ramp", "hold", "coast"};
+
+// What the firmware can have sent: the ranges of the words of probe.h and of a shift; and no motor has more pole pairs.
+struct Range {
+    const char *what;
+    double least;
+    double most;
+};
+constexpr double WORD_MOST = 2147483647;
+constexpr Range TICK_PS = {"the tick in ps", 1, WORD_MOST};
+constexpr Range CURRENT_UA = {"the full scale of the current in µA", 1, WORD_MOST};
+constexpr Range BUS_UV = {"the full scale of the bus in µV", 1, WORD_MOST};
+constexpr Range POLE_PAIRS = {"the number of pole pairs", 1, 1000};
+constexpr Range SPEED_SHIFT = {"the shift of the speeds", 0, 31};
+constexpr Range AXIS = {"the axis", 0, 2};
+constexpr Range QUARTER = {"the quarter of the pulses in ticks", 1, 64};
+constexpr Range TICKS = {"the window in ticks", 1, 131071};
 
 struct Place {
     const std::string &name;
@@ -33,53 +53,86 @@ struct Place {
     }
 };
 
-// All words from `first` on as whole numbers.
-std::vector<double> numbers_of(const std::vector<std::string> &words, std::size_t first,
-                               std::size_t count, const Place &place)
+void check_range(double found, const Range &range, const Place &place)
 {
+    if (found < range.least || found > range.most) {
+        place.refuse(fmt::format("{} is {:.0f}, expected {:.0f} to {:.0f}", range.what, found,
+                                 range.least, range.most));
+    }
+}
+
+// Nothing where the word is no whole number.
+std::optional<long> whole_of(const std::string &word)
+{
+    long value = 0;
+    const char *const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, value);
+    return error == std::errc() && stop == end ? std::optional<long>(value) : std::nullopt;
+}
+
+// The words behind the first two as whole numbers.
+std::vector<double> numbers_of(const std::vector<std::string> &words, std::size_t count,
+                               const Place &place)
+{
+    constexpr std::size_t first = 2;
     if (words.size() != first + count) {
         place.refuse(fmt::format("{} numbers, expected {}: the line is not complete",
-                                 words.size() - std::min(first, words.size()), count));
+                                 words.size() - first, count));
     }
     std::vector<double> numbers;
     for (std::size_t k = first; k < words.size(); k++) {
-        long value = 0;
-        const char *const end = words[k].data() + words[k].size();
-        const auto [stop, error] = std::from_chars(words[k].data(), end, value);
-        if (error != std::errc() || stop != end) {
+        const std::optional<long> value = whole_of(words[k]);
+        if (!value) {
             place.refuse(fmt::format("\"{}\" is not a whole number", words[k]));
         }
-        numbers.push_back(static_cast<double>(value));
+        numbers.push_back(static_cast<double>(*value));
     }
     return numbers;
+}
+
+// Other versions may have other numbers behind theirs: it is looked at before them.
+void check_version(long version, const Place &place)
+{
+    if (version != VERSION) {
+        place.refuse(
+            fmt::format("records of version {}, this program reads version {}", version, VERSION));
+    }
 }
 
 Scales scales_of(const std::vector<double> &n, const Place &place)
 {
     constexpr double pico = 1e-12;
     constexpr double micro = 1e-6;
-    if (n[0] != 1) {
-        place.refuse(fmt::format("records of version {:g}, this program reads version 1", n[0]));
-    }
-    if (n[1] <= 0 || n[2] <= 0 || n[3] <= 0 || n[4] <= 0) {
-        place.refuse("a scale is not above 0");
-    }
+    check_range(n[0], TICK_PS, place);
+    check_range(n[1], CURRENT_UA, place);
+    check_range(n[2], BUS_UV, place);
+    check_range(n[3], POLE_PAIRS, place);
+    check_range(n[4], SPEED_SHIFT, place);
     Scales scales;
-    scales.period_s = n[1] * pico;
-    scales.current_a = 2 * n[2] * micro;
-    scales.voltage_v = n[3] * micro;
-    scales.pole_pairs = static_cast<int>(n[4]);
-    scales.speed_el_rad_s = Q15 * std::exp2(n[5]) * 2 * PI / STEPS / scales.period_s;
+    scales.period_s = n[0] * pico;
+    scales.current_a = 2 * n[1] * micro;
+    scales.voltage_v = n[2] * micro;
+    scales.pole_pairs = static_cast<int>(n[3]);
+    scales.speed_el_rad_s = Q15 * std::exp2(n[4]) * 2 * PI / STEPS / scales.period_s;
     return scales;
+}
+
+void check_kind(const std::string &kind, const Place &place)
+{
+    if (std::find(std::begin(KINDS), std::end(KINDS), kind) == std::end(KINDS)) {
+        place.refuse(fmt::format("a record of the kind \"{}\", expected one of {}", kind,
+                                 fmt::join(KINDS, ", ")));
+    }
 }
 
 Record record_of(const std::string &kind, const std::vector<double> &n, const Scales &scales,
                  const Place &place)
 {
+    check_kind(kind, place);
+    check_range(n[0], AXIS, place);
+    check_range(n[5], QUARTER, place);
+    check_range(n[6], TICKS, place);
     const double ticks = n[6];
-    if (ticks < 1 || n[5] < 1 || n[0] < 0 || n[0] > 2) {
-        place.refuse("an axis, a number of ticks or of a quarter that no record has");
-    }
     const double volts = scales.voltage_v / Q15;
     const double amperes = scales.current_a / Q15;
     Record r;
@@ -107,6 +160,67 @@ std::vector<std::string> words_of(const std::string &line)
     return {std::istream_iterator<std::string>(stream), {}};
 }
 
+// The line of its cause, and where it stands. Nothing: it was not refused.
+struct Refusal {
+    std::size_t line = 0;
+    std::string text;
+};
+
+// Line by line. A new first line begins anew: a log may have several identifications, the last one counts.
+class Reader
+{
+public:
+    void take(const std::string &line, const Place &place)
+    {
+        const std::vector<std::string> words = words_of(line);
+        if (words.size() < 2) {
+            return;
+        }
+        const bool first = words[0] == "identify";
+        if (first && words[1] == "refused:") {
+            refusal_ = {place.line, fmt::format("{}", fmt::join(words, " "))};
+        } else if (const std::optional<long> version = whole_of(words[1]); first && version) {
+            begin(*version, words, place);
+        } else if (words[0] == "=") {
+            add(words, place);
+        }
+    }
+
+    Records end(const std::string &name) const
+    {
+        if (!refusal_.text.empty()) {
+            Place{name, refusal_.line}.refuse(refusal_.text);
+        }
+        if (records_.all.empty()) {
+            throw ConfigError(fmt::format("{}: no record of an identification in it", name));
+        }
+        return records_;
+    }
+
+private:
+    void begin(long version, const std::vector<std::string> &words, const Place &place)
+    {
+        check_version(version, place);
+        records_ = {};
+        refusal_ = {};
+        records_.scales = scales_of(numbers_of(words, SCALE_NUMBERS, place), place);
+    }
+
+    void add(const std::vector<std::string> &words, const Place &place)
+    {
+        if (records_.scales.pole_pairs == 0) {
+            place.refuse(
+                fmt::format("a record without the line `identify {} …` before it", VERSION));
+        }
+        records_.all.push_back(
+            record_of(words[1], numbers_of(words, RECORD_NUMBERS, place), records_.scales, place));
+        records_.duration_s += records_.all.back().ticks * records_.scales.period_s;
+    }
+
+    Records records_;
+    Refusal refusal_;
+};
+
 } // namespace
 
 std::vector<Record> Records::of(const std::string &kind) const
@@ -119,26 +233,11 @@ std::vector<Record> Records::of(const std::string &kind) const
 
 Records read_records(const std::vector<std::string> &lines, const std::string &name)
 {
-    Records records;
+    Reader reader;
     for (std::size_t k = 0; k < lines.size(); k++) {
-        const Place place = {name, k + 1};
-        const std::vector<std::string> words = words_of(lines[k]);
-        if (words.size() > 1 && words[0] == "identify" && words[1] == "1") {
-            records = {};
-            records.scales = scales_of(numbers_of(words, 1, SCALE_NUMBERS, place), place);
-        } else if (words.size() > 1 && words[0] == "=") {
-            if (records.scales.pole_pairs == 0) {
-                place.refuse("a record without the line `identify 1 …` before it");
-            }
-            records.all.push_back(record_of(words[1], numbers_of(words, 2, RECORD_NUMBERS, place),
-                                            records.scales, place));
-            records.duration_s += records.all.back().ticks * records.scales.period_s;
-        }
+        reader.take(lines[k], {name, k + 1});
     }
-    if (records.all.empty()) {
-        throw ConfigError(fmt::format("{}: no record of an identification in it", name));
-    }
-    return records;
+    return reader.end(name);
 }
 
 } // namespace nf::identify

@@ -48,9 +48,10 @@ struct Records {
     std::vector<Record> of(const std::string &kind) const;
 };
 
-// Reads the lines that a console has sent; what is no record is skipped. Throws ConfigError with one line that names
-// `name`, the line, what was found and what is expected: for a record before the scales, a number too many or too few,
-// no number, or no record at all.
+// Reads the lines that a console has sent; of several identifications the last one counts, and what is no record is
+// skipped. Throws ConfigError with one line that names `name`, the line, what was found and what is expected: for records of
+// another version, a record before the scales, a number too many or too few, no number or one that the firmware cannot
+// send, an unknown kind; with the drive's own words where it has refused; and for no record at all.
 Records read_records(const std::vector<std::string> &lines, const std::string &name);
 
 } // namespace nf::identify

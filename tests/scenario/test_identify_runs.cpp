@@ -376,6 +376,19 @@ void test_a_rotor_that_turns_already_is_refused()
     }
 }
 
+// ---- before it begins ----
+
+// Its sensor is off by more than the calibration accepts: the drive never becomes READY.
+void test_a_fault_before_the_start_is_refused_at_once_with_its_name()
+{
+    const nf::Config config = nf::load_scenario("s1", {}, {"plant.adc_offset_lsb=[1500,0]"});
+    const Outcome outcome = measured(config);
+    TEST_ASSERT_EQUAL_STRING("the drive has a fault before it is READY: CURRENT_OFFSET",
+                             outcome.measurement.refusal.c_str());
+    TEST_ASSERT_TRUE(outcome.measurement.duration_s < 2);
+    TEST_ASSERT_TRUE(outcome.gates_open);
+}
+
 // ---- name plate and board ----
 
 void test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes()
@@ -458,6 +471,7 @@ int main()
     RUN_TEST(test_a_braked_rotor_is_refused);
     RUN_TEST(test_a_rotor_that_its_load_turns_is_refused);
     RUN_TEST(test_a_rotor_that_turns_already_is_refused);
+    RUN_TEST(test_a_fault_before_the_start_is_refused_at_once_with_its_name);
     RUN_TEST(test_a_current_too_small_for_the_board_is_refused_with_the_one_it_takes);
     RUN_TEST(test_a_name_plate_with_the_current_that_is_said_is_not_refused_for_it);
     RUN_TEST(test_a_bus_too_low_for_the_speed_is_refused);
