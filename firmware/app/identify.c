@@ -145,7 +145,6 @@ static void say_record(const identify_t *identify, text_t *text)
     add_word(text, sums->noise_a);
     add_word(text, sums->noise_b);
     add_words(text, sums->change);
-    add_word(text, sums->carried);
     add_word(text, sums->turn_q16);
     add_word(text, sums->across);
     add_word(text, sums->torque);

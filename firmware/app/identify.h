@@ -19,7 +19,7 @@
  * of the current control, which follows the measured L. The highest speed is half of that of the name plate, and less where
  * the bus does not reach that.
  *
- * Records. `= KIND` and 20 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
+ * Records. `= KIND` and 19 numbers: axis, current, speed, pulse along, pulse across, quarter, ticks; the sums of
  * probe_sums_t in their order. KIND: pulse, catch, still, burst (pulses on a current), spin, ramp, hold (the speed after a
  * ramp), coast. A first line gives their scales: `identify 1`, tick in ps, full scale of the current in µA and of the bus in
  * µV, pole pairs, and the shift of speeds (drive_cfg_t.speed_shift).

@@ -268,12 +268,9 @@ static void note_change(probe_t *probe, dq_t current)
 {
     const int32_t sign = sign_of_pulse(probe, probe->tick - 1U - DELAY_TICKS);
     const dq_t before = probe->current_before;
-    const bool along = probe->pulse.d > 0;
-    const int32_t both = along ? (current.d + before.d) : (current.q + before.q);
 
     plus_vector(&probe->sums.change,
                 (dq_t){sign * (current.d - before.d), sign * (current.q - before.q)});
-    probe->sums.carried = plus_sample(probe->sums.carried, sign * both);
 }
 
 /* x/y to the nearest, y > 0: what a quotient that is rounded towards zero lacks would not cancel between two directions. */

@@ -67,9 +67,7 @@ typedef struct {
     int32_t bus;     /* a quarter of it */
     int32_t noise_a; /* |change of i_a| from sample to sample */
     int32_t noise_b;
-    dq_t change; /* of the current by the pulses, each with the sign of its pulse */
-    int32_t
-        carried; /* twice the mean current along the pulse in each of its ticks, with its sign */
+    dq_t change;      /* of the current by the pulses, each with the sign of its pulse */
     int32_t turn_q16; /* by which the vector has turned, Q16 turns; wraps */
     int32_t across;   /* largest |i_q| */
     int32_t

@@ -24,7 +24,7 @@ constexpr double Q16 = 65536;
 constexpr double STEPS = 4294967296; // of a turn
 constexpr long VERSION = 1;          // of the records, firmware/app/identify.h
 constexpr std::size_t SCALE_NUMBERS = 5;
-constexpr std::size_t RECORD_NUMBERS = 20;
+constexpr std::size_t RECORD_NUMBERS = 19;
 const char *const KINDS[] = {"pulse", "catch", "still", "burst", "spin", "ramp", "hold", "coast"};
 
 // What the firmware can have sent: the ranges of the words of probe.h and of a shift; and no motor has more pole pairs.
@@ -149,8 +149,8 @@ Record record_of(const std::string &kind, const std::vector<double> &n, const Sc
     r.noise_a[0] = n[12] * amperes / ticks;
     r.noise_a[1] = n[13] * amperes / ticks;
     r.change_a = std::complex<double>(n[14], n[15]) * amperes;
-    r.speed_el_rad_s = n[17] / Q16 * 2 * PI / (ticks * scales.period_s);
-    r.torque = n[19] / Q15 * scales.voltage_v * scales.current_a / scales.speed_el_rad_s;
+    r.speed_el_rad_s = n[16] / Q16 * 2 * PI / (ticks * scales.period_s);
+    r.torque = n[18] / Q15 * scales.voltage_v * scales.current_a / scales.speed_el_rad_s;
     return r;
 }
 
