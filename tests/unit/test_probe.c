@@ -497,7 +497,7 @@ static void test_the_voltage_of_pulses_saturates(void)
 /* Sample k of a window is the (k+1)th: what is demanded in tick k changes the current from sample k+1 to k+2. */
 static void check_changes(uint32_t ticks, uint32_t quarter, bool along)
 {
-    dq_t current[SAMPLES];
+    dq_t current[SAMPLES] = {{0, 0}};
     seeded_t seed = {0x9B0BEU};
     dq_t change = {0, 0};
 
