@@ -14,7 +14,7 @@
 #define CURRENT_ONE (32768)     /* I_b in Q15 */
 #define FULL_SCALE (16384)      /* of a current sensor, Q15 of I_b */
 #define NOISE_SHARE (16)        /* of the continuous current, mean change from sample to sample */
-#define LONGEST_MOVE_MS (5000U) /* the gentlest ramp takes half of that */
+#define LONGEST_MOVE_MS (5000U) /* of the first attempt, whose longest ramp takes 3 s */
 #define LONGEST_MS (120000U)    /* of all experiments with their lines, which take 10 to 30 s */
 
 /* ---- the words of an experiment ---- */
@@ -301,9 +301,12 @@ static void have_asked(identify_t *identify)
     wait_for(identify, identify->aim.leads ? IDENTIFY_MEASURING : IDENTIFY_MOVING);
 }
 
+/* Ramps of each further attempt take twice as long. The longest leads from a quarter of the speed down to half of an eighth of it. */
 static uint32_t longest_move(const identify_t *identify)
 {
-    return LONGEST_MOVE_MS * fx_unsigned(identify->ms_ticks);
+    const uint32_t ticks = LONGEST_MOVE_MS * fx_unsigned(identify->ms_ticks);
+
+    return ticks << identify->turn.slower;
 }
 
 static void go_on(identify_t *identify, text_t *text)
@@ -360,7 +363,6 @@ static void begin_identifying(identify_t *identify)
     const uint32_t ticks = MS_PS / identify->about->rotation.tick_ps;
     const uint32_t pulse_ticks = (uint32_t)PROBE_PULSE_TICKS - (uint32_t)PROBE_CURRENT;
     const uint32_t emf = (uint32_t)PROBE_EMF - (uint32_t)PROBE_CURRENT;
-
     const int32_t least = current_least(identify->about);
 
     identify_init(identify, identify->app, identify->about);

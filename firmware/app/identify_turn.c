@@ -50,8 +50,7 @@ static int32_t edge_ticks(const identify_t *identify)
 {
     const int32_t most = fx_clamp(EDGE_MS_MOST * identify->ms_ticks, EDGE_TICKS, EDGE_TICKS_MOST);
     const int32_t swings = EDGE_SWINGS * identify->turn.swing_ticks;
-
-    const int32_t unknown = (identify->turn.swing_ticks > 0) ? 0 : identify->turn.ramp_ticks / 4;
+    const int32_t unknown = (identify->turn.swing_ticks > 0) ? 0 : (identify->turn.ramp_ticks / 4);
 
     return fx_clamp(unknown + swings, EDGE_TICKS, most);
 }

@@ -110,6 +110,11 @@ static void test_a_coarser_converter_takes_more_current(void)
     coarse.current_zero_count = 0U; /* of a file that says nothing: one count is all */
     TEST_ASSERT_NULL(identify_start(&identify));
     TEST_ASSERT_EQUAL_INT32(24 * 16384, identify.needed);
+    identify_stop(&identify);
+    coarse.current_zero_count = 128U;
+    cfg.derating.current_continuous = 3072;
+    TEST_ASSERT_NULL(identify_start(&identify));
+    TEST_ASSERT_NULL(identify.why);
 }
 
 static void test_it_is_refused_while_it_is_under_way(void)
@@ -350,7 +355,7 @@ static void assert_says_of(identify_phase_t phase, const char *line)
     TEST_ASSERT_EQUAL_STRING(line, pass());
 }
 
-/* 6.71875 A, the largest and 3/4 of it, and half of 2000 rpm with a third for swings: before each phase a person knows what the shaft will do. */
+/* 6.71875 A and the largest, and half of 2000 rpm with a third for swings: before each phase a person knows what the shaft will do. */
 static void test_each_phase_is_told_before_it_begins(void)
 {
     begin();
@@ -358,9 +363,12 @@ static void test_each_phase_is_told_before_it_begins(void)
                    "the shaft turns by up to one and a half electrical turns, with 6.718 A\r\n");
     assert_says_of(IDENTIFY_STILL,
                    "the shaft goes to three angles of an electrical turn, up to 8.999 A\r\n");
-    assert_says_of(IDENTIFY_SPIN, "the shaft turns, up to 1333 rpm, with 5.039 A\r\n");
+    assert_says_of(IDENTIFY_SPIN, "the shaft turns, up to 1333 rpm, with at most 6.718 A\r\n");
     assert_says_of(IDENTIFY_RAMP, "between half of that speed and the whole\r\n");
     assert_says_of(IDENTIFY_COAST, "no current, the shaft coasts\r\n");
+    cfg.derating.current_continuous = 5505; /* 6.71997 A */
+    assert_says_of(IDENTIFY_CATCH,
+                   "the shaft turns by up to one and a half electrical turns, with 6.719 A\r\n");
     assert_says_of(IDENTIFY_ENDS, "identify done\r\n");
     assert_ended();
 }
@@ -629,6 +637,50 @@ static void test_a_vector_at_rest_has_arrived_at_its_angle_only(void)
     TEST_ASSERT_EQUAL_UINT32(0x10000000U, rotor_position_angle(&app.drive.vector.position));
 }
 
+/* The vector has moved for so long. */
+static void have_moved(uint32_t ticks)
+{
+    identify.wait = IDENTIFY_MOVING;
+    identify.said = identify.phase;
+    identify.since = app.drive.tick - ticks;
+    TEST_ASSERT_EQUAL_STRING("", pass());
+}
+
+/* 5 s, and twice as long for each further attempt. */
+static void test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused(void)
+{
+    experiment(100000, 1);
+    (void)ticks_to(IDENTIFY_MOVING);
+    for (uint32_t slower = 0U; slower < 3U; slower++) {
+        const uint32_t longest = (5000U * (uint32_t)MS) << slower;
+
+        TEST_ASSERT_EQUAL_UINT32(slower, identify.turn.slower);
+        have_moved(longest);
+        TEST_ASSERT_EQUAL(IDENTIFY_MOVING, identify.wait);
+        have_moved(longest + 1U);
+        TEST_ASSERT_EQUAL(IDENTIFY_ASKING, identify.wait);
+        if (slower < 2U) {
+            TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+            TEST_ASSERT_EQUAL_UINT32(1U, identify.step); /* its first move is planned */
+            TEST_ASSERT_EQUAL_STRING("catch", identify.aim.kind);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("identify refused: the rotor falls out of step: is the load too "
+                             "large, or does it change?\r\n",
+                             pass());
+    assert_ended();
+}
+
+static void test_a_vector_that_arrives_late_has_arrived(void)
+{
+    experiment(100000, 1);
+    identify.aim.rushes = true;
+    (void)ticks_to(IDENTIFY_MOVING);
+    have_moved((5000U * (uint32_t)MS) + 1U);
+    TEST_ASSERT_EQUAL(IDENTIFY_SETTLING, identify.wait);
+    TEST_ASSERT_EQUAL_UINT32(0U, identify.turn.slower);
+}
+
 /* In PROBE, with a window that has ended: the plan of the first ramp down. */
 static void begin_ramps_in_probe(void)
 {
@@ -844,6 +896,8 @@ int main(void)
     RUN_TEST(test_a_vector_on_its_way_to_a_speed_has_not_arrived_at_any_angle);
     RUN_TEST(test_a_window_that_rushes_waits_for_no_vector);
     RUN_TEST(test_a_vector_at_rest_has_arrived_at_its_angle_only);
+    RUN_TEST(test_a_vector_that_does_not_arrive_is_caught_twice_and_then_refused);
+    RUN_TEST(test_a_vector_that_arrives_late_has_arrived);
     RUN_TEST(test_a_window_that_leads_opens_before_its_words_are_asked_for);
     RUN_TEST(test_a_motor_that_is_not_there_ends_it_with_a_line_and_open_gates);
     RUN_TEST(test_sensors_that_are_too_noisy_are_refused);

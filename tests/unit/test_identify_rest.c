@@ -94,6 +94,21 @@ static void test_pulses_give_the_inductance_of_what_the_last_step_has_added(void
     TEST_ASSERT_EQUAL_INT32((22 * 65536) / 1000, identify.rest.inductance_q16);
 }
 
+/* Those across have no pulses before them then. */
+static void test_pulses_that_have_ended_leave_none_across(void)
+{
+    static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
+
+    begin_pulses();
+    identify.rest.fine = true;
+    identify.rest.across_volts = 7;
+    identify.rest.across_current = 9;
+    answer_pulses(peaks);
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current);
+}
+
 static void test_an_inductance_saturates(void)
 {
     static const dq_t peaks[] = {{1400, 0}, {1400, 0}, {1400, 0}};
@@ -132,6 +147,32 @@ static void test_pulses_grow_until_a_quarter_of_the_continuous_current_flows(voi
     TEST_ASSERT_EQUAL(IDENTIFY_PULSE, identify.phase);
     answer_pulses(enough);
     TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
+}
+
+static void expect_next_pulse(uint32_t axis, dq_t peak, int32_t pulse)
+{
+    dq_t peaks[] = {{100, 0}, {100, 0}, {100, 0}};
+
+    setUp();
+    begin_pulses();
+    peaks[axis] = peak;
+    answer_pulses(peaks);
+    TEST_ASSERT_EQUAL_INT32(pulse, identify.rest.pulse);
+}
+
+/* 344, 1/16 of the continuous current, wherever exchanged wires turn it: a quarter more of 88 follows, not twice as much. */
+static void test_a_current_shows_in_any_direction_of_any_axis(void)
+{
+    static const dq_t directions[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+
+    for (uint32_t axis = 0U; axis < IDENTIFY_AXES; axis++) {
+        for (uint32_t k = 0U; k < 4U; k++) {
+            const dq_t d = directions[k];
+
+            expect_next_pulse(axis, (dq_t){344 * d.d, 344 * d.q}, 88 + 22);
+            expect_next_pulse(axis, (dq_t){343 * d.d, 343 * d.q}, 2 * 88);
+        }
+    }
 }
 
 /* A first answer gives no difference of two. */
@@ -216,6 +257,15 @@ static void test_an_open_phase_is_named(void)
         answer_to_the_end(peaks);
         TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
     }
+}
+
+/* 1/8 of the largest one, along a pulse or not. */
+static void test_the_current_of_an_open_phase_is_small_beside_any_other(void)
+{
+    answer_to_the_end((const dq_t[]){{1400, 0}, {1400, -1600}, {199, 0}});
+    assert_refused("phase c is open");
+    answer_to_the_end((const dq_t[]){{1400, 0}, {1400, -1600}, {200, 0}});
+    TEST_ASSERT_EQUAL(IDENTIFY_CATCH, identify.phase);
 }
 
 static void test_an_open_phase_is_named_before_two_that_are_exchanged(void)
@@ -688,12 +738,13 @@ static void expect_bias(uint32_t burst, int32_t current_max, int32_t bias)
     TEST_ASSERT_EQUAL_INT32(bias, word(PROBE_CURRENT));
 }
 
-/* Along it both add up, 600 of the pulses with it: 9/10 of the largest one are the end. */
+/* Along it both add up, 600 of the pulses with it: 7/8 of 9/10 of the largest one are the end. */
 static void test_a_current_with_its_pulses_stays_below_the_largest(void)
 {
-    expect_bias(1U, 2445, 1600);
-    expect_bias(1U, 2000, 1200);
-    expect_bias(1U, 668, 1);
+    expect_bias(1U, 2795, 1600); /* 2515 and 2200 */
+    expect_bias(1U, 2794, 1599);
+    expect_bias(1U, 2000, 975); /* 1800 and 1575 */
+    expect_bias(1U, 764, 1);    /* 687 and 601 */
     expect_bias(1U, 600, 0);
     expect_bias(4U, 600, 200);
 }
@@ -702,16 +753,62 @@ static void test_pulses_on_a_current_take_the_inductance_of_those_before(void)
 {
     begin_bursts();
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    sums()->change = (dq_t){256 * 600, 7}; /* twice as much as was planned */
+    sums()->change = (dq_t){256 * 600, 256 * 7}; /* twice as much as was planned */
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
     TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
     TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(0, identify.rest.across_current); /* it was no pulse across */
+}
+
+/* 600·109 and 1600·40 are just below another volt. */
+static void test_the_volts_of_pulses_are_rounded_down(void)
+{
+    begin_bursts();
+    identify.rest.along_q16 = (10 * 65536) + 109;
+    identify.rest.across_q16 = (5 * 65536) + 40;
+    identify.step = LEVELS + 1U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(6000, word(PROBE_PULSE_D));
+    identify.step = LEVELS + 6U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(8000, word(PROBE_PULSE_Q));
+}
+
+static void answer_across(int32_t current)
+{
+    sums()->change = (dq_t){7, 256 * current};
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+}
+
+/* Volts of the pulses before, and L for what is more. The first ones say nothing of L: the legs may take most of their volts. */
+static void test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change(void)
+{
+    begin_bursts();
     identify.step = LEVELS + 4U;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
-    sums()->change = (dq_t){0, 256 * 300}; /* half as much */
-    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(600, word(PROBE_PULSE_Q));
+    answer_across(300);
+    TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(600 + (1100 - 300), word(PROBE_PULSE_Q));
+    answer_across(700); /* 800 volts for 400 */
     TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
-    TEST_ASSERT_EQUAL_INT32(5 * 65536, identify.rest.along_q16);
+    TEST_ASSERT_EQUAL_INT32(1400 + (2 * (1600 - 700)), word(PROBE_PULSE_Q));
+    answer_across(1600); /* 1800 for 900 */
+    TEST_ASSERT_EQUAL_INT32(2 * 65536, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(3200 - (2 * (1600 - 1400)), word(PROBE_PULSE_Q));
+    TEST_ASSERT_EQUAL_INT32(10 * 65536, identify.rest.along_q16);
+}
+
+/* No pulse rather than one the other way. */
+static void test_volts_of_pulses_across_end_at_none(void)
+{
+    begin_bursts();
+    identify.rest.across_volts = 100;
+    identify.rest.across_current = 30000;
+    identify.step = LEVELS + 4U;
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(0, word(PROBE_PULSE_Q));
+    TEST_ASSERT_EQUAL_INT32(1, word(PROBE_PULSE_TICKS));
 }
 
 /* The last level is no burst. */
@@ -739,28 +836,78 @@ static void test_pulses_without_an_answer_keep_the_inductance(void)
     TEST_ASSERT_EQUAL_INT32(65536, identify.rest.across_q16);
 }
 
-static void burst_of(dq_t pulse, dq_t change)
+/* Those across follow 1000 volts for a current of `before`. */
+static void burst_after(int32_t before, dq_t pulse, dq_t change)
 {
     setUp();
     begin_bursts();
+    identify.rest.inductance_q16 = 65537;
+    identify.rest.across_volts = 1000;
+    identify.rest.across_current = before;
     identify.step = LEVELS + 1U;
     identify.aim.ticks = 256;
     *identify_aim_word(&identify, PROBE_PULSE_D) = pulse.d;
     *identify_aim_word(&identify, PROBE_PULSE_Q) = pulse.q;
+    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = 1;
     sums()->change = change;
     TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
 }
 
 static void test_an_inductance_of_pulses_is_from_1_to_its_largest(void)
 {
-    burst_of((dq_t){8000, 0}, (dq_t){1, 0});
+    burst_after(0, (dq_t){8000, 0}, (dq_t){1, 0});
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.along_q16);
-    burst_of((dq_t){0, 8000}, (dq_t){0, 1});
-    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.across_q16);
-    burst_of((dq_t){1, 0}, (dq_t){512, 0});
+    burst_after(0, (dq_t){1, 0}, (dq_t){512, 0});
     TEST_ASSERT_EQUAL_INT32(32768, identify.rest.along_q16);
-    burst_of((dq_t){0, 1}, (dq_t){0, 512});
-    TEST_ASSERT_EQUAL_INT32(32768, identify.rest.across_q16);
+    burst_after(1, (dq_t){0, 33768}, (dq_t){0, 2 * 256}); /* 32768 for 1: 2^31 */
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, identify.rest.across_q16);
+    burst_after(1, (dq_t){0, 33767}, (dq_t){0, 2 * 256});
+    TEST_ASSERT_EQUAL_INT32(32767 * 65536, identify.rest.across_q16);
+}
+
+static void expect_across(int32_t before, dq_t pulse, int32_t inductance_q16)
+{
+    burst_after(before, (dq_t){0, pulse.d}, (dq_t){0, 256 * pulse.q});
+    TEST_ASSERT_EQUAL_INT32(inductance_q16, identify.rest.across_q16);
+    TEST_ASSERT_EQUAL_INT32(pulse.d, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(pulse.q, identify.rest.across_current);
+}
+
+/* By more than 1/8 of 800, up or down. */
+static void test_pulses_across_of_about_the_same_current_keep_the_inductance(void)
+{
+    expect_across(700, (dq_t){1300, 800}, 65536);
+    expect_across(699, (dq_t){1303, 800}, 3 * 65536);
+    expect_across(900, (dq_t){700, 800}, 65536);
+    expect_across(901, (dq_t){697, 800}, 3 * 65536);
+    expect_across(0, (dq_t){3400, 800}, 65536); /* none before */
+    expect_across(0, (dq_t){1, 800}, 65536);
+    burst_after(0, (dq_t){0, 5}, (dq_t){0, 1}); /* the least change that is one */
+    TEST_ASSERT_EQUAL_INT32(5, identify.rest.across_volts);
+}
+
+/* Of that which the first pulses have shown, 65537: the volts of the legs may hide all that is more. */
+static void test_an_inductance_across_is_half_of_that_along_at_least(void)
+{
+    expect_across(400, (dq_t){1200, 800}, 32768);
+    expect_across(400, (dq_t){1201, 800}, (201 * 65536) / 400);
+    expect_across(400, (dq_t){1199, 800}, 32768);
+    expect_across(400, (dq_t){900, 800}, 32768);
+}
+
+/* Of a quarter of 3 ticks. The mean change of a tick is a whole number. */
+static void test_pulses_across_add_up_over_their_quarter(void)
+{
+    burst_after(0, (dq_t){0, 0}, (dq_t){0, 0});
+    identify.step = LEVELS + 1U;
+    identify.aim.ticks = 252;
+    *identify_aim_word(&identify, PROBE_PULSE_D) = 0;
+    *identify_aim_word(&identify, PROBE_PULSE_Q) = 700;
+    *identify_aim_word(&identify, PROBE_PULSE_TICKS) = 3;
+    sums()->change = (dq_t){0, (252 * 200) + 251};
+    TEST_ASSERT_TRUE(identify_rest_plan_still(&identify));
+    TEST_ASSERT_EQUAL_INT32(3 * 700, identify.rest.across_volts);
+    TEST_ASSERT_EQUAL_INT32(3 * 200, identify.rest.across_current);
 }
 
 /* 8466 of the bus at most in a tick: 64000 need 8. */
@@ -806,12 +953,15 @@ int main(void)
     RUN_TEST(test_a_pulse_has_no_current_and_lies_on_the_axis_of_its_phase);
     RUN_TEST(test_without_a_bus_the_first_pulse_is_1);
     RUN_TEST(test_pulses_give_the_inductance_of_what_the_last_step_has_added);
+    RUN_TEST(test_pulses_that_have_ended_leave_none_across);
     RUN_TEST(test_an_inductance_saturates);
     RUN_TEST(test_pulses_grow_until_a_quarter_of_the_continuous_current_flows);
+    RUN_TEST(test_a_current_shows_in_any_direction_of_any_axis);
     RUN_TEST(test_a_large_answer_to_coarse_pulses_is_not_the_end);
     RUN_TEST(test_pulses_get_longer_once_they_are_a_quarter_of_the_bus);
     RUN_TEST(test_the_next_pulse_ends_at_a_quarter_of_the_bus);
     RUN_TEST(test_an_open_phase_is_named);
+    RUN_TEST(test_the_current_of_an_open_phase_is_small_beside_any_other);
     RUN_TEST(test_an_open_phase_is_named_before_two_that_are_exchanged);
     RUN_TEST(test_two_exchanged_phases_are_named);
     RUN_TEST(test_three_axes_that_are_turned_are_refused);
@@ -836,9 +986,15 @@ int main(void)
     RUN_TEST(test_bursts_have_their_shares_of_current_along_and_across_another_one);
     RUN_TEST(test_a_current_with_its_pulses_stays_below_the_largest);
     RUN_TEST(test_pulses_on_a_current_take_the_inductance_of_those_before);
+    RUN_TEST(test_the_volts_of_pulses_are_rounded_down);
+    RUN_TEST(test_pulses_across_take_the_volts_of_those_before_and_the_inductance_of_the_change);
+    RUN_TEST(test_volts_of_pulses_across_end_at_none);
     RUN_TEST(test_what_follows_the_last_level_has_no_inductance);
     RUN_TEST(test_pulses_without_an_answer_keep_the_inductance);
     RUN_TEST(test_an_inductance_of_pulses_is_from_1_to_its_largest);
+    RUN_TEST(test_pulses_across_of_about_the_same_current_keep_the_inductance);
+    RUN_TEST(test_an_inductance_across_is_half_of_that_along_at_least);
+    RUN_TEST(test_pulses_across_add_up_over_their_quarter);
     RUN_TEST(test_long_pulses_share_their_volts);
     RUN_TEST(test_pulses_are_at_most_64_ticks_and_three_eighths_of_the_bus);
     RUN_TEST(test_without_a_bus_pulses_are_1);

@@ -395,6 +395,58 @@ static void test_what_the_legs_lose_is_no_torque(void)
     TEST_ASSERT_EQUAL_INT32(100 * 10, torque((dq_t){40, 100}, (dq_t){10, 10}, 1));
 }
 
+/* The power of 500 along and of 100 across, whose EMF of the sample has the R of another current in it: R is 1 at 8192. */
+static void test_r_takes_its_part_of_the_torque_from_the_current_that_flows(void)
+{
+    static const struct {
+        dq_t emf;
+        dq_t current;
+        int32_t torque;
+    } words[] = {{{500 + 30, 0}, {130, 0}, 6500},
+                 {{500 - 30, 0}, {70, 0}, 3500},
+                 {{500, 0}, {100, 0}, 5000},
+                 {{0, 100 + 20}, {100, 20}, 200},
+                 {{0, 100 - 20}, {100, -20}, -200},
+                 {{500 - 300, 0}, {-200, 0}, -10000},
+                 {{500 + 30, 100 + 20}, {130, 20}, 6700}};
+
+    set(PROBE_CURRENT, 100);
+    set(PROBE_RESISTANCE, 8192);
+    for (uint32_t k = 0U; k < COUNT(words); k++) {
+        TEST_ASSERT_EQUAL_INT32(words[k].torque, torque(words[k].emf, words[k].current, 10));
+        TEST_ASSERT_EQUAL_INT32(-words[k].torque, torque(words[k].emf, words[k].current, -10));
+    }
+}
+
+/* R·i is rounded down: ±0.9998 and ±1.0002 for a current of 2. */
+static void test_the_resistance_of_a_torque_is_its_word_in_q13(void)
+{
+    set(PROBE_CURRENT, 100);
+    set(PROBE_RESISTANCE, 4095);
+    TEST_ASSERT_EQUAL_INT32(500 * 102, 2 * torque((dq_t){500, 0}, (dq_t){102, 0}, 2));
+    TEST_ASSERT_EQUAL_INT32(501 * 98, 2 * torque((dq_t){500, 0}, (dq_t){98, 0}, 2));
+    TEST_ASSERT_EQUAL_INT32(500 * 2, torque((dq_t){0, 500}, (dq_t){0, 2}, 1));
+    TEST_ASSERT_EQUAL_INT32(501 * -2, torque((dq_t){0, 500}, (dq_t){0, -2}, 1));
+    set(PROBE_RESISTANCE, 4097);
+    TEST_ASSERT_EQUAL_INT32(499 * 102, 2 * torque((dq_t){500, 0}, (dq_t){102, 0}, 2));
+    TEST_ASSERT_EQUAL_INT32(502 * 98, 2 * torque((dq_t){500, 0}, (dq_t){98, 0}, 2));
+    TEST_ASSERT_EQUAL_INT32(499 * 2, torque((dq_t){0, 500}, (dq_t){0, 2}, 1));
+    TEST_ASSERT_EQUAL_INT32(502 * -2, torque((dq_t){0, 500}, (dq_t){0, -2}, 1));
+}
+
+/* A current beyond 16 bits counts as its end, and so does an EMF less R·i. */
+static void test_what_r_takes_from_a_torque_saturates(void)
+{
+    set(PROBE_RESISTANCE, 8192);
+    TEST_ASSERT_EQUAL_INT32(2 * 16383, torque((dq_t){32767 + 2, 0}, (dq_t){34400, 0}, 1));
+    TEST_ASSERT_EQUAL_INT32(-2 * 16384, torque((dq_t){2 - 32768, 0}, (dq_t){-34400, 0}, 1));
+    TEST_ASSERT_EQUAL_INT32(16383, torque((dq_t){0, 32767 + 1}, (dq_t){0, 34400}, 1));
+    TEST_ASSERT_EQUAL_INT32(-16384, torque((dq_t){0, 1 - 32768}, (dq_t){0, -34400}, 1));
+    /* 32767·16384/20000 */
+    TEST_ASSERT_EQUAL_INT32(-26843, torque((dq_t){30000, 0}, (dq_t){-20000, 0}, 20000));
+    TEST_ASSERT_EQUAL_INT32(-26843, torque((dq_t){0, 30000}, (dq_t){0, -20000}, 20000));
+}
+
 /* ---- pulses ---- */
 
 static int32_t sign_in(uint32_t tick, uint32_t quarter_ticks)
@@ -929,6 +981,9 @@ int main(void)
     RUN_TEST(test_a_vector_at_rest_has_no_torque);
     RUN_TEST(test_torque_saturates_as_emf_current_and_quotient_do);
     RUN_TEST(test_what_the_legs_lose_is_no_torque);
+    RUN_TEST(test_r_takes_its_part_of_the_torque_from_the_current_that_flows);
+    RUN_TEST(test_the_resistance_of_a_torque_is_its_word_in_q13);
+    RUN_TEST(test_what_r_takes_from_a_torque_saturates);
     RUN_TEST(test_pulses_are_one_quarter_up_two_down_one_up_again_and_again);
     RUN_TEST(test_pulses_are_added_in_a_window_with_a_pulse_voltage_only);
     RUN_TEST(test_the_control_sees_its_reference_along_the_pulses_and_the_current_across);
