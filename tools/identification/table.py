@@ -4,19 +4,20 @@
 import statistics
 from dataclasses import dataclass
 
-PER_CENT, NANO = 100, 1e9
+PER_CENT = 100
+ABSOLUTE = {"ns": 1e9, "LSB": 1, "% points": 1}   # units of what is no share of its truth, in one of the JSON's
 
 
 @dataclass(frozen=True)
 class Value:
     key: str
     title: str
-    goal: float | None  # of the 95th percentile, % or ns
-    relative: bool = True
+    goal: float | None  # of the 95th percentile, in `unit`
+    unit: str = "%"     # % of the truth, or a key of ABSOLUTE
 
     @property
-    def unit(self):
-        return "%" if self.relative else "ns"
+    def relative(self):
+        return self.unit not in ABSOLUTE
 
 
 VALUES = (
@@ -25,7 +26,10 @@ VALUES = (
     Value("inductance_q_h", "L_q at the continuous current", 3),
     Value("flux_linkage_wb", "flux linkage", 1.5),
     Value("inertia_kg_m2", "J", 5),
-    Value("lost_time_s", "lost by a leg at the continuous current", 30, relative=False),
+    Value("lost_time_s", "lost by a leg at the continuous current", 30, "ns"),
+    Value("knee_a", "knee of a leg", None),
+    Value("gain_mismatch_pct", "gain of sensor a over b", None, "% points"),
+    Value("current_noise_lsb", "noise of the sensors", None, "LSB"),
     Value("viscous_friction_nm_s", "viscous friction", None),
     Value("coulomb_friction_nm", "Coulomb friction", None),
 )
@@ -36,13 +40,13 @@ def measured(results):
 
 
 def errors(value, results):
-    """|error| and bar of each, in % or ns."""
+    """|error| and bar of each, in the value's unit."""
     found = []
     for result in results:
         entry = result[value.key]
         if value.relative and not entry["truth"]:
             continue
-        scale = PER_CENT / entry["truth"] if value.relative else NANO
+        scale = PER_CENT / entry["truth"] if value.relative else ABSOLUTE[value.unit]
         found.append((abs(entry["value"] - entry["truth"]) * scale, entry["bar"] * scale))
     return found
 
