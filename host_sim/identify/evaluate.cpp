@@ -20,7 +20,11 @@ constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are tho
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
 constexpr double KNEE_SEEN = 1e-3; // of the continuous current: a smaller one is none
-constexpr double BUS_USED = 0.9;   // of the voltage circle, at the rated speed
+// Of the noise: a converter's steps are no noise of their own where it is small, and the ripple adds to it.
+constexpr double NOISE_UNSURE_LSB = 0.05;
+constexpr double NOISE_UNSURE = 0.03;
+constexpr double ROUNDING_NOISE_LSB = 0.28867513459481288225; // 1/√12, of a staircase
+constexpr double BUS_USED = 0.9; // of the voltage circle, at the rated speed
 
 void check_scale(const char *what, double file, double record)
 {
@@ -45,12 +49,11 @@ double pct(double part, double whole)
     return whole != 0 ? PER_CENT * part / std::abs(whole) : 0;
 }
 
-// A rotor that moves in the pulses induces a voltage against them.
-double with_still_rotor(const Inductances &l, const Flux &flux, const Shaft &shaft, int pole_pairs)
+// 1.5·P²·φ²/J: over L the square of the frequency with which the rotor swings against a current that it induces.
+double rotor_h_s2(const Flux &flux, const Shaft &shaft, int pole_pairs)
 {
-    const double square = 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value /
-                          (shaft.inertia_kg_m2.value * l.q_h.value);
-    return l.q_h.value * (1 + square * l.quarter_s * l.quarter_s / 3);
+    return 1.5 * pole_pairs * pole_pairs * flux.wb.value * flux.wb.value /
+           shaft.inertia_kg_m2.value;
 }
 
 // Where EMF and R·i take what the bus leaves them, at most the highest speed; a round number.
@@ -73,8 +76,8 @@ void bound_max_speed(MotorSettings &motor, const Config &plate, double flux_wb,
     const double rpm = left_v / flux_wb / motor.pole_pairs / RAD_S_PER_RPM;
     if (rpm < motor.max_speed_rpm) {
         remarks.push_back(fmt::format(
-            "max_speed_rpm is {:.0f} in place of {:g}: the EMF needs the rest of the bus voltage",
-            std::floor(rpm), motor.max_speed_rpm));
+            "max_speed_rpm is lowered from {:g} to {:.0f}: above it the EMF exceeds the bus voltage",
+            motor.max_speed_rpm, std::floor(rpm)));
         motor.max_speed_rpm = std::floor(rpm);
     }
 }
@@ -84,7 +87,7 @@ void fill_motor(MotorSettings &motor, const Legs &legs, const Inductances &l, co
 {
     motor.resistance_ohm = legs.resistance_ohm.value;
     motor.inductance_d_h = l.d_h.value;
-    motor.inductance_q_h = with_still_rotor(l, flux, shaft, motor.pole_pairs);
+    motor.inductance_q_h = l.q_h.value;
     motor.flux_linkage_wb = flux.wb.value;
     motor.inertia_kg_m2 = shaft.inertia_kg_m2.value;
     motor.viscous_friction_nm_s = shaft.viscous_nm_s.value;
@@ -120,33 +123,72 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
     m.gain_mismatch_bar_pct = PER_CENT * bar_of(legs.mismatch);
 }
 
+// The share of the rounding that the noise does not average away, of its rms in counts: the first harmonic of a staircase that a
+// normal distribution smooths.
+double left_of_rounding(double noise_lsb)
+{
+    constexpr double pi = 3.14159265358979323846;
+    return std::exp(-2 * pi * pi * noise_lsb * noise_lsb);
+}
+
+// Rms, A; of both sensors and all levels.
+double noise_a(const Records &records)
+{
+    double sum = 0;
+    const std::vector<Record> levels = records.of("still");
+    for (const Record &level : levels) {
+        sum += CHANGE_TO_SIGMA * (level.noise_a[0] + level.noise_a[1]) / 2;
+    }
+    return sum / static_cast<double>(levels.size());
+}
+
 void fill_conditions(MeasuredSettings &m, const Records &records, const Config &plate,
                      const Legs &legs, const Inductances &l, const Flux &flux)
 {
     m.bus_v = legs.bus_v;
     m.current_a = l.current_a;
     m.speed_rpm = flux.speed_el_rad_s / records.scales.pole_pairs / RAD_S_PER_RPM;
-    double noise = 0;
-    const std::vector<Record> levels = records.of("still");
-    for (const Record &level : levels) {
-        noise += (level.noise_a[0] + level.noise_a[1]) / 2 / static_cast<double>(levels.size());
-    }
     const double count_a = records.scales.current_a / std::exp2(plate.board.adc_bits);
-    m.current_noise_lsb = CHANGE_TO_SIGMA * noise / count_a;
+    m.current_noise_lsb = noise_a(records) / count_a;
 }
 
 // Two ways to φ that lie further apart than both bars.
 void remark_flux(const Flux &flux, std::vector<std::string> &remarks)
 {
+    const char *const alone = "the flux linkage comes from the spin only";
     const double apart = std::abs(flux.turning_wb.value - flux.coasting_wb.value);
-    const double bars = bar_of(flux.turning_wb) + bar_of(flux.coasting_wb);
     if (!flux.has_coasted) {
-        remarks.emplace_back("the rotor stops too fast without current: φ is of turning alone");
-    } else if (apart > bars) {
+        remarks.push_back(fmt::format("the rotor stops too fast without current: {}", alone));
+    } else if (flux.disagreement_wb() > 0) {
         remarks.push_back(fmt::format("φ is {:.4g} Wb with current and {:.4g} Wb without: the two "
                                       "ways disagree by {:.1f} %",
                                       flux.turning_wb.value, flux.coasting_wb.value,
                                       pct(apart, flux.wb.value)));
+        if (!flux.coasting_counts()) {
+            remarks.back() += fmt::format(", {}", alone);
+        }
+    }
+}
+
+// φ is the same at each speed. What R and the legs have wrong makes an error that falls with the speed.
+void remark_trend(const Flux &flux, int pole_pairs, std::vector<std::string> &remarks)
+{
+    const auto slower = [](const FluxAtSpeed &a, const FluxAtSpeed &b) {
+        return a.speed_el_rad_s < b.speed_el_rad_s;
+    };
+    if (flux.over_speed.empty()) {
+        return;
+    }
+    const auto [low, high] =
+        std::minmax_element(flux.over_speed.begin(), flux.over_speed.end(), slower);
+    const double apart = high->wb.value - low->wb.value;
+    if (std::abs(apart) > bar_of(low->wb) + bar_of(high->wb)) {
+        const double rpm = 1 / RAD_S_PER_RPM / pole_pairs;
+        remarks.push_back(fmt::format(
+            "φ {} with the speed, {:.4g} Wb at {:.0f} rpm and {:.4g} Wb at {:.0f} rpm: R or what "
+            "the legs lose differs from that at rest",
+            apart > 0 ? "rises" : "falls", low->wb.value, low->speed_el_rad_s * rpm, high->wb.value,
+            high->speed_el_rad_s * rpm));
     }
 }
 
@@ -156,10 +198,16 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
 {
     check_scales(records.scales, plate);
     const double current_a = continuous_current(plate.motor);
-    const Legs legs = fit_legs(records);
-    const Inductances inductances = fit_inductances(records, legs, current_a);
-    const Flux flux = fit_flux(records, legs, inductances);
+    Legs legs = fit_legs(records);
+    const Inductances rough = fit_inductances(records, legs, current_a);
+    add_ripple_bounds(legs, rough.d_h.value);
+    const double count_a = records.scales.current_a / std::exp2(plate.board.adc_bits);
+    const double left = left_of_rounding(noise_a(records) / count_a);
+    add_rounding_bounds(legs, left * count_a / 2);
+    const Flux flux = fit_flux(records, legs, rough);
     const Shaft shaft = fit_shaft(records, flux);
+    const Inductances inductances =
+        fit_inductances(records, legs, current_a, rotor_h_s2(flux, shaft, plate.motor.pole_pairs));
     Result result;
     result.motor = plate.motor;
     fill_motor(result.motor, legs, inductances, flux, shaft);
@@ -171,8 +219,13 @@ Result evaluate(const Records &records, const Config &plate, double temperature_
     result.measured.temperature_c = temperature_c;
     result.lost_time_s = legs.lost_v(current_a) * legs.period_s / legs.bus_v;
     result.lost_time_bar_s = result.measured.dead_time_bar_s;
+    result.knee_bar_a = bar_of(legs.knee_a);
+    result.noise_bar_lsb = NOISE_UNSURE_LSB + NOISE_UNSURE * result.measured.current_noise_lsb +
+                           left * ROUNDING_NOISE_LSB;
+    result.inductances = inductances;
     result.flux = flux;
     remark_flux(flux, result.remarks);
+    remark_trend(flux, plate.motor.pole_pairs, result.remarks);
     return result;
 }
 

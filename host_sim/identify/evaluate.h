@@ -16,7 +16,10 @@ struct Result {
     MeasuredSettings measured; // error bars and conditions
     double lost_time_s = 0;    // of a leg at the continuous current
     double lost_time_bar_s = 0;
-    Flux flux; // both ways to it
+    double knee_bar_a = 0; // of a knee that is not seen too
+    double noise_bar_lsb = 0;
+    Inductances inductances; // over the current
+    Flux flux;               // both ways to it
     std::vector<std::string>
         remarks; // a line each, for a person: what does not fit, what was not seen
 };

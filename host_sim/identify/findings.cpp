@@ -3,6 +3,7 @@
 
 #include "bars.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
@@ -45,7 +46,84 @@ std::vector<Row> rows_of(const Result &r, const Truth &t)
                     t.coulomb_friction_nm, m.coulomb_friction_bar_nm});
     rows.push_back({"lost_time_s", "lost by a leg", "ns", nano, r.lost_time_s,
                     lost_time_s(t.dead_time_s, t.knee_a, t.current_a), r.lost_time_bar_s});
+    rows.push_back(
+        {"knee_a", "knee of a leg", "A", 1, std::max(m.knee_a, 0.0), t.knee_a, r.knee_bar_a});
+    rows.push_back({"gain_mismatch_pct", "gain a over b", "%", 1, m.gain_mismatch_pct,
+                    t.gain_mismatch_pct, m.gain_mismatch_bar_pct});
+    rows.push_back({"current_noise_lsb", "noise", "LSB", 1, m.current_noise_lsb,
+                    t.current_noise_lsb, r.noise_bar_lsb});
     return rows;
+}
+
+// An inductance over the current: a list in JSON, a row each in the table.
+struct Curve {
+    const char *key;
+    const char *title;
+    const std::vector<AtCurrent> &points;
+    double (*truth)(const Truth &, double);
+};
+
+std::vector<Curve> curves_of(const Result &r)
+{
+    return {
+        {"inductance_d_over_current", "L_d", r.inductances.d_over_current, inductance_d_h},
+        {"inductance_q_over_current", "L_q", r.inductances.q_over_current, inductance_q_h},
+    };
+}
+
+std::string row_text(const Row &row, bool has_truth)
+{
+    std::string text = fmt::format("{:<18}{:>12.4g}{:>12.2g}  {:<6}", row.title,
+                                   row.value * row.scale, row.bar * row.scale, row.unit);
+    if (has_truth) {
+        text += fmt::format("{:>12.4g}{:>10.2g}", row.truth * row.scale,
+                            (row.value - row.truth) * row.scale);
+    }
+    return text + '\n';
+}
+
+std::string curve_text(const Curve &curve, const std::optional<Truth> &truth)
+{
+    constexpr double milli = 1e3;
+    std::string text;
+    for (const AtCurrent &point : curve.points) {
+        const std::string title = fmt::format("{} at {:.3g} A", curve.title, point.current_a);
+        const double real = truth ? curve.truth(*truth, point.current_a) : 0;
+        const double bar = error_bar(point.h.std, point.h.bound);
+        text +=
+            row_text({"", title.c_str(), "mH", milli, point.h.value, real, bar}, truth.has_value());
+    }
+    return text;
+}
+
+nlohmann::ordered_json curve_json(const Curve &curve, const std::optional<Truth> &truth)
+{
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const AtCurrent &point : curve.points) {
+        nlohmann::ordered_json entry;
+        entry["current_a"] = point.current_a;
+        entry["value"] = point.h.value;
+        entry["bar"] = error_bar(point.h.std, point.h.bound);
+        if (truth) {
+            entry["truth"] = curve.truth(*truth, point.current_a);
+        }
+        list.push_back(entry);
+    }
+    return list;
+}
+
+nlohmann::ordered_json speeds_json(const Result &result)
+{
+    constexpr double rad_s_per_rpm = 3.14159265358979323846 / 30;
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const FluxAtSpeed &point : result.flux.over_speed) {
+        nlohmann::ordered_json entry;
+        entry["speed_rpm"] = point.speed_el_rad_s / result.motor.pole_pairs / rad_s_per_rpm;
+        entry["value"] = point.wb.value;
+        entry["bar"] = error_bar(point.wb.std, point.wb.bound);
+        list.push_back(entry);
+    }
+    return list;
 }
 
 } // namespace
@@ -55,13 +133,10 @@ std::string table_text(const Result &result, const std::optional<Truth> &truth)
     std::string text = fmt::format("{:<18}{:>12}{:>12}  {:<6}{}\n", "", "measured", "bar", "",
                                    truth ? "        true       off" : "");
     for (const Row &row : rows_of(result, truth.value_or(Truth{}))) {
-        text += fmt::format("{:<18}{:>12.4g}{:>12.2g}  {:<6}", row.title, row.value * row.scale,
-                            row.bar * row.scale, row.unit);
-        if (truth) {
-            text += fmt::format("{:>12.4g}{:>10.2g}", row.truth * row.scale,
-                                (row.value - row.truth) * row.scale);
-        }
-        text += '\n';
+        text += row_text(row, truth.has_value());
+    }
+    for (const Curve &curve : curves_of(result)) {
+        text += curve_text(curve, truth);
     }
     for (const std::string &remark : result.remarks) {
         text += remark + '\n';
@@ -80,6 +155,10 @@ std::string json_text(const Result &result, const std::optional<Truth> &truth, d
             entry["truth"] = row.truth;
         }
     }
+    for (const Curve &curve : curves_of(result)) {
+        json[curve.key] = curve_json(curve, truth);
+    }
+    json["flux_over_speed"] = speeds_json(result);
     json["flux_turning_wb"] = result.flux.turning_wb.value;
     if (result.flux.has_coasted) {
         json["flux_coasting_wb"] = result.flux.coasting_wb.value;

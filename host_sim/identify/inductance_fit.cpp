@@ -17,16 +17,27 @@ namespace
 constexpr std::size_t BURSTS_MIN = 6;
 constexpr int SEARCHES = 30;
 constexpr double FOUND = 1e-6;
-// What L of the loss is not known: the current ripples, and the edges of the pulses see another current than the mean.
-constexpr double LOSS_UNSURE = 0.02;
+// How bursts weigh against each other. What L of the loss is not known: the current ripples, and the edges of the pulses see
+// another current than the mean. Small pulses across let the current of a leg cross zero within a period, where its loss turns
+// over: of second order in the loss, once in a quarter.
 constexpr double INDUCTANCE_SCALE = 2e-3; // voltage and ripple of the current
-// Of the result, found on simulated motors: what the loss and the current's decay in a period make of it.
-constexpr double ALONG_UNSURE = 3e-3;
-constexpr double ACROSS_LOSS_UNSURE = 0.1;
-constexpr double DECAY_UNSURE = 0.04;
+constexpr double LOSS_UNSURE = 0.02;
+constexpr double CROSSING_UNSURE = 2;
+// Bounds of the results: of the voltage's scale and the ripple; of the loss; of a current that crosses zero; of the decay of
+// the current in a period, and of the loss that moves the edges between which it decays. Their sizes were found on simulated
+// motors.
+constexpr double SCALE_BOUND = 2e-3;
+constexpr double ALONG_LOSS_BOUND = 0.015;
+constexpr double ACROSS_LOSS_BOUND = 0.02;
+constexpr double CROSSING_BOUND = 0.5;
+constexpr double DECAY_BOUND = 0.04;
+constexpr double DECAY_LOSS_BOUND = 0.2;
+// Added between the currents: what the curves do not follow.
+constexpr double CURVE_BOUND = 2e-3;
 // Of 1/L at the continuous current: what the fourth power makes of it, and what as much current along does.
 constexpr double QUARTIC_MOST = 0.03;
 constexpr double SHARED_MOST = 0.1;
+constexpr double PULSES[] = {6.0 / 16, 11.0 / 16, 1}; // across, of their largest: aim_burst()
 
 struct Burst {
     bool across = false;
@@ -35,6 +46,7 @@ struct Burst {
     double inductance_h = 0;
     double lost_share = 0; // of the pulses' voltage
     double quarter_s = 0;
+    double period_s = 0;
 };
 
 // By the gain of the sensor that sees the pulses.
@@ -52,7 +64,14 @@ double along_a(const Record &r)
     return r.across ? r.i_a.real() : r.current_a;
 }
 
-Burst burst_of(const Record &r, const Legs &legs)
+// Pulses across turn the rotor a little, and over a whole pattern its EMF helps them: with dω/dt = 1.5·P²·φ/J·i the change of
+// the current is larger by a third of 1.5·P²·φ²/J·t²/L in quarters of t.
+double with_still_rotor(double inductance_h, double quarter_s, double rotor_h_s2)
+{
+    return inductance_h + rotor_h_s2 * quarter_s * quarter_s / 3;
+}
+
+Burst burst_of(const Record &r, const Legs &legs, double rotor_h_s2)
 {
     const double change = measured_change(r, legs);
     double inductance = r.pulse_v * legs.period_s * r.ticks / change;
@@ -70,16 +89,31 @@ Burst burst_of(const Record &r, const Legs &legs)
     burst.across = r.across;
     burst.bias_a = along_a(r);
     burst.peak_a = change / r.ticks * r.quarter_ticks;
-    burst.inductance_h = inductance;
     burst.lost_share = legs.loss_v.value / r.pulse_v;
     burst.quarter_s = r.quarter_ticks * legs.period_s;
+    burst.period_s = legs.period_s;
+    burst.inductance_h = with_still_rotor(inductance, burst.quarter_s, r.across ? rotor_h_s2 : 0);
     return burst;
 }
 
-// How far the L of a burst may be off, a share of it: what the legs lose of small pulses is not known well.
+// The square of the loss in those periods of a burst across in which a current crosses zero.
+double crossing(const Burst &burst)
+{
+    return burst.lost_share * burst.lost_share * burst.period_s / burst.quarter_s;
+}
+
+// How far the L of a burst may be off, a share of it.
 double unsure_of(const Burst &burst)
 {
-    return INDUCTANCE_SCALE + LOSS_UNSURE * burst.lost_share;
+    return INDUCTANCE_SCALE + LOSS_UNSURE * burst.lost_share +
+           (burst.across ? CROSSING_UNSURE * crossing(burst) : 0);
+}
+
+// A share of L across. burst: with pulses of that current; decay: of the current in a period.
+double across_bound(const Burst &burst, double decay)
+{
+    return SCALE_BOUND + ACROSS_LOSS_BOUND * burst.lost_share + CROSSING_BOUND * crossing(burst) +
+           decay * (DECAY_BOUND + DECAY_LOSS_BOUND * burst.lost_share);
 }
 
 // L0/L of the bursts over the columns that `row` makes of each, every row by how sure it is. Behind them stand what is known
@@ -89,37 +123,44 @@ Fit fit_inverse(const std::vector<Burst> &bursts, const std::vector<double> &exp
 {
     const auto count = static_cast<Eigen::Index>(bursts.size());
     const auto columns = static_cast<Eigen::Index>(expected.size());
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count + columns, columns);
-    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(count + columns);
+    const auto known =
+        std::count_if(expected.begin(), expected.end(), [](double m) { return m > 0; });
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(count + known, columns);
+    Eigen::VectorXd inverse = Eigen::VectorXd::Zero(count + known);
     for (Eigen::Index k = 0; k < count; k++) {
         const Burst &burst = bursts[static_cast<std::size_t>(k)];
         const std::vector<double> row = row_of(burst);
         rows.row(k) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), columns) / unsure_of(burst);
         inverse[k] = bursts.front().inductance_h / burst.inductance_h / unsure_of(burst);
     }
+    Eigen::Index below = count;
     for (Eigen::Index k = 0; k < columns; k++) {
         const double most = expected[static_cast<std::size_t>(k)];
-        rows(count + k, k) = most > 0 ? 1 / most : 0;
+        if (most > 0) {
+            rows(below++, k) = 1 / most;
+        }
     }
     return fit_linear(rows, inverse);
 }
 
-// Along: a parabola over the bias.
-Fit fit_along(const std::vector<Burst> &bursts, double scale_a)
+// Along: a parabola over the bias. The first value is that at the current `at_a`, and so is its standard deviation.
+Fit fit_along(const std::vector<Burst> &bursts, double scale_a, double at_a)
 {
+    const double at = at_a / scale_a;
     return fit_inverse(bursts, {0, 0, 0}, [&](const Burst &b) {
         const double x = b.bias_a / scale_a;
-        return std::vector<double>{1, x, x * x};
+        return std::vector<double>{1, x - at, x * x - at * at};
     });
 }
 
 // Across: over even powers of the pulses' current, and over the current along: at rest some is needed to hold the rotor, and
-// it saturates the iron too.
-Fit fit_across(const std::vector<Burst> &bursts, double scale_a)
+// it saturates the iron too. The first value is that for pulses of `at_a` without it.
+Fit fit_across(const std::vector<Burst> &bursts, double scale_a, double at_a)
 {
+    const double at = std::pow(at_a / scale_a, 2);
     return fit_inverse(bursts, {0, 0, QUARTIC_MOST, SHARED_MOST}, [&](const Burst &b) {
         const double square = std::pow(b.peak_a / scale_a, 2);
-        return std::vector<double>{1, square, square * square, b.bias_a / scale_a};
+        return std::vector<double>{1, square - at, square * square - at * at, b.bias_a / scale_a};
     });
 }
 
@@ -142,38 +183,88 @@ double mean_lost(const std::vector<Burst> &bursts)
 }
 
 // Of a fit's share L0/L. unsure: of the whole, a share.
-Value value_of(double inductance_h, double share, double std, double unsure)
+Value value_of(double inductance_h, const Fit &fit, double unsure)
 {
+    const double share = fit.value[0];
     const double inductance = inductance_h / share;
-    return {inductance, inductance * std / share, inductance * unsure};
+    return {inductance, inductance * fit.std[0] / share, inductance * unsure};
+}
+
+struct Bursts {
+    std::vector<Burst> along;
+    std::vector<Burst> across;
+};
+
+Bursts bursts_of(const Records &records, const Legs &legs, double rotor_h_s2)
+{
+    Bursts bursts;
+    for (const Record &record : records.of("burst")) {
+        if (record.pulse_v > 0 && measured_change(record, legs) > 0) {
+            const Burst burst = burst_of(record, legs, rotor_h_s2);
+            (burst.across ? bursts.across : bursts.along).push_back(burst);
+        }
+    }
+    if (bursts.along.size() < BURSTS_MIN || bursts.across.size() < BURSTS_MIN) {
+        throw ConfigError(
+            "the records have too few pulses at rest: the identification did not come that far");
+    }
+    return bursts;
+}
+
+// The currents along, each once, from the smallest on.
+std::vector<double> biases_of(const std::vector<Burst> &along)
+{
+    std::vector<double> biases;
+    biases.reserve(along.size());
+    for (const Burst &burst : along) {
+        biases.push_back(burst.bias_a);
+    }
+    std::sort(biases.begin(), biases.end());
+    biases.erase(std::unique(biases.begin(), biases.end()), biases.end());
+    return biases;
+}
+
+const Burst &nearest(const std::vector<Burst> &across, double peak_a)
+{
+    return *std::min_element(across.begin(), across.end(), [&](const Burst &a, const Burst &b) {
+        return std::abs(a.peak_a - peak_a) < std::abs(b.peak_a - peak_a);
+    });
+}
+
+Value between(Value value)
+{
+    value.bound += CURVE_BOUND * value.value;
+    return value;
 }
 
 } // namespace
 
-Inductances fit_inductances(const Records &records, const Legs &legs, double current_a)
+Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
+                            double rotor_h_s2)
 {
-    std::vector<Burst> along;
-    std::vector<Burst> across;
-    for (const Record &record : records.of("burst")) {
-        if (record.pulse_v > 0 && measured_change(record, legs) > 0) {
-            const Burst burst = burst_of(record, legs);
-            (burst.across ? across : along).push_back(burst);
-        }
-    }
-    if (along.size() < BURSTS_MIN || across.size() < BURSTS_MIN) {
-        throw ConfigError(
-            "the records have too few pulses at rest: the identification did not come that far");
-    }
+    const auto [along, across] = bursts_of(records, legs, rotor_h_s2);
     Inductances found;
     found.current_a = std::min(current_a, largest(across, &Burst::peak_a));
-    found.quarter_s = largest(across, &Burst::quarter_s);
-    const Fit d = fit_along(along, found.current_a);
-    const Fit q = fit_across(across, found.current_a);
-    const double decay = legs.resistance_ohm.value * legs.period_s / along.front().inductance_h;
-    found.d_h = value_of(along.front().inductance_h, d.value[0], d.std[0],
-                         ALONG_UNSURE + LOSS_UNSURE * mean_lost(along));
-    found.q_h = value_of(across.front().inductance_h, q.value[0] + q.value[1] + q.value[2],
-                         q.std[0], ACROSS_LOSS_UNSURE * mean_lost(across) + DECAY_UNSURE * decay);
+    const double d_h = along.front().inductance_h;
+    const double q_h = across.front().inductance_h;
+    const double decay = legs.decay(q_h);
+    const double unsure_d = SCALE_BOUND + ALONG_LOSS_BOUND * mean_lost(along);
+    const auto d_at = [&, &those = along](double at_a) {
+        return value_of(d_h, fit_along(those, found.current_a, at_a), unsure_d);
+    };
+    const auto q_at = [&, &those = across](double at_a) {
+        const double unsure = across_bound(nearest(those, at_a), decay);
+        return value_of(q_h, fit_across(those, found.current_a, at_a), unsure);
+    };
+    found.d_h = d_at(0);
+    found.q_h = q_at(found.current_a);
+    for (const double bias_a : biases_of(along)) {
+        found.d_over_current.push_back({bias_a, between(d_at(bias_a))});
+    }
+    for (const double share : PULSES) {
+        const double at_a = share * found.current_a;
+        found.q_over_current.push_back({at_a, between(q_at(at_a))});
+    }
     return found;
 }
 

@@ -4,20 +4,33 @@
 
 #include "legs_fit.h"
 
+#include <vector>
+
 namespace nf::identify
 {
 
+// An inductance and the current to which it belongs.
+struct AtCurrent {
+    double current_a = 0;
+    Value h;
+};
+
 struct Inductances {
-    Value d_h;            // without current
-    Value q_h;            // flux over current at current_a, without i_d
+    Value d_h; // without current
+    Value q_h; // flux over current at current_a, without i_d
+    // The curves through all bursts, at the currents of the bursts. L_d: for small changes of a current along. L_q: flux
+    // over current across.
+    std::vector<AtCurrent> d_over_current;
+    std::vector<AtCurrent> q_over_current;
     double current_a = 0; // of the pulses across, for which L_q is stated
-    double quarter_s = 0; // duration of their quarter
 };
 
 // Each burst gives the L with which a model of the winding, its resistance and its legs answers as was measured. 1/L_d is
 // a parabola over the bias, 1/L_q a polynomial of the pulse's current, as iron saturates. The sensors' mismatch cancels in
-// the mean of the three axes. current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there
+// the mean of the three axes. rotor_h_s2: 1.5·P²·φ²/J of a rotor that the pulses across turn a little, 0 before it is known.
+// current_a: for which L_q is stated, at most that of the pulses. Throws ConfigError where there
 // are too few bursts.
-Inductances fit_inductances(const Records &records, const Legs &legs, double current_a);
+Inductances fit_inductances(const Records &records, const Legs &legs, double current_a,
+                            double rotor_h_s2 = 0);
 
 } // namespace nf::identify

@@ -3,6 +3,7 @@
 
 #include "config.h"
 #include "least_squares.h"
+#include "leg_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,28 +13,73 @@ namespace nf::identify
 namespace
 {
 
-constexpr double TWO_THIRDS = 2.0 / 3;
 constexpr std::size_t LEVELS_MIN = 12;
-constexpr double HALF_SQRT3 = 0.86602540378443864676;
-// What is known of the way from the demand to the motor: the modulator's reciprocal of the bus is good to 2^-11, the
-// bus converter to half a count of 4096. It scales all voltages.
+// What is known of the way from the demand to the motor, which scales all voltages: the modulator's reciprocal of the bus is
+// good to 2^-11, the bus converter to half a count of 4096.
 constexpr double VOLTAGE_SCALE = 5e-4;
-// Found on simulated motors: of R, the sensors and what the curve's shape makes of it; of the bus voltage, the timer's steps.
-constexpr double RESISTANCE_UNSURE = 2e-3;
+// Of the bus voltage: a step of the timer and its rounding, averaged over a window and over the axes.
 constexpr double TIMER_UNSURE = 1.6e-5;
+// Of the decay in a period times the loss, and of its square: the sample is not the mean of a current that decays between two
+// edges. Their sizes were found on simulated motors.
+constexpr double RIPPLE_OF_R = 0.04;
+constexpr double SAMPLE_OF_R = 0.012;
+constexpr double RIPPLE_OF_LOSS = 0.015;
+constexpr double RIPPLE_OF_KNEE = 2e-3;
+// Of the largest current: the lowest level is far above most knees. Of the knee likewise.
+constexpr double KNEE_UNSEEN = 2.5e-4;
+constexpr double KNEE_UNSURE = 5e-3;
+constexpr double MISMATCH_UNSURE = 6e-4; // of a gain: the steps of the converter
+// Of R: a smaller rise is not told from what differs between the axes, and then half of it is in the bound of R.
+constexpr double WARMING_SEEN = 0.01;
+constexpr double WARMING_SIGMAS = 3;
 
-// Another shape with the same slope at zero and the same end: how far R moves with it says how much the knee's shape counts.
+// The loss of a leg whose capacitance is all at the ends of the output's swing, as that of silicon nearly is. Beyond the knee
+// it is that of a constant capacitance, as both swings of a period are symmetric; below, it is as different as it can be.
+// Half of what R moves with it is a bound on what the knee's shape does.
 double other_share(double z)
 {
-    constexpr double half_pi = 1.57079632679489661923;
-    return std::atan(z * half_pi / 2) / half_pi;
+    const double size = std::abs(z);
+    const double lost = size <= 0.5 ? 0 : 1 - 1 / (2 * size);
+    return z < 0 ? -lost : lost;
+}
+
+// A level of current at rest.
+struct Level {
+    int axis = 0;
+    double measured_a = 0;
+    double voltage_v = 0;
+    // What the winding has taken up until the middle of it: 0 at the beginning, 1 at the end of the rest.
+    double heat = 0;
+};
+
+bool is_at_rest(const Record &record)
+{
+    return record.kind == "still" || record.kind == "burst" || record.kind == "catch";
+}
+
+// A winding takes up i²·t, and in these few seconds it gives off next to nothing.
+std::vector<Level> levels_of(const Records &records)
+{
+    std::vector<Level> levels;
+    double taken_up = 0;
+    for (const Record &r : records.all) {
+        const double more = is_at_rest(r) ? std::norm(r.i_a) * r.ticks : 0;
+        if (r.kind == "still") {
+            levels.push_back({r.axis, r.i_a.real(), r.voltage_v.real(), taken_up + more / 2});
+        }
+        taken_up += more;
+    }
+    for (Level &level : levels) {
+        level.heat /= taken_up;
+    }
+    return levels;
 }
 
 // Of sensor a, b and of their sum, for a mismatch m.
-double true_current(const Record &level, double mismatch)
+double true_current(const Level &level, double mismatch)
 {
     const double gain[] = {1 + mismatch / 2, 1 - mismatch / 2, 1};
-    return level.i_a.real() / gain[level.axis];
+    return level.measured_a / gain[level.axis];
 }
 
 enum Parameter {
@@ -41,10 +87,11 @@ enum Parameter {
     LOSS,
     LOG_KNEE,
     MISMATCH,
+    WARMING, // the share by which R rises from the beginning of the rest to its end
     PARAMETERS
 };
 
-Eigen::VectorXd residuals_of(const std::vector<Record> &levels, const Eigen::VectorXd &p,
+Eigen::VectorXd residuals_of(const std::vector<Level> &levels, const Eigen::VectorXd &p,
                              double (*shape)(double))
 {
     Eigen::VectorXd residuals(static_cast<Eigen::Index>(levels.size()));
@@ -52,37 +99,41 @@ Eigen::VectorXd residuals_of(const std::vector<Record> &levels, const Eigen::Vec
     for (std::size_t k = 0; k < levels.size(); k++) {
         const double i = true_current(levels[k], p[MISMATCH]);
         const double lost = TWO_THIRDS * p[LOSS] * (shape(i / knee) + shape(i / 2 / knee));
-        residuals[static_cast<Eigen::Index>(k)] =
-            p[RESISTANCE] * i + lost - levels[k].voltage_v.real();
+        const double warming = p.size() > WARMING ? p[WARMING] : 0;
+        const double resistance = p[RESISTANCE] * (1 + warming * levels[k].heat);
+        residuals[static_cast<Eigen::Index>(k)] = resistance * i + lost - levels[k].voltage_v;
     }
     return residuals;
 }
 
-double largest_current(const std::vector<Record> &levels)
+double largest_current(const std::vector<Level> &levels)
 {
     double largest = 0;
-    for (const Record &level : levels) {
-        largest = std::max(largest, level.i_a.real());
+    for (const Level &level : levels) {
+        largest = std::max(largest, level.measured_a);
     }
     return largest;
 }
 
-// The knee decides into which valley the fit falls: the best of several beginnings.
-Fit fit_shape(const std::vector<Record> &levels, double (*shape)(double))
+// The knee decides into which valley the fit falls: the best of several beginnings. parameters: the last one may be left
+// out, and is 0 then.
+Fit fit_shape(const std::vector<Level> &levels, double (*shape)(double), Parameter parameters)
 {
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(levels.size()), 2);
     Eigen::VectorXd voltage(rows.rows());
     const double largest = largest_current(levels);
     for (Eigen::Index k = 0; k < rows.rows(); k++) {
-        const Record &level = levels[static_cast<std::size_t>(k)];
-        rows.row(k) << level.i_a.real(), 1;
-        voltage[k] = level.voltage_v.real();
+        const Level &level = levels[static_cast<std::size_t>(k)];
+        rows.row(k) << level.measured_a, 1;
+        voltage[k] = level.voltage_v;
     }
     const Fit line = fit_linear(rows, voltage);
     Fit best;
     for (const double at : {0.003, 0.02, 0.1, 0.4}) {
-        Eigen::VectorXd start(static_cast<Eigen::Index>(PARAMETERS));
-        start << line.value[0], std::max(0.75 * line.value[1], 1e-4), std::log(at * largest), 0;
+        Eigen::VectorXd start = Eigen::VectorXd::Zero(parameters);
+        start[RESISTANCE] = line.value[0];
+        start[LOSS] = std::max(0.75 * line.value[1], 1e-4);
+        start[LOG_KNEE] = std::log(at * largest);
         const Fit fit = fit_curve(
             [&](const Eigen::VectorXd &p) { return residuals_of(levels, p, shape); }, start);
         if (best.value.size() == 0 || fit.rms < best.rms) {
@@ -92,12 +143,30 @@ Fit fit_shape(const std::vector<Record> &levels, double (*shape)(double))
     return best;
 }
 
-void add_scale_bounds(Legs &legs, double largest_a)
+void add_scale_bounds(Legs &legs)
 {
-    const double drop_v = legs.resistance_ohm.value * largest_a;
     legs.resistance_ohm.bound +=
-        (VOLTAGE_SCALE * drop_v + RESISTANCE_UNSURE * (drop_v + legs.loss_v.value)) / largest_a;
-    legs.loss_v.bound += VOLTAGE_SCALE * drop_v + TIMER_UNSURE * legs.bus_v;
+        VOLTAGE_SCALE * legs.resistance_ohm.value + TIMER_UNSURE * legs.bus_v / legs.largest_a;
+    legs.loss_v.bound += VOLTAGE_SCALE * legs.loss_v.value + TIMER_UNSURE * legs.bus_v;
+    legs.knee_a.bound += KNEE_UNSEEN * legs.largest_a + KNEE_UNSURE * legs.knee_a.value;
+    legs.mismatch.bound +=
+        MISMATCH_UNSURE + TIMER_UNSURE * legs.bus_v / (legs.resistance_ohm.value * legs.largest_a);
+}
+
+// Nothing cools below what it was at the beginning.
+bool shows_warming(const Fit &fit)
+{
+    return fit.value[WARMING] > std::max(WARMING_SEEN, WARMING_SIGMAS * fit.std[WARMING]);
+}
+
+double mean_bus(const Records &records)
+{
+    const std::vector<Record> levels = records.of("still");
+    double sum = 0;
+    for (const Record &level : levels) {
+        sum += level.bus_v;
+    }
+    return sum / static_cast<double>(levels.size());
 }
 
 } // namespace
@@ -116,10 +185,11 @@ double Legs::lost_v(double leg_a) const
 
 std::complex<double> Legs::lost_v(std::complex<double> current) const
 {
-    const double a = lost_v(current.real());
-    const double b = lost_v(-current.real() / 2 + HALF_SQRT3 * current.imag());
-    const double c = lost_v(-current.real() / 2 - HALF_SQRT3 * current.imag());
-    return {TWO_THIRDS * (a - (b + c) / 2), TWO_THIRDS * HALF_SQRT3 * (b - c)};
+    std::complex<double> lost = 0;
+    for (std::size_t leg = 0; leg < LEGS; leg++) {
+        lost += TWO_THIRDS * lost_v(on_leg(current, leg)) * LEG_AXIS[leg];
+    }
+    return lost;
 }
 
 double Legs::lost_turning_v(double current_a) const
@@ -137,13 +207,15 @@ double Legs::lost_turning_v(double current_a) const
 
 Legs fit_legs(const Records &records)
 {
-    const std::vector<Record> levels = records.of("still");
+    const std::vector<Level> levels = levels_of(records);
     if (levels.size() < LEVELS_MIN) {
         throw ConfigError(
             "the records have too few levels of current at rest: the identification did not come that far");
     }
-    const Fit fit = fit_shape(levels, lost_share);
-    const Fit other = fit_shape(levels, other_share);
+    const Fit warm = fit_shape(levels, lost_share, PARAMETERS);
+    const Parameter parameters = shows_warming(warm) ? PARAMETERS : WARMING;
+    const Fit fit = fit_shape(levels, lost_share, parameters);
+    const Fit other = fit_shape(levels, other_share, parameters);
     Legs legs;
     const auto value = [&](Parameter which) {
         return Value{fit.value[which], fit.std[which],
@@ -152,14 +224,36 @@ Legs fit_legs(const Records &records)
     legs.resistance_ohm = value(RESISTANCE);
     legs.loss_v = value(LOSS);
     legs.mismatch = {fit.value[MISMATCH], fit.std[MISMATCH], 0};
+    if (parameters == PARAMETERS) {
+        legs.warming = {fit.value[WARMING], fit.std[WARMING], 0};
+    } else {
+        legs.warming.bound = std::max(warm.value[WARMING], 0.0);
+        legs.resistance_ohm.bound += legs.resistance_ohm.value * legs.warming.bound / 2;
+    }
     legs.knee_a.value = std::exp(fit.value[LOG_KNEE]);
     legs.knee_a.std = legs.knee_a.value * fit.std[LOG_KNEE];
-    for (const Record &level : levels) {
-        legs.bus_v += level.bus_v / static_cast<double>(levels.size());
-    }
+    legs.bus_v = mean_bus(records);
     legs.period_s = records.scales.period_s;
-    add_scale_bounds(legs, largest_current(levels));
+    legs.largest_a = largest_current(levels);
+    add_scale_bounds(legs);
     return legs;
+}
+
+void add_ripple_bounds(Legs &legs, double inductance_h)
+{
+    const double decay = legs.decay(inductance_h);
+    const double rippling_v = decay * legs.loss_v.value;
+    legs.resistance_ohm.bound += RIPPLE_OF_R * rippling_v / legs.largest_a +
+                                 SAMPLE_OF_R * decay * decay * legs.resistance_ohm.value;
+    legs.loss_v.bound += RIPPLE_OF_LOSS * rippling_v;
+    legs.knee_a.bound += RIPPLE_OF_KNEE * rippling_v / legs.resistance_ohm.value;
+}
+
+void add_rounding_bounds(Legs &legs, double shift_a)
+{
+    legs.resistance_ohm.bound += legs.resistance_ohm.value * shift_a / legs.largest_a;
+    legs.loss_v.bound += legs.resistance_ohm.value * shift_a;
+    legs.mismatch.bound += shift_a / legs.largest_a;
 }
 
 } // namespace nf::identify

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pulse_model.h"
 
+#include "leg_axes.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,16 +13,6 @@ namespace
 {
 
 using Vector = std::complex<double>;
-
-constexpr std::size_t LEGS = 3;
-constexpr double TWO_THIRDS = 2.0 / 3;
-constexpr double HALF_SQRT3 = 0.86602540378443864676;
-const Vector AXIS[LEGS] = {{1, 0}, {-0.5, HALF_SQRT3}, {-0.5, -HALF_SQRT3}};
-
-double on_leg(Vector value, std::size_t leg)
-{
-    return (value * std::conj(AXIS[leg])).real();
-}
 
 struct Edge {
     double at; // share of the period
@@ -77,8 +69,9 @@ public:
             run(potential, (edge.at - now) * legs_.period_s);
             now = edge.at;
             const double lost_v = legs_.lost_v(on_leg(current_, edge.leg));
-            current_ -= TWO_THIRDS * AXIS[edge.leg] * lost_v / 2.0 * legs_.period_s / inductance_h_;
-            potential += (edge.rises ? 1 : -1) * TWO_THIRDS * legs_.bus_v * AXIS[edge.leg];
+            current_ -=
+                TWO_THIRDS * LEG_AXIS[edge.leg] * lost_v / 2.0 * legs_.period_s / inductance_h_;
+            potential += (edge.rises ? 1 : -1) * TWO_THIRDS * legs_.bus_v * LEG_AXIS[edge.leg];
         }
         run(potential, (1 - now) * legs_.period_s);
     }
@@ -96,13 +89,14 @@ private:
     Vector current_;
 };
 
-} // namespace
-
+// The pulse's sign in a tick: +, −, −, + for a quarter each.
 double sign_of_pulse(int tick, int quarter_ticks)
 {
     const int part = (tick / quarter_ticks) % 4;
     return part == 1 || part == 2 ? -1 : 1;
 }
+
+} // namespace
 
 double modelled_change(const Record &burst, const Legs &legs, double inductance_h)
 {

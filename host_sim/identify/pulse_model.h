@@ -11,7 +11,4 @@ namespace nf::identify
 // above 0. The rotor rests.
 double modelled_change(const Record &burst, const Legs &legs, double inductance_h);
 
-// The pulse's sign in a tick: +, −, −, + for a quarter each.
-double sign_of_pulse(int tick, int quarter_ticks);
-
 } // namespace nf::identify

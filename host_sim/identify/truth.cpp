@@ -5,26 +5,47 @@
 #include "machine.h"
 #include "numbers.h"
 
+#include <cmath>
+
 namespace nf::identify
 {
 namespace
 {
 
-// Flux over current of the q axis.
-double chord_q_h(const plant_motor_cfg_t &motor, double current_a)
+constexpr double PER_CENT = 100;
+
+bool saturates(const plant_iron_cfg_t &iron)
 {
-    const plant_iron_cfg_t cfg = {motor.inductance_d_h, motor.inductance_q_h,
-                                  motor.saturation_a,   motor.saturation_d,
-                                  motor.saturation_q,   motor.saturation_shared};
-    if (motor.saturation_d <= 0 && motor.saturation_q <= 0) {
-        return motor.inductance_q_h;
-    }
-    plant_iron_t iron{};
-    plant_iron_init(&iron, &cfg);
-    return plant_iron_flux(&iron, {0, current_a}).q / current_a;
+    return iron.fall_d > 0 || iron.fall_q > 0;
+}
+
+// What a converter adds to the noise: its error is as likely anywhere within a count.
+double with_count(double noise_lsb)
+{
+    return std::sqrt(noise_lsb * noise_lsb + 1.0 / 12);
 }
 
 } // namespace
+
+double inductance_d_h(const Truth &truth, double current_a)
+{
+    if (!saturates(truth.iron)) {
+        return truth.inductance_d_h;
+    }
+    plant_iron_t iron{};
+    plant_iron_init(&iron, &truth.iron);
+    return 1 / plant_iron_stiffness(&iron, plant_iron_flux(&iron, {current_a, 0})).straight.d;
+}
+
+double inductance_q_h(const Truth &truth, double current_a)
+{
+    if (!saturates(truth.iron)) {
+        return truth.iron.inductance_q_h;
+    }
+    plant_iron_t iron{};
+    plant_iron_init(&iron, &truth.iron);
+    return plant_iron_flux(&iron, {0, current_a}).q / current_a;
+}
 
 Truth truth_of(const Config &config)
 {
@@ -35,7 +56,6 @@ Truth truth_of(const Config &config)
     Truth truth;
     truth.resistance_ohm = motor.resistance_ohm;
     truth.inductance_d_h = motor.inductance_d_h;
-    truth.inductance_q_h = chord_q_h(motor, continuous_current(config.motor));
     truth.flux_linkage_wb = motor.flux_linkage_wb;
     truth.inertia_kg_m2 = motor.inertia_kg_m2 + motor.load_inertia_kg_m2;
     truth.viscous_friction_nm_s = motor.viscous_friction_nm_s;
@@ -43,6 +63,12 @@ Truth truth_of(const Config &config)
     truth.dead_time_s = config.plant.dead_time_s +
                         config.plant.device_drop_v / config.board.bus_nominal_v * period_s;
     truth.current_a = continuous_current(config.motor);
+    truth.iron = {motor.inductance_d_h, motor.inductance_q_h, motor.saturation_a,
+                  motor.saturation_d,   motor.saturation_q,   motor.saturation_shared};
+    truth.inductance_q_h = inductance_q_h(truth, truth.current_a);
+    const auto &gain_pct = config.plant.adc_gain_error_pct;
+    truth.gain_mismatch_pct = PER_CENT * ((PER_CENT + gain_pct[0]) / (PER_CENT + gain_pct[1]) - 1);
+    truth.current_noise_lsb = with_count(config.plant.adc_noise_lsb);
     truth.knee_a = plant.supply.commutation_knee_a;
     return truth;
 }

@@ -4,6 +4,10 @@
 
 #include "config.h"
 
+extern "C" {
+#include "iron.h"
+}
+
 namespace nf::identify
 {
 
@@ -18,11 +22,20 @@ struct Truth {
     double dead_time_s = 0; // with the device drop as dead time
     double knee_a = 0;      // 0: legs commutate at once
     double current_a = 0;   // the continuous one
+    double gain_mismatch_pct = 0;
+    double current_noise_lsb = 0; // rms, of a count too
+    plant_iron_cfg_t iron{};
 };
 
 // Of the machine of a configuration: its motor times the scales of [plant], its board, saturated iron. Throws ConfigError
 // as make_plant_cfg() does.
 Truth truth_of(const Config &config);
+
+// L_d for small changes of a current along, without i_q.
+double inductance_d_h(const Truth &truth, double current_a);
+
+// L_q, flux over current across, without i_d. current_a: above 0.
+double inductance_q_h(const Truth &truth, double current_a);
 
 // What a leg with this dead time and knee loses against a current, as a time, s: the whole dead time far beyond the knee.
 double lost_time_s(double dead_time_s, double knee_a, double current_a);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "turn_fit.h"
 
+#include "bars.h"
 #include "config.h"
 #include "least_squares.h"
 
@@ -12,22 +13,27 @@ namespace nf::identify
 namespace
 {
 
-constexpr double COAST_OFF =
-    0.1; // of φ: such a coasting window is of a rotor that was lost or stands
+// Of the median of the coasting windows: a window that is off by more is of a rotor that was lost or stands. Of φ with
+// current: a coasting that disagrees by so much more than the bars does not count.
+constexpr double COAST_OFF = 0.1;
 constexpr std::size_t COAST_WINDOWS = 6; // the first of them: later ones are slower
 constexpr double TORQUE_FACTOR = 1.5;
 constexpr double SAME_SPEED = 0.1;
-constexpr double HALF_CURRENT = 1.4; // times it is more than half
-constexpr double INERTIA_SCALE = 5e-3;
-constexpr double TORQUE_UNSURE = 7e-4; // of what the current can pull: angle of the voltage, delays
+constexpr double UNLIKE_CURRENTS = 1.2; // one over the other, at least
+constexpr double INERTIA_SCALE = 6e-3;
+constexpr double TORQUE_UNSURE = 9e-4; // of what the current can pull: angle of the voltage, delays
 constexpr double HELD_UNSURE = 2e-3;   // likewise, at constant speed
 constexpr double COAST_SETTLED_TICKS =
     1500;                            // the frame has found the rotor, and its current is over
 constexpr double TURN_UNSURE = 0.03; // rad, of the frame's angle at the ends of a window
-constexpr double TURNING_LOSS_UNSURE = 0.07; // ripple: a leg whose current is smaller loses nothing
-constexpr double ALIKE_UNSURE = 4;         // of friction: windows that follow each other err alike
+constexpr double TURNING_LOSS_UNSURE = 0.06; // ripple: a leg whose current is smaller loses nothing
+constexpr double ALIKE_UNSURE = 5;         // of friction: windows that follow each other err alike
 constexpr double BOTH_LOSS_UNSURE = 0.024; // of both ways together, found on simulated motors
-constexpr double FLUX_SCALE = 3e-3;        // voltage and speed are known to
+// Of one window against another at another speed: of the loss, and of R·i where the rotor swings over its cogging.
+constexpr double TREND_LOSS_UNSURE = 0.1;
+constexpr double TREND_SWING_UNSURE = 0.02;
+constexpr double FLUX_SCALE = 1e-3; // the voltage is known to, with harmonics of the EMF
+constexpr double EVENLY = 0.95;     // of a range in which all is alike likely: 95 % are within
 
 double sinc(double x)
 {
@@ -43,10 +49,11 @@ double mean_of(const std::vector<double> &values)
     return sum / static_cast<double>(values.size());
 }
 
+// At least one value.
 double median_of(std::vector<double> values)
 {
     std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
+    return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
 }
 
 // Standard deviation of the mean.
@@ -68,7 +75,7 @@ std::complex<double> induced_v(const Record &r, const Legs &legs)
     const double size = std::abs(r.i_a);
     const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
     const double lost = size > 0 ? legs.lost_turning_v(size) / size : 0;
-    return r.voltage_v * held - (legs.resistance_ohm.value + lost) * r.i_a;
+    return r.voltage_v * held - (legs.warm_ohm() + lost) * r.i_a;
 }
 
 // φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d to the flux.
@@ -82,40 +89,41 @@ double flux_of(const Record &r, const Legs &legs, const Inductances &l)
     return std::abs(e / w) - (l.d_h.value - l.q_h.value) * along;
 }
 
-// φ of the windows at the whole current and about the speed of another.
-std::vector<double> whole_fluxes(const Records &records, const Legs &legs, const Inductances &l,
-                                 const Record &other)
+// φ of the windows about the speed of another, at another current.
+std::vector<double> fluxes_beside(const Records &records, const Legs &legs, const Inductances &l,
+                                  const Record &other)
 {
     std::vector<double> found;
     for (const Record &r : records.all) {
         const bool steady = r.kind == "spin" || r.kind == "hold";
         const bool same = std::abs(r.speed_el_rad_s / other.speed_el_rad_s - 1) < SAME_SPEED;
-        if (steady && same && std::abs(r.i_a) > HALF_CURRENT * std::abs(other.i_a)) {
+        const double share = std::abs(r.i_a) / std::abs(other.i_a);
+        if (steady && same && std::max(share, 1 / share) > UNLIKE_CURRENTS) {
             found.push_back(flux_of(r, legs, l));
         }
     }
     return found;
 }
 
-// At half of the current, and at the whole at the same speed: a line through both says what is there without.
+// With another current behind the first one, at the same speed: a line through both says what is there without. The other
+// one is half of the first, or more than that where friction lets the rotor lag.
 Value turning_flux(const Records &records, const Legs &legs, const Inductances &l)
 {
     const std::vector<Record> turning = records.of("spin");
     if (turning.size() < 2) {
         throw ConfigError("the records end before the rotor has turned");
     }
-    const Record &half = turning.back();
-    const std::vector<double> whole = whole_fluxes(records, legs, l, half);
-    if (whole.empty()) {
-        throw ConfigError("the records have no window at half of the current and the same speed");
+    const Record &last = turning.back();
+    const std::vector<double> others = fluxes_beside(records, legs, l, last);
+    if (others.empty()) {
+        throw ConfigError("the records have no window at another current and the same speed");
     }
-    const double at_half = flux_of(half, legs, l);
-    const double at_whole = median_of(whole);
-    const double ratio = std::abs(half.i_a) / std::abs(turning[turning.size() - 2].i_a);
-    const double change = (at_whole - at_half) * ratio / (1 - ratio);
-    const double lost = legs.lost_turning_v(std::abs(half.i_a)) / half.speed_el_rad_s;
-    return {at_half - change, std::abs(change) / 3 + scatter_of(whole),
-            FLUX_SCALE * at_half + TURNING_LOSS_UNSURE * lost};
+    const double at_last = flux_of(last, legs, l);
+    const double ratio = std::abs(last.i_a) / std::abs(turning[turning.size() - 2].i_a);
+    const double change = (median_of(others) - at_last) * ratio / (1 - ratio);
+    const double lost = legs.lost_turning_v(std::abs(last.i_a)) / last.speed_el_rad_s;
+    return {at_last - change, std::abs(change) / 3 + scatter_of(others),
+            FLUX_SCALE * at_last + TURNING_LOSS_UNSURE * lost};
 }
 
 // The EMF falls, and a small current flows as the control lets it. The legs lose something by it: nothing where the ripple
@@ -126,29 +134,42 @@ Value coasting_flux(const Record &r, const Legs &legs)
     const double w = std::abs(r.speed_el_rad_s);
     const double most = std::abs(induced_v(r, legs)) / w;
     const double lost = size > 0 ? legs.lost_turning_v(size) / w : 0;
-    return {most + lost / 2, 0, lost / 2 + FLUX_SCALE * most};
+    return {most + lost / 2, 0, EVENLY * lost / 2 + FLUX_SCALE * most};
 }
 
-// The windows in which the frame has found the rotor, and no current is left.
-std::vector<Record> settled_coasting(const Records &records, double flux)
+double coasting_wb(const Record &r)
+{
+    return std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
+}
+
+// The windows in which the frame has found the rotor and no current is left, and that agree with each other.
+std::vector<Record> settled_coasting(const Records &records)
 {
     std::vector<Record> settled;
+    std::vector<double> fluxes;
     double ticks = 0;
     for (const Record &r : records.of("coast")) {
-        const double wb = std::abs(r.voltage_v) / std::abs(r.speed_el_rad_s);
-        if (ticks >= COAST_SETTLED_TICKS && std::abs(wb - flux) < COAST_OFF * flux) {
+        if (ticks >= COAST_SETTLED_TICKS && std::abs(r.speed_el_rad_s) > 0) {
             settled.push_back(r);
+            fluxes.push_back(coasting_wb(r));
         }
         ticks += r.ticks;
+    }
+    if (!settled.empty()) {
+        const double middle = median_of(fluxes);
+        const auto is_off = [&](const Record &r) {
+            return std::abs(coasting_wb(r) - middle) > COAST_OFF * middle;
+        };
+        settled.erase(std::remove_if(settled.begin(), settled.end(), is_off), settled.end());
     }
     return settled;
 }
 
 // Of the first windows: later ones are slower.
-std::vector<Value> coasting_fluxes(const Records &records, const Legs &legs, double flux)
+std::vector<Value> coasting_fluxes(const Records &records, const Legs &legs)
 {
     std::vector<Value> found;
-    for (const Record &r : settled_coasting(records, flux)) {
+    for (const Record &r : settled_coasting(records)) {
         if (found.size() < COAST_WINDOWS) {
             found.push_back(coasting_flux(r, legs));
         }
@@ -167,17 +188,45 @@ Value mean_flux(const std::vector<Value> &fluxes)
     return {median_of(values), scatter_of(values), bound};
 }
 
-// Both by the squares of their bars.
-Value combined(const Value &a, const Value &b)
+double bar(const Value &value)
 {
-    const double bar_a = a.std * a.std + a.bound * a.bound;
-    const double bar_b = b.std * b.std + b.bound * b.bound;
-    const double share = bar_b / (bar_a + bar_b);
+    return error_bar(value.std, value.bound);
+}
+
+// Both by the squares of their bars. The bounds are averaged, as both may err the same way. What the two lie apart beyond
+// their bars no bar knows of: half of it is added.
+Value combined(const Value &a, const Value &b, double disagreement)
+{
+    const double square_a = a.std * a.std + a.bound * a.bound;
+    const double square_b = b.std * b.std + b.bound * b.bound;
+    const double share = square_b / (square_a + square_b);
     Value both;
     both.value = share * a.value + (1 - share) * b.value;
     both.std = std::hypot(share * a.std, (1 - share) * b.std);
-    both.bound = std::min({std::abs(a.value - b.value), a.bound, b.bound});
+    both.bound = share * a.bound + (1 - share) * b.bound + disagreement / 2;
     return both;
+}
+
+// The windows at the whole current, from a quarter of the speed to the whole. R and the legs make an error that falls with
+// the speed; L makes the same one at each.
+std::vector<FluxAtSpeed> fluxes_over_speed(const Records &records, const Legs &legs,
+                                           const Inductances &l)
+{
+    constexpr std::size_t windows = 4; // the last one is at another current
+    const std::vector<Record> turning = records.of("spin");
+    std::vector<FluxAtSpeed> found;
+    for (std::size_t k = turning.size() - std::min(windows, turning.size()); k + 1 < turning.size();
+         k++) {
+        const Record &r = turning[k];
+        const double size = std::abs(r.i_a);
+        const Value &ohm = legs.resistance_ohm;
+        const double lost = legs.lost_turning_v(size);
+        const double unsure_v =
+            (bar(ohm) + TREND_SWING_UNSURE * ohm.value) * size + TREND_LOSS_UNSURE * lost;
+        const double wb = flux_of(r, legs, l);
+        found.push_back({r.speed_el_rad_s, {wb, 0, FLUX_SCALE * wb + unsure_v / r.speed_el_rad_s}});
+    }
+    return found;
 }
 
 // A pair: down, hold, up, hold.
@@ -271,7 +320,8 @@ void add_coasting_drags(const Records &records, double inertia, const Flux &flux
 {
     const double period_s = records.scales.period_s;
     const double factor = TORQUE_FACTOR * records.scales.pole_pairs;
-    const std::vector<Record> windows = settled_coasting(records, flux.wb.value);
+    const std::vector<Record> windows =
+        flux.coasting_counts() ? settled_coasting(records) : std::vector<Record>();
     for (std::size_t k = 0; k + 1 < windows.size(); k++) {
         const Record &a = windows[k];
         const Record &b = windows[k + 1];
@@ -302,16 +352,30 @@ void fit_friction(const std::vector<Drag> &drags, Shaft &shaft)
 
 } // namespace
 
+double Flux::disagreement_wb() const
+{
+    const double apart = std::abs(turning_wb.value - coasting_wb.value);
+    return has_coasted ? std::max(apart - bar(turning_wb) - bar(coasting_wb), 0.0) : 0;
+}
+
+bool Flux::coasting_counts() const
+{
+    return has_coasted && disagreement_wb() < COAST_OFF * turning_wb.value;
+}
+
 Flux fit_flux(const Records &records, const Legs &legs, const Inductances &inductances)
 {
     Flux flux;
     flux.turning_wb = turning_flux(records, legs, inductances);
-    const std::vector<Value> coasting = coasting_fluxes(records, legs, flux.turning_wb.value);
+    flux.over_speed = fluxes_over_speed(records, legs, inductances);
+    const std::vector<Value> coasting = coasting_fluxes(records, legs);
     flux.has_coasted = coasting.size() > 1;
     flux.wb = flux.turning_wb;
     if (flux.has_coasted) {
         flux.coasting_wb = mean_flux(coasting);
-        flux.wb = combined(flux.turning_wb, flux.coasting_wb);
+    }
+    if (flux.coasting_counts()) {
+        flux.wb = combined(flux.turning_wb, flux.coasting_wb, flux.disagreement_wb());
     }
     const Record last = records.of("spin").back();
     flux.wb.bound =

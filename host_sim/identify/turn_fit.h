@@ -7,13 +7,25 @@
 namespace nf::identify
 {
 
+struct FluxAtSpeed {
+    double speed_el_rad_s = 0;
+    Value wb;
+};
+
 struct Flux {
     Value wb; // of both ways
-    Value
-        turning_wb; // of turning at a whole and at half of the current, without what L makes of it
+    // Of turning at two currents, without what L makes of it.
+    Value turning_wb;
     Value coasting_wb;         // of the EMF without current
-    bool has_coasted = true;   // some coasting can be used
+    bool has_coasted = true;   // some coasting windows agree with each other
     double speed_el_rad_s = 0; // highest
+    // At the whole current, with what L makes of it, from the lowest speed on.
+    std::vector<FluxAtSpeed> over_speed;
+
+    // What the two ways lie apart beyond both bars, 0 or more.
+    double disagreement_wb() const;
+    // Coasting is a part of `wb`: it does not disagree by a tenth.
+    bool coasting_counts() const;
 };
 
 // v = R·i + legs + jωL·i + jωφ·e^(−jδ). The L that the whole and half of the current agree upon is used. Throws ConfigError

@@ -24,6 +24,10 @@ def as_nanoseconds(_result, _key):
     return NANO
 
 
+def as_it_is(_result, _key):
+    return 1
+
+
 def of_rated_torque(result, _key):
     return PER_CENT / result["rated_torque_nm"]
 
@@ -49,6 +53,9 @@ VALUES = (
     Value("flux_linkage_wb", "flux linkage", 1.5),
     Value("inertia_kg_m2", "J", 5),
     Value("lost_time_s", "lost by a leg at the continuous current", 30, as_nanoseconds, "ns"),
+    Value("knee_a", "knee of a leg"),
+    Value("gain_mismatch_pct", "gain of sensor a over b", None, as_it_is, "% points"),
+    Value("current_noise_lsb", "noise of the sensors", None, as_it_is, "LSB"),
     Value("viscous_friction_nm_s", "viscous friction at the highest speed, of rated torque", None, torque_at_speed),
     Value("coulomb_friction_nm", "Coulomb friction, of rated torque", None, of_rated_torque),
 )

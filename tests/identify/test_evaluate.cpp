@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// What is said of a known motor: the values, the remarks, the table and the JSON.
+#include "evaluate.h"
+#include "findings.h"
+#include "plate.h"
+#include "turning_motor.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "unity.h"
+
+void setUp()
+{
+}
+void tearDown()
+{
+}
+
+namespace
+{
+
+using namespace known;
+
+constexpr double FITTED = 2e-3; // of each fit, test_legs_fit.cpp and its neighbours
+constexpr double NOISE_CHANGE_A = 0.02;
+
+// The board and the name plate of the records.
+nf::Config plate()
+{
+    nf::Config config = nf::known_from_plate(nf::load_scenario("s1"));
+    config.board.pwm_frequency_hz = 1 / PERIOD_S;
+    config.board.current_full_scale_a = 20;
+    config.board.bus_full_scale_v = 600;
+    config.board.bus_nominal_v = BUS_V;
+    config.motor.pole_pairs = POLE_PAIRS;
+    config.motor.continuous_current_a = CONTINUOUS_A;
+    config.motor.max_current_a = LARGEST_A;
+    config.motor.max_speed_rpm = 2500;
+    return config;
+}
+
+void add_bursts(Records &records)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        for (int k = 0; k < 8; k++) {
+            Record r;
+            r.kind = "burst";
+            r.axis = axis;
+            r.across = k >= 4;
+            r.current_a = r.across ? 0.6 : 1.0 + k;
+            r.i_a = r.current_a;
+            r.pulse_v = r.across ? 80 + 10 * k : 60;
+            r.quarter_ticks = 3;
+            r.ticks = 120;
+            r.bus_v = BUS_V;
+            const double change_a = modelled_change(r, legs(), D_H);
+            r.change_a =
+                r.across ? std::complex<double>(0, change_a) : std::complex<double>(change_a, 0);
+            records.all.push_back(r);
+        }
+    }
+}
+
+Records all_records(const Turning &t = {})
+{
+    Records records = no_records();
+    add_levels(records, {});
+    for (Record &level : records.all) {
+        level.noise_a[0] = NOISE_CHANGE_A;
+        level.noise_a[1] = NOISE_CHANGE_A;
+    }
+    add_bursts(records);
+    const Records turning = turning_records(t);
+    records.all.insert(records.all.end(), turning.all.begin(), turning.all.end());
+    records.scales.current_a = 40;
+    records.scales.voltage_v = 600;
+    return records;
+}
+
+Result result_of(const Turning &t = {})
+{
+    return evaluate(all_records(t), plate(), 25);
+}
+
+// Whether a remark is exactly this, or begins with it.
+void expect_remark(const char *begin, const Result &result)
+{
+    const bool said =
+        std::any_of(result.remarks.begin(), result.remarks.end(),
+                    [&](const std::string &remark) { return remark.rfind(begin, 0) == 0; });
+    TEST_ASSERT_TRUE_MESSAGE(said, result.remarks.empty() ? "nothing is said"
+                                                          : result.remarks.front().c_str());
+}
+
+void test_a_known_motor_is_found_without_a_remark()
+{
+    const Result found = result_of();
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * OHM, OHM, found.motor.resistance_ohm);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * D_H, D_H, found.motor.inductance_d_h);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * WB, WB, found.motor.flux_linkage_wb);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * INERTIA, INERTIA, found.motor.inertia_kg_m2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * KNEE_A, KNEE_A, found.measured.knee_a);
+    TEST_ASSERT_EQUAL_size_t_MESSAGE(0, found.remarks.size(),
+                                     found.remarks.empty() ? "" : found.remarks.front().c_str());
+}
+
+// The change from sample to sample is 2/√π of the deviation; 40 A are 2^adc_bits counts.
+void test_the_noise_is_in_counts()
+{
+    const nf::Config config = plate();
+    const double count_a = 40 / std::exp2(config.board.adc_bits);
+    const Result found = result_of();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, NOISE_CHANGE_A * 0.886227 / count_a,
+                              found.measured.current_noise_lsb);
+    TEST_ASSERT_TRUE(found.noise_bar_lsb > 0);
+}
+
+void test_a_disagreement_of_the_two_ways_to_the_flux_is_said()
+{
+    Turning t;
+    t.coasting_wb = 1.05 * WB;
+    expect_remark("φ is 0.2 Wb with current and 0.21 Wb without: the two ways disagree by",
+                  result_of(t));
+    t.coasting_wb = 1.5 * WB;
+    const Result found = result_of(t);
+    expect_remark("φ is 0.2 Wb with current and 0.3 Wb without: the two ways disagree by 50.0 %, "
+                  "the flux linkage comes from the spin only",
+                  found);
+}
+
+void test_a_rotor_that_stops_too_fast_is_said()
+{
+    Turning t;
+    t.coast_windows = 2;
+    expect_remark("the rotor stops too fast without current: the flux linkage comes from the spin "
+                  "only",
+                  result_of(t));
+}
+
+void test_a_flux_that_changes_with_the_speed_is_said()
+{
+    Turning t;
+    t.slow_wb = 1.2 * WB;
+    expect_remark(
+        "φ falls with the speed, 0.24 Wb at 477 rpm and 0.2 Wb at 1910 rpm: R or what the "
+        "legs lose differs from that at rest",
+        result_of(t));
+    t.slow_wb = 0.8 * WB;
+    expect_remark("φ rises with the speed, 0.16 Wb at 477 rpm", result_of(t));
+}
+
+void test_a_highest_speed_beyond_the_bus_is_lowered()
+{
+    nf::Config config = plate();
+    config.motor.max_speed_rpm = 9000;
+    const Result found = evaluate(all_records(), config, 25);
+    TEST_ASSERT_TRUE(found.motor.max_speed_rpm < 2700);
+    expect_remark("max_speed_rpm is lowered from 9000 to 2", found);
+    TEST_ASSERT_NOT_EQUAL_size_t(
+        std::string::npos,
+        found.remarks.front().find(": above it the EMF exceeds the bus voltage"));
+}
+
+void test_records_of_another_board_are_refused()
+{
+    nf::Config config = plate();
+    config.board.bus_full_scale_v = 500;
+    try {
+        evaluate(all_records(), config, 25);
+        TEST_FAIL_MESSAGE("records of another board have been taken");
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL_STRING("the records are of another board or motor: the bus's full scale, "
+                                 "V, is 500 in the files and 600 in the records",
+                                 error.what());
+    }
+}
+
+void test_the_table_and_the_json_have_a_row_each()
+{
+    const Result found = result_of();
+    const std::string table = table_text(found, std::nullopt);
+    const auto json = nlohmann::json::parse(json_text(found, std::nullopt, 15));
+    for (const char *const title :
+         {"R  ", "knee of a leg", "gain a over b", "noise", "L_d at 2 A", "L_q at 5 A"}) {
+        TEST_ASSERT_NOT_EQUAL_size_t_MESSAGE(std::string::npos, table.find(title), title);
+    }
+    for (const char *const key :
+         {"resistance_ohm", "knee_a", "gain_mismatch_pct", "current_noise_lsb", "lost_time_s"}) {
+        TEST_ASSERT_TRUE_MESSAGE(json.at(key).at("bar").get<double>() > 0, key);
+        TEST_ASSERT_FALSE_MESSAGE(json.at(key).contains("truth"), key);
+    }
+    TEST_ASSERT_EQUAL_size_t(4, json.at("inductance_d_over_current").size());
+    TEST_ASSERT_EQUAL_size_t(3, json.at("inductance_q_over_current").size());
+    TEST_ASSERT_EQUAL_size_t(3, json.at("flux_over_speed").size());
+}
+
+} // namespace
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_known_motor_is_found_without_a_remark);
+    RUN_TEST(test_the_noise_is_in_counts);
+    RUN_TEST(test_a_disagreement_of_the_two_ways_to_the_flux_is_said);
+    RUN_TEST(test_a_rotor_that_stops_too_fast_is_said);
+    RUN_TEST(test_a_flux_that_changes_with_the_speed_is_said);
+    RUN_TEST(test_a_highest_speed_beyond_the_bus_is_lowered);
+    RUN_TEST(test_records_of_another_board_are_refused);
+    RUN_TEST(test_the_table_and_the_json_have_a_row_each);
+    return UNITY_END();
+}

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// R, what the legs lose, and the winding's warming, of levels of a motor that is known.
+#include "config.h"
+#include "known_motor.h"
+
+#include <random>
+
+#include "unity.h"
+
+void setUp()
+{
+}
+void tearDown()
+{
+}
+
+namespace
+{
+
+using namespace known;
+
+constexpr double FITTED = 1e-4; // the method ends when the sum of squares hardly falls
+constexpr double MISMATCH = 0.02;
+constexpr double WARMING = 0.03;
+// The heat is that of the measured currents: a mismatch of 2 % is 2 % of the heat of an axis, of a warming of 3 %.
+constexpr double WARM_FITTED = MISMATCH * WARMING;
+constexpr double NOISE_V = 0.02;
+constexpr double SIGMAS = 4;
+
+Legs fitted(const Rest &rest)
+{
+    Records records = no_records();
+    add_levels(records, rest);
+    return fit_legs(records);
+}
+
+void test_the_legs_of_a_known_motor_are_found()
+{
+    Rest rest;
+    rest.mismatch = MISMATCH;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * OHM, OHM, found.resistance_ohm.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * LOSS_V, LOSS_V, found.loss_v.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, KNEE_A, found.knee_a.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, MISMATCH, found.mismatch.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, 0, found.warming.value);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED * BUS_V, BUS_V, found.bus_v);
+}
+
+void test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms()
+{
+    Rest rest;
+    rest.warming = WARMING;
+    rest.mismatch = MISMATCH;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_DOUBLE_WITHIN(WARM_FITTED * OHM, OHM, found.resistance_ohm.value);
+    TEST_ASSERT_DOUBLE_WITHIN(WARM_FITTED, WARMING, found.warming.value);
+    TEST_ASSERT_DOUBLE_WITHIN(WARM_FITTED * OHM, OHM * (1 + WARMING), found.warm_ohm());
+}
+
+// It does not show against what differs between the axes: R is that in the middle, and the bound has the rest of it.
+void test_a_small_warming_is_in_the_bound()
+{
+    Rest rest;
+    rest.warming = 0.008;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, 0, found.warming.value);
+    TEST_ASSERT_TRUE(found.resistance_ohm.value > OHM);
+    TEST_ASSERT_TRUE(found.resistance_ohm.value - OHM < found.resistance_ohm.bound);
+}
+
+// No winding cools down below its temperature at the beginning.
+void test_a_resistance_that_falls_is_no_warming()
+{
+    Rest rest;
+    rest.warming = -0.03;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_DOUBLE_WITHIN(FITTED, 0, found.warming.value);
+}
+
+double noise_v()
+{
+    static std::mt19937 engine(1);
+    static std::normal_distribution<double> normal(0, NOISE_V);
+    return normal(engine);
+}
+
+void test_noise_is_in_the_standard_deviation()
+{
+    Rest rest;
+    rest.noise_v = noise_v;
+    const Legs found = fitted(rest);
+    TEST_ASSERT_TRUE(found.resistance_ohm.std > 0);
+    TEST_ASSERT_DOUBLE_WITHIN(SIGMAS * found.resistance_ohm.std, OHM, found.resistance_ohm.value);
+    TEST_ASSERT_DOUBLE_WITHIN(SIGMAS * found.loss_v.std, LOSS_V, found.loss_v.value);
+    // that of a line through 42 levels, and of a loss that is fitted too: no more than three times of it
+    TEST_ASSERT_TRUE(found.resistance_ohm.std < 3 * NOISE_V / std::sqrt(42.0) / (LARGEST_A / 4));
+}
+
+void test_too_few_levels_are_refused()
+{
+    Rest rest;
+    rest.levels = 3;
+    try {
+        fitted(rest);
+        TEST_FAIL_MESSAGE("nine levels have been taken");
+    } catch (const nf::ConfigError &error) {
+        TEST_ASSERT_EQUAL_STRING("the records have too few levels of current at rest: the "
+                                 "identification did not come that far",
+                                 error.what());
+    }
+}
+
+void test_the_ripple_widens_the_bounds()
+{
+    Legs rippling = legs();
+    add_ripple_bounds(rippling, D_H);
+    TEST_ASSERT_TRUE(rippling.resistance_ohm.bound > 0);
+    Legs more = legs();
+    add_ripple_bounds(more, D_H / 2);
+    TEST_ASSERT_TRUE(more.resistance_ohm.bound > 2 * rippling.resistance_ohm.bound);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2 * rippling.loss_v.bound, more.loss_v.bound);
+}
+
+// As many volts at each level: the loss has them all, R what they are of its largest voltage.
+void test_rounding_widens_the_bounds()
+{
+    constexpr double shift_a = 0.01;
+    Legs rounded = legs();
+    add_rounding_bounds(rounded, shift_a);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, OHM * shift_a, rounded.loss_v.bound);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, OHM * shift_a / LARGEST_A, rounded.resistance_ohm.bound);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, shift_a / LARGEST_A, rounded.mismatch.bound);
+}
+
+// knee.h: half of the slope of an ideal diode's step, and half of the loss at the knee.
+void test_a_leg_loses_half_at_its_knee()
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, lost_share(0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5, lost_share(1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -0.95, lost_share(-10));
+}
+
+// On the axis of a phase the others carry half of the current.
+void test_the_loss_on_an_axis_is_that_of_three_legs()
+{
+    const double expected = 2.0 / 3 * (legs().lost_v(4.0) + legs().lost_v(2.0));
+    const std::complex<double> lost = legs().lost_v(std::complex<double>(4, 0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, expected, lost.real());
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0, lost.imag());
+}
+
+// 4/π of the loss is the fundamental of a square wave; a knee far below the current takes little of it.
+void test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave()
+{
+    constexpr double angles = 0.01; // 48 of them, and a knee of 1/1000
+    Legs hard = legs();
+    hard.knee_a.value = LARGEST_A / 1000;
+    TEST_ASSERT_DOUBLE_WITHIN(angles * LOSS_V, 4 / 3.14159265358979323846 * LOSS_V,
+                              hard.lost_turning_v(LARGEST_A));
+}
+
+} // namespace
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_legs_of_a_known_motor_are_found);
+    RUN_TEST(test_the_resistance_is_that_of_the_beginning_of_a_winding_that_warms);
+    RUN_TEST(test_a_small_warming_is_in_the_bound);
+    RUN_TEST(test_a_resistance_that_falls_is_no_warming);
+    RUN_TEST(test_noise_is_in_the_standard_deviation);
+    RUN_TEST(test_too_few_levels_are_refused);
+    RUN_TEST(test_the_ripple_widens_the_bounds);
+    RUN_TEST(test_rounding_widens_the_bounds);
+    RUN_TEST(test_a_leg_loses_half_at_its_knee);
+    RUN_TEST(test_the_loss_on_an_axis_is_that_of_three_legs);
+    RUN_TEST(test_the_turning_loss_of_hard_legs_is_that_of_a_square_wave);
+    return UNITY_END();
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// Flux linkage, inertia and friction of a known motor that turns, and two ways to the flux that do not agree.
+#include "config.h"
+#include "turning_motor.h"
+
+#include "unity.h"
+
+void setUp()
+{
+}
+void tearDown()
+{
+}
+
+namespace
+{
+
+using namespace known;
+
+constexpr double EXACT = 1e-9;
+// A window's mean speed over its time: the drag falls with the speed within it, by a tenth of a tenth.
+constexpr double STEPPED = 0.02;
+
+Flux flux_of(const Turning &t)
+{
+    return fit_flux(turning_records(t), legs(), inductances());
+}
+
+void test_both_ways_find_the_flux()
+{
+    const Flux found = flux_of({});
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.turning_wb.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.coasting_wb.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.wb.value);
+    TEST_ASSERT_TRUE(found.coasting_counts());
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, TOP_EL, found.speed_el_rad_s);
+}
+
+// A wrong L makes the same of a current at each of its sizes: the line through both has none of it.
+void test_a_wrong_l_cancels()
+{
+    Inductances wrong = inductances();
+    wrong.q_h.value *= 1.02;
+    wrong.d_h.value *= 1.02;
+    const Flux found = fit_flux(turning_records(), legs(), wrong);
+    const double of_l = 0.02 * Q_H * SPIN_A; // what it is at the whole current
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * of_l, WB, found.turning_wb.value);
+}
+
+// Two that agree by luck are as unsure as each of them.
+void test_ways_that_agree_keep_their_bound()
+{
+    const Flux found = flux_of({});
+    const double least = std::min(found.turning_wb.bound, found.coasting_wb.bound);
+    TEST_ASSERT_TRUE(least > 0);
+    TEST_ASSERT_TRUE(found.wb.bound >= least);
+}
+
+void test_a_disagreement_beyond_the_bars_widens_the_bound()
+{
+    Turning t;
+    t.coasting_wb = 1.08 * WB;
+    const Flux found = flux_of(t);
+    TEST_ASSERT_TRUE(found.disagreement_wb() > 0.04 * WB);
+    TEST_ASSERT_TRUE(found.coasting_counts());
+    TEST_ASSERT_TRUE(found.wb.bound > found.disagreement_wb() / 2);
+    TEST_ASSERT_TRUE(found.wb.value > WB && found.wb.value < 1.08 * WB);
+}
+
+// It is not hidden: coasting windows are compared with each other, not with the spin.
+void test_a_large_disagreement_is_seen_and_the_spin_alone_counts()
+{
+    Turning t;
+    t.coasting_wb = 1.4 * WB;
+    const Flux found = flux_of(t);
+    TEST_ASSERT_TRUE(found.has_coasted);
+    TEST_ASSERT_FALSE(found.coasting_counts());
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 1.4 * WB, found.coasting_wb.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.wb.value);
+}
+
+void test_a_window_of_a_rotor_that_stands_is_left_out()
+{
+    Records records = turning_records();
+    records.all.back().voltage_v *= 0.1;
+    const Flux found = fit_flux(records, legs(), inductances());
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.coasting_wb.value);
+}
+
+// The frame has not found the rotor before the end.
+void test_a_rotor_that_stops_at_once_has_not_coasted()
+{
+    Turning t;
+    t.coast_windows = 3;
+    const Flux found = flux_of(t);
+    TEST_ASSERT_FALSE(found.has_coasted);
+    TEST_ASSERT_FALSE(found.coasting_counts());
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.wb.value);
+}
+
+void test_the_flux_over_the_speed_is_that_of_the_three_spins()
+{
+    Turning t;
+    t.slow_wb = 0.9 * WB;
+    const Flux found = flux_of(t);
+    TEST_ASSERT_EQUAL_size_t(3, found.over_speed.size());
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, TOP_EL / 4, found.over_speed[0].speed_el_rad_s);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 0.9 * WB, found.over_speed[0].wb.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, 0.9 * WB, found.over_speed[1].wb.value);
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, WB, found.over_speed[2].wb.value);
+    // an error of R or of the legs falls with the speed
+    TEST_ASSERT_TRUE(found.over_speed[0].wb.bound > 3 * found.over_speed[2].wb.bound);
+}
+
+void test_inertia_and_friction_are_found()
+{
+    const Records records = turning_records();
+    const Shaft found = fit_shaft(records, fit_flux(records, legs(), inductances()));
+    TEST_ASSERT_DOUBLE_WITHIN(EXACT, INERTIA, found.inertia_kg_m2.value);
+    TEST_ASSERT_DOUBLE_WITHIN(STEPPED * VISCOUS, VISCOUS, found.viscous_nm_s.value);
+    TEST_ASSERT_DOUBLE_WITHIN(STEPPED * COULOMB, COULOMB, found.coulomb_nm.value);
+    TEST_ASSERT_TRUE(found.inertia_kg_m2.bound > 0);
+}
+
+std::string refusal_of(const Records &records)
+{
+    try {
+        fit_shaft(records, fit_flux(records, legs(), inductances()));
+    } catch (const nf::ConfigError &error) {
+        return error.what();
+    }
+    return "";
+}
+
+void test_records_that_end_too_early_are_refused()
+{
+    Records records = turning_records();
+    records.all.resize(1);
+    TEST_ASSERT_EQUAL_STRING("the records end before the rotor has turned",
+                             refusal_of(records).c_str());
+    records.all = turning_records().all;
+    records.all.resize(4);
+    TEST_ASSERT_EQUAL_STRING("the records end before the ramps of speed",
+                             refusal_of(records).c_str());
+    records.all = {turning("spin", TOP_EL / 4, SPIN_A, WB),
+                   turning("spin", TOP_EL, SPIN_A / 2, WB)};
+    TEST_ASSERT_EQUAL_STRING("the records have no window at another current and the same speed",
+                             refusal_of(records).c_str());
+}
+
+} // namespace
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_both_ways_find_the_flux);
+    RUN_TEST(test_a_wrong_l_cancels);
+    RUN_TEST(test_ways_that_agree_keep_their_bound);
+    RUN_TEST(test_a_disagreement_beyond_the_bars_widens_the_bound);
+    RUN_TEST(test_a_large_disagreement_is_seen_and_the_spin_alone_counts);
+    RUN_TEST(test_a_window_of_a_rotor_that_stands_is_left_out);
+    RUN_TEST(test_a_rotor_that_stops_at_once_has_not_coasted);
+    RUN_TEST(test_the_flux_over_the_speed_is_that_of_the_three_spins);
+    RUN_TEST(test_inertia_and_friction_are_found);
+    RUN_TEST(test_records_that_end_too_early_are_refused);
+    return UNITY_END();
+}
