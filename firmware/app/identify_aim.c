@@ -2,7 +2,8 @@
 #include "identify_aim.h"
 
 #define LOOP_SHARE (8U)       /* bandwidth of the current control: 1/8 a tick */
-#define SLOW_SHARE (40U)      /* its integral is 5 times slower */
+#define SLOW_SHARE (40U)      /* its integral is 5 times slower, */
+#define QUICK_SHARE (10U)     /* or about as quick */
 #define SOFT_SHARE (256U)     /* and across a current at rest another 256 times */
 #define SOFT_GAIN_SHARE (16U) /* K_p across a current at rest: R and this damp the rotor */
 #define INTEGRAL_BITS (11U)   /* by which the integral is finer, pi.h */
@@ -39,11 +40,13 @@ static int32_t gain_word(uint64_t gain_q32)
     return fx_signed(word);
 }
 
-void identify_aim_gains(identify_t *identify, bool soft)
+void identify_aim_gains(identify_t *identify, identify_gains_t gains)
 {
+    const bool soft = gains == IDENTIFY_GAINS_SOFT;
+    const uint32_t share = (gains == IDENTIFY_GAINS_QUICK) ? QUICK_SHARE : SLOW_SHARE;
     const uint64_t kp_q32 =
         ((uint64_t)fx_unsigned(identify->rest.inductance_q16) << 16U) / (uint64_t)LOOP_SHARE;
-    const uint64_t ki_q32 = (kp_q32 << INTEGRAL_BITS) / (uint64_t)SLOW_SHARE;
+    const uint64_t ki_q32 = (kp_q32 << INTEGRAL_BITS) / (uint64_t)share;
 
     *identify_aim_word(identify, PROBE_GAIN_D) = gain_word(kp_q32);
     *identify_aim_word(identify, PROBE_INTEGRAL_D) = gain_word(ki_q32);

@@ -46,11 +46,14 @@ void identify_aim_current(identify_t *identify, int32_t current);
 /* Its record's first word, ticks to settle, and ticks of its window. */
 void identify_aim_window(identify_t *identify, const char *kind, int32_t settle, int32_t ticks);
 
-/*
- * Gains of the current control for the measured L. soft: weak control across the current, so that the winding's resistance
- * damps a rotor that swings.
- */
-void identify_aim_gains(identify_t *identify, bool soft);
+typedef enum {
+    IDENTIFY_GAINS_FIRM = 0,
+    IDENTIFY_GAINS_SOFT, /* weak across the current: the winding's resistance damps a rotor that swings */
+    IDENTIFY_GAINS_QUICK /* with a quick integral: the frame turns to a rotor that lags, and its EMF with it */
+} identify_gains_t;
+
+/* Gains of the current control for the measured L. */
+void identify_aim_gains(identify_t *identify, identify_gains_t gains);
 
 void identify_aim_phase(identify_t *identify, identify_phase_t phase);
 

@@ -250,7 +250,7 @@ static void aim_catch(identify_t *identify)
         /* where it is to be */
     }
     identify_aim_current(identify, (identify_aim_continuous(identify) * share) / 8);
-    identify_aim_gains(identify, true);
+    identify_aim_gains(identify, IDENTIFY_GAINS_SOFT);
     *identify_aim_word(identify, PROBE_RAMP) = FASTEST;
     *identify_aim_word(identify, PROBE_SPEED) = 0;
     if (step >= CATCH_HALFWAY) {

@@ -200,7 +200,7 @@ static void begin_spin(identify_t *identify)
     *identify_aim_word(identify, PROBE_LOSS) = rest->loss;
     *identify_aim_word(identify, PROBE_EMF) = fx_max(2 * rest->loss, resistive / 2);
     *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
-    identify_aim_gains(identify, false);
+    identify_aim_gains(identify, IDENTIFY_GAINS_FIRM);
     identify_aim_current(identify, current);
 }
 
@@ -562,6 +562,7 @@ bool identify_turn_plan_coast(identify_t *identify)
         identify_aim_phase(identify, IDENTIFY_ENDS);
     } else {
         identify_aim_current(identify, 0);
+        identify_aim_gains(identify, IDENTIFY_GAINS_QUICK);
         *identify_aim_word(identify, PROBE_DAMPING) = DAMPING_MOST;
         *identify_aim_word(identify, PROBE_TRACKING) = COAST_TRACKING;
         identify_aim_window(identify, "coast", (identify->step == 0U) ? COAST_SETTLE_TICKS : 0,

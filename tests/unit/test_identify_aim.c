@@ -46,7 +46,7 @@ static void test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_ph
 static void test_gains_follow_the_inductance_that_was_found(void)
 {
     identify.rest.inductance_q16 = 1441;
-    identify_aim_gains(&identify, false);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_D));
     TEST_ASSERT_EQUAL_INT32((17 << 16) | 18444, word(PROBE_INTEGRAL_D));
     TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_Q));
@@ -57,7 +57,7 @@ static void test_gains_follow_the_inductance_that_was_found(void)
 static void test_soft_gains_leave_the_current_across_to_itself(void)
 {
     identify.rest.inductance_q16 = 1441;
-    identify_aim_gains(&identify, true);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_SOFT);
     TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_D));
     TEST_ASSERT_EQUAL_INT32((17 << 16) | 18444, word(PROBE_INTEGRAL_D));
     TEST_ASSERT_EQUAL_INT32((27 << 16) | 23056, word(PROBE_GAIN_Q));
@@ -68,13 +68,13 @@ static void test_soft_gains_leave_the_current_across_to_itself(void)
 static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
 {
     identify.rest.inductance_q16 = 2 * 65536;
-    identify_aim_gains(&identify, false);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((16 << 16) | 16384, word(PROBE_GAIN_D));
     identify.rest.inductance_q16 = 32767;
-    identify_aim_gains(&identify, false);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((19 << 16) | 32767, word(PROBE_GAIN_D));
     identify.rest.inductance_q16 = 1;
-    identify_aim_gains(&identify, true);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_SOFT);
     TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4), word(PROBE_GAIN_D));
     TEST_ASSERT_EQUAL_INT32((30 << 16) | (8192 / 4 / 16), word(PROBE_GAIN_Q));
 }
@@ -83,7 +83,7 @@ static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
 static void test_a_gain_beyond_its_word_is_the_largest_that_it_has(void)
 {
     identify.rest.inductance_q16 = INT32_MAX;
-    identify_aim_gains(&identify, false);
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((3 << 16) | 32767, word(PROBE_GAIN_D));
     TEST_ASSERT_EQUAL_INT32((1 << 16) | 32767, word(PROBE_INTEGRAL_D));
 }
