@@ -64,6 +64,17 @@ static void test_soft_gains_leave_the_current_across_to_itself(void)
     TEST_ASSERT_EQUAL_INT32((25 << 16) | 18444, word(PROBE_INTEGRAL_Q));
 }
 
+/* Four times K_i·T in both axes, and the same K_p. */
+static void test_quick_gains_have_a_quicker_integral(void)
+{
+    identify.rest.inductance_q16 = 1441;
+    identify_aim_gains(&identify, IDENTIFY_GAINS_QUICK);
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_D));
+    TEST_ASSERT_EQUAL_INT32((23 << 16) | 23056, word(PROBE_GAIN_Q));
+    TEST_ASSERT_EQUAL_INT32((15 << 16) | 18444, word(PROBE_INTEGRAL_D));
+    TEST_ASSERT_EQUAL_INT32((15 << 16) | 18444, word(PROBE_INTEGRAL_Q));
+}
+
 /* 2·65536/8 in Q16 is a gain of 1/4: 16384 of 2^16, and 32768 of 2^17 is one bit too many. */
 static void test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most(void)
 {
@@ -96,6 +107,7 @@ int main(void)
     RUN_TEST(test_a_phase_begins_with_its_first_step_and_a_refusal_is_the_last_phase);
     RUN_TEST(test_gains_follow_the_inductance_that_was_found);
     RUN_TEST(test_soft_gains_leave_the_current_across_to_itself);
+    RUN_TEST(test_quick_gains_have_a_quicker_integral);
     RUN_TEST(test_a_mantissa_has_15_bits_and_a_shift_is_30_at_most);
     RUN_TEST(test_a_gain_beyond_its_word_is_the_largest_that_it_has);
     return UNITY_END();

@@ -995,7 +995,12 @@ static uint32_t coast(double fall)
 
 static void test_coasting_has_no_current_and_follows_the_rotor(void)
 {
+    int32_t firm;
+
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
+    firm = word(PROBE_INTEGRAL_Q) >> 16;
     begin_coast();
+    TEST_ASSERT_EQUAL_INT32(firm - 2, word(PROBE_INTEGRAL_Q) >> 16); /* four times as quick */
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_CURRENT));
     TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
     TEST_ASSERT_EQUAL_INT32(300000, word(PROBE_TRACKING));
