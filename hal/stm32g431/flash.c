@@ -6,7 +6,7 @@
 #include "stm32g431.h"
 #include "words.h"
 
-#define FIRST_PAGE (62UL)
+#define FIRST_PAGE (62U)
 #define PAGE_BYTES (2048U)
 
 /* An erase takes up to 24.5 ms; reg_wait() may give up after less where its loop runs from the cache. */
@@ -76,7 +76,9 @@ static bool lock(void)
 {
     const bool good = wait_until_done() && !reg_any(FLASH_SR, FLASH_SR_ERRORS);
 
-    reg_write(FLASH_CR, FLASH_CR_LOCK);
+    if (!reg_any(FLASH_CR, FLASH_CR_LOCK)) {
+        reg_write(FLASH_CR, FLASH_CR_LOCK);
+    }
     reg_set(FLASH_ACR, FLASH_ACR_ICRST | FLASH_ACR_DCRST);
     reg_clear(FLASH_ACR, FLASH_ACR_ICRST | FLASH_ACR_DCRST);
     reg_set(FLASH_ACR, FLASH_ACR_ICEN | FLASH_ACR_DCEN);
