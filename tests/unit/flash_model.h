@@ -45,7 +45,8 @@ static struct {
     bool unstable;
     bool refuses_erase;
     bool refuses_program;
-    uint32_t dead_unit; /* of both slots: keeps what it is; FLASH_NEVER: none */
+    uint32_t dead; /* of both slots, this unit and those up to dead_last keep what they are */
+    uint32_t dead_last;
     seeded_t chance;
     jmp_buf power_fails;
 } flash;
@@ -53,6 +54,11 @@ static struct {
 static uint64_t flash_random(void)
 {
     return ((uint64_t)seeded_u32(&flash.chance) << 32U) | seeded_u32(&flash.chance);
+}
+
+static bool flash_is_dead(uint32_t unit)
+{
+    return (unit >= flash.dead) && (unit <= flash.dead_last);
 }
 
 static flash_half_t flash_any_half(void)
@@ -70,7 +76,7 @@ static void flash_new(uint32_t seed)
         }
     }
     flash.left = FLASH_NEVER;
-    flash.dead_unit = FLASH_NEVER;
+    flash.dead = FLASH_NEVER;
     flash.chance = (seeded_t){.state = (seed * 2654435761U) | 1U};
 }
 
@@ -107,8 +113,8 @@ bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_
         value = it->before;
     } else if (it->half_done && (half == FLASH_MIXED)) {
         value = (it->before & 0xF0F0F0F00F0F0F0FU) | (it->after & 0x0F0F0F0FF0F0F0F0U);
-    } else if (it->half_done && (half == FLASH_UNREADABLE)) {
-        value = 0x5A5A5A5A5A5A5A5AU;
+    } else {
+        /* the bytes may be right where the code says that they are not */
     }
     for (uint32_t k = 0U; k < HAL_STORE_UNIT_BYTES; k++) {
         bytes[k] = (uint8_t)(value >> (8U * k));
@@ -131,7 +137,7 @@ bool hal_store_erase(hal_t *hal, uint32_t slot)
 
         if (fails) {
             flash_leave_half_done(it, FLASH_ERASED);
-        } else if (unit != flash.dead_unit) {
+        } else if (!flash_is_dead(unit)) {
             *it = (flash_unit_t){.after = FLASH_ERASED};
         }
     }
@@ -160,7 +166,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     }
     if (fails || it->half_done) {
         flash_leave_half_done(it, value);
-    } else if (unit != flash.dead_unit) {
+    } else if (!flash_is_dead(unit)) {
         it->after = value;
     }
     if (fails) {

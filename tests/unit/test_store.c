@@ -178,10 +178,11 @@ static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the
     const char *const expected = "the flash does not keep what is written";
 
     TEST_ASSERT_NULL(write(1U));
-    flash.dead_unit = 7U;
+    flash.dead = 7U;
+    flash.dead_last = 7U;
     TEST_ASSERT_EQUAL_STRING(expected, write(2U));
     TEST_ASSERT_EQUAL_UINT32(1U, start());
-    flash.dead_unit = FLASH_NEVER;
+    flash.dead = FLASH_NEVER;
     flash.refuses_program = true;
     TEST_ASSERT_EQUAL_STRING(expected, write(2U));
     flash.refuses_program = false;
@@ -193,9 +194,36 @@ static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the
 static void test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it(void)
 {
     TEST_ASSERT_NULL(write(1U));
-    flash.dead_unit = STORE_BLOCK_UNITS;
+    flash.dead = STORE_BLOCK_UNITS;
+    flash.dead_last = STORE_BLOCK_UNITS + 5U;
     TEST_ASSERT_NULL(write(2U));
     TEST_ASSERT_EQUAL_UINT32(2U, start());
+}
+
+static void test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block(void)
+{
+    TEST_ASSERT_NULL(write(1U));
+    flash.dead = STORE_BLOCK_UNITS;
+    flash.dead_last = HAL_STORE_UNITS - 1U;
+    TEST_ASSERT_EQUAL_STRING("the flash does not keep what is written", write(2U));
+    TEST_ASSERT_EQUAL_UINT32(1U, start());
+}
+
+static void test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store(void)
+{
+    TEST_ASSERT_NULL(write(1U));
+    flash.units[0][3].half_done = true;
+    flash.units[0][3].half = FLASH_UNREADABLE;
+    TEST_ASSERT_NULL(write(2U));
+    TEST_ASSERT_EQUAL_UINT32(2U, start());
+}
+
+static void test_a_single_block_is_found_whatever_its_number(void)
+{
+    store.sequence = 0xFFFFFFF0U;
+    TEST_ASSERT_NULL(write(1U));
+    TEST_ASSERT_EQUAL_UINT32(1U, start());
+    TEST_ASSERT_EQUAL_HEX32(0xFFFFFFF2U, store.sequence);
 }
 
 static void change(uint32_t slot, uint32_t unit)
@@ -443,6 +471,9 @@ int main(void)
     RUN_TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it);
+    RUN_TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block);
+    RUN_TEST(test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store);
+    RUN_TEST(test_a_single_block_is_found_whatever_its_number);
     RUN_TEST(test_a_block_with_any_unit_changed_is_not_found);
     RUN_TEST(test_a_block_with_an_unreadable_unit_is_not_found);
     RUN_TEST(test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found);
