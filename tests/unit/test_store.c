@@ -200,6 +200,14 @@ static void test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it(void)
     TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
 
+static void test_the_last_unit_of_a_slot_takes_a_stamp_too(void)
+{
+    flash.dead = STORE_BLOCK_UNITS;
+    flash.dead_last = HAL_STORE_UNITS - 2U;
+    TEST_ASSERT_NULL(write(1U));
+    TEST_ASSERT_EQUAL_UINT32(1U, start());
+}
+
 static void test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block(void)
 {
     TEST_ASSERT_NULL(write(1U));
@@ -471,6 +479,7 @@ int main(void)
     RUN_TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it);
+    RUN_TEST(test_the_last_unit_of_a_slot_takes_a_stamp_too);
     RUN_TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_store);
     RUN_TEST(test_a_single_block_is_found_whatever_its_number);
