@@ -36,12 +36,13 @@ typedef struct {
 
 static uint32_t read_word(reader_t *reader, uint32_t at)
 {
+    const uint32_t offset = (at % UNIT_WORDS) * WORDS_BYTES;
     uint8_t unit[HAL_STORE_UNIT_BYTES] = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
 
     if (!hal_store_read(reader->hal, reader->slot, at / UNIT_WORDS, unit)) {
         reader->bad = true;
     }
-    return words_get(&unit[(at % UNIT_WORDS) * WORDS_BYTES]);
+    return words_get(&unit[offset]);
 }
 
 static uint32_t crc_of_word_too(uint32_t crc, uint32_t word)

@@ -12,15 +12,20 @@
 #define SPEED_MAX_RPM (200000)
 
 /* No padding: in memory it is the block, word by word. */
-#define WORDS_BEFORE_NAME (7U)
-_Static_assert(offsetof(config_block_t, about.name) == (WORDS_BEFORE_NAME * WORDS_BYTES),
+#define BYTES_BEFORE_NAME (28U) /* seven words */
+_Static_assert(offsetof(config_block_t, about.name) == BYTES_BEFORE_NAME,
                "padding before the name");
-_Static_assert(offsetof(config_block_t, cfg) ==
-                   ((WORDS_BEFORE_NAME * WORDS_BYTES) + CONFIG_BLOCK_NAME_BYTES),
+_Static_assert(offsetof(config_block_t, cfg) == (BYTES_BEFORE_NAME + CONFIG_BLOCK_NAME_BYTES),
                "padding before the configuration");
 _Static_assert(sizeof(config_block_t) ==
                    (offsetof(config_block_t, cfg) + sizeof(drive_cfg_t) + WORDS_BYTES),
                "padding behind the configuration");
+
+/* Of word `at`. */
+static uint32_t block_offset(uint32_t at)
+{
+    return at * WORDS_BYTES;
+}
 
 void config_block_name(char to[CONFIG_BLOCK_NAME_BYTES], const char *from)
 {
@@ -42,7 +47,7 @@ uint32_t config_block_word(const config_block_t *block, uint32_t at)
     uint32_t word = 0U;
 
     if (at < CONFIG_BLOCK_WORDS) {
-        word = words_get(&bytes[at * WORDS_BYTES]);
+        word = words_get(&bytes[block_offset(at)]);
     }
     return word;
 }
@@ -52,7 +57,7 @@ void config_block_set_word(config_block_t *block, uint32_t at, uint32_t word)
     uint8_t *const bytes = (uint8_t *)block;
 
     if (at < CONFIG_BLOCK_WORDS) {
-        words_put(&bytes[at * WORDS_BYTES], word);
+        words_put(&bytes[block_offset(at)], word);
     }
 }
 
@@ -85,14 +90,14 @@ void config_block_make(config_block_t *block, const config_identity_t *identity,
 void config_block_encode(const config_block_t *block, uint8_t *bytes)
 {
     for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
-        words_put(&bytes[at * WORDS_BYTES], config_block_word(block, at));
+        words_put(&bytes[block_offset(at)], config_block_word(block, at));
     }
 }
 
 void config_block_decode(config_block_t *block, const uint8_t *bytes)
 {
     for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
-        config_block_set_word(block, at, words_get(&bytes[at * WORDS_BYTES]));
+        config_block_set_word(block, at, words_get(&bytes[block_offset(at)]));
     }
 }
 
