@@ -47,6 +47,7 @@ static struct {
     bool refuses_program;
     uint32_t dead; /* of both slots, this unit and those up to dead_last keep what they are */
     uint32_t dead_last;
+    uint64_t flips; /* bits of each unit that come out wrong */
     seeded_t chance;
     jmp_buf power_fails;
 } flash;
@@ -167,7 +168,7 @@ bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
     if (fails || it->half_done) {
         flash_leave_half_done(it, value);
     } else if (!flash_is_dead(unit)) {
-        it->after = value;
+        it->after = value ^ flash.flips;
     }
     if (fails) {
         longjmp(flash.power_fails, 1);

@@ -191,6 +191,15 @@ static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the
     TEST_ASSERT_EQUAL_UINT32(3U, start());
 }
 
+static void test_any_byte_that_comes_out_wrong_is_said(void)
+{
+    for (uint32_t byte = 0U; byte < HAL_STORE_UNIT_BYTES; byte++) {
+        flash.flips = (uint64_t)1U << (8U * byte);
+        TEST_ASSERT_NOT_NULL(write(1U));
+        TEST_ASSERT_EQUAL_UINT32(NONE, start());
+    }
+}
+
 static void test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it(void)
 {
     TEST_ASSERT_NULL(write(1U));
@@ -478,6 +487,7 @@ int main(void)
     RUN_TEST(test_the_higher_number_is_the_newer_one_also_behind_a_wrap);
     RUN_TEST(test_an_erase_that_fails_is_said_and_keeps_the_old_block);
     RUN_TEST(test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the_old_block);
+    RUN_TEST(test_any_byte_that_comes_out_wrong_is_said);
     RUN_TEST(test_a_stamp_goes_to_the_next_unit_where_one_does_not_keep_it);
     RUN_TEST(test_the_last_unit_of_a_slot_takes_a_stamp_too);
     RUN_TEST(test_a_block_that_gets_no_stamp_is_said_and_keeps_the_old_block);
