@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole contract between the application and the hardware: four functions for the control interrupt, and three for the
- * console of firmware/app.
+ * The whole contract between the application and the hardware: four functions for the control interrupt, three for the
+ * console of firmware/app, and three for its store.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate drivers and the serial line;
  * no code above it uses a register. docs/porting.md says how to write one.
@@ -71,5 +71,30 @@ typedef struct {
 
 /* Context: background; the tick may come in between. Does not wait. */
 hal_health_t hal_health(const hal_t *hal);
+
+/*
+ * The store: two slots of flash that keep their bytes without power (store.h). A slot is a page, or several, that nothing
+ * else is in. It is erased as a whole and then programmed in units, each once; erased bytes are 0xFF.
+ *
+ * Context: background, before the control interrupt is enabled, or while the drive rests with open gates: an erase may hold
+ * up the whole chip for tens of milliseconds. The binding keeps its guards from taking this for a fault. `slot` is below
+ * HAL_STORE_SLOTS, `unit` below HAL_STORE_UNITS. A board without a store returns false from all three.
+ */
+#define HAL_STORE_SLOTS (2U)
+#define HAL_STORE_UNITS (256U) /* of a slot */
+#define HAL_STORE_UNIT_BYTES (8U)
+
+/*
+ * Copies a unit to `bytes`. False when the flash cannot tell what it holds, as where a loss of power has ended its
+ * programming; `bytes` may be anything then.
+ */
+bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES]);
+
+/* Erases a slot. False when the flash says that it has failed. */
+bool hal_store_erase(hal_t *hal, uint32_t slot);
+
+/* Programs a unit, which is erased. False when the flash says that it has failed. It returns when the unit is programmed. */
+bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
+                       const uint8_t bytes[HAL_STORE_UNIT_BYTES]);
 
 #endif

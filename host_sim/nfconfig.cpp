@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// nfconfig: shows and checks configurations, and writes the header that targets compile.
+// nfconfig: shows and checks configurations, and writes them as the header that targets compile and as the block that they store.
 //
 // Exit code 0, or 2 with one line on stderr that says what is wrong.
+#include "block.h"
 #include "config.h"
 #include "data_sheet.h"
 #include "describe.h"
+#include "files.h"
 #include "hal_header.h"
 #include "header.h"
 #include "program.h"
@@ -28,12 +30,14 @@ struct Choice {
     std::vector<std::string> with;
     std::vector<std::string> set;
     std::string out = "-";
+    bool overwrite = false;
+    std::string block; // a file to show in place of these
 };
 
-void add_choice(CLI::App &command, Choice &choice)
+void add_choice(CLI::App &command, Choice &choice, bool required = true)
 {
-    command.add_option("--motor", choice.motor, "Motor, by name or path")->required();
-    command.add_option("--board", choice.board, "Board, by name or path")->required();
+    command.add_option("--motor", choice.motor, "Motor, by name or path")->required(required);
+    command.add_option("--board", choice.board, "Board, by name or path")->required(required);
     command.add_option("--tuning", choice.tuning, "Tuning, by name or path")->capture_default_str();
     command.add_option("--with", choice.with, "Imperfection set, by name or path; repeatable")
         ->allow_extra_args(false);
@@ -62,8 +66,27 @@ void write_out(const Choice &choice, const nf::Config &config,
     print_notes(config);
 }
 
+void write_block(const Choice &choice)
+{
+    if (!choice.overwrite && choice.out != "-" && std::filesystem::exists(choice.out)) {
+        throw std::runtime_error(
+            fmt::format("{}: is there already; --overwrite replaces it", choice.out));
+    }
+    write_out(choice, load(choice),
+              [](const nf::Config &config) { return nf::block_bytes(nf::make_block(config)); });
+}
+
+// Of a block, or of files.
 void show(const Choice &choice)
 {
+    if (!choice.block.empty()) {
+        std::cout << nf::describe_block(
+            nf::parse_block(choice.block, nf::read_bytes(choice.block)));
+        return;
+    }
+    if (choice.motor.empty() || choice.board.empty()) {
+        throw CLI::RequiredError(choice.motor.empty() ? "--motor" : "--board");
+    }
     const nf::Config config = load(choice);
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
         std::cout << fmt::format("{:39}{:>12}  {}\n", row.path, row.value, row.meaning);
@@ -178,8 +201,17 @@ int run(int argc, char **argv)
     binding->add_option("--out", choice.out, "File to write; - is standard output")
         ->capture_default_str();
     binding->callback([&] { write_out(choice, load(choice), nf::make_hal_header); });
-    CLI::App *table = app.add_subcommand("show", "The firmware's numbers and what they mean");
-    add_choice(*table, choice);
+    CLI::App *block = app.add_subcommand(
+        "block", "Write the block of a configuration that an image of its board can store");
+    add_choice(*block, choice);
+    block->add_option("-o,--out", choice.out, "File to write; - is standard output")->required();
+    block->add_flag("--overwrite", choice.overwrite, "Even if the file is there already");
+    block->callback([&] { write_block(choice); });
+    CLI::App *table = app.add_subcommand(
+        "show", "The firmware's numbers and what they mean, or what a block holds");
+    add_choice(*table, choice, false);
+    table->add_option("BLOCK", choice.block, "The file of a block, in place of motor and board")
+        ->excludes("--motor", "--board", "--with", "--set");
     table->callback([&] { show(choice); });
     CLI::App *keys = app.add_subcommand(
         "keys",

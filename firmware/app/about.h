@@ -9,6 +9,7 @@
 #ifndef ABOUT_H
 #define ABOUT_H
 
+#include "config_block.h"
 #include "temperature.h"
 #include "units.h"
 
@@ -18,6 +19,7 @@ typedef struct {
     const char *name; /* of motor, board and tuning */
     /* Build-id of the image, RECORDER_BUILD_WORDS words. NULL: it has none. Not part of DRIVE_ABOUT. */
     const uint32_t *build;
+    config_identity_t identity; /* of the configuration blocks that this image takes */
     units_rotation_t rotation;
     int32_t speed_max_rpm; /* of the shaft, either way */
     uint16_t

@@ -3,42 +3,25 @@
 
 #include "crc32.h"
 #include "drive_words.h"
+#include "words.h"
 
 #include <stddef.h>
 
-#define WORD_BYTES (4U)
-#define CONFIG_WORDS ((uint32_t)(sizeof(drive_cfg_t) / WORD_BYTES))
-#define ENTRY_WORDS ((uint32_t)(sizeof(recorder_entry_t) / WORD_BYTES))
-#define LINE_BYTES ((RECORDER_LINE_WORDS + 2U) * WORD_BYTES) /* with number and CRC */
+#define CONFIG_WORDS ((uint32_t)(sizeof(drive_cfg_t) / WORDS_BYTES))
+#define ENTRY_WORDS ((uint32_t)(sizeof(recorder_entry_t) / WORDS_BYTES))
+#define LINE_BYTES ((RECORDER_LINE_WORDS + 2U) * WORDS_BYTES) /* with number and CRC */
 
 _Static_assert((LINE_BYTES % 3U) == 0U, "a line of base64 without padding");
-_Static_assert((sizeof(drive_cfg_t) % WORD_BYTES) == 0U, "a configuration of words");
-
-/* Word `at` of what begins there. */
-static uint32_t word_at(const uint8_t *first, uint32_t at)
-{
-    const uint32_t offset = at * WORD_BYTES;
-    const uint8_t *const from = &first[offset];
-
-    return from[0] | ((uint32_t)from[1] << 8U) | ((uint32_t)from[2] << 16U) |
-           ((uint32_t)from[3] << 24U);
-}
-
-static void store(uint8_t *to, uint32_t word)
-{
-    for (uint32_t k = 0U; k < WORD_BYTES; k++) {
-        to[k] = (uint8_t)((word >> (8U * k)) & 0xFFU);
-    }
-}
+_Static_assert((sizeof(drive_cfg_t) % WORDS_BYTES) == 0U, "a configuration of words");
 
 void recorder_about_name(recorder_about_t *about, const char *name)
 {
     uint32_t k = 0U;
 
-    while ((k < (RECORDER_NAME_WORDS * WORD_BYTES)) && (name[k] != '\0')) {
+    while ((k < (RECORDER_NAME_WORDS * WORDS_BYTES)) && (name[k] != '\0')) {
         const uint32_t character = (uint8_t)name[k];
 
-        about->name[k / WORD_BYTES] |= character << (8U * (k % WORD_BYTES));
+        about->name[k / WORDS_BYTES] |= character << (8U * (k % WORDS_BYTES));
         k++;
     }
 }
@@ -93,6 +76,14 @@ static uint32_t entry_word(const recorder_dump_t *dump, uint32_t at)
     return entry->word[at % ENTRY_WORDS];
 }
 
+/* Word `at` of what begins there. */
+static uint32_t word_at(const uint8_t *first, uint32_t at)
+{
+    const uint32_t offset = at * WORDS_BYTES;
+
+    return words_get(&first[offset]);
+}
+
 /* Any word but the last one. */
 static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
 {
@@ -119,10 +110,10 @@ static void put_next(recorder_dump_t *dump, uint8_t *to)
     const uint32_t last = dump->header.words - 1U;
 
     if (dump->next < last) {
-        store(to, word_of(dump, dump->next));
+        words_put(to, word_of(dump, dump->next));
         dump->crc = crc32_step(dump->crc, to);
     } else {
-        store(to, (dump->next == last) ? ~dump->crc : 0U);
+        words_put(to, (dump->next == last) ? ~dump->crc : 0U);
     }
     dump->next++;
 }
@@ -152,16 +143,16 @@ bool recorder_dump_line(recorder_dump_t *dump, char line[RECORDER_LINE_CHARACTER
     if (is_left) {
         uint8_t bytes[LINE_BYTES];
         uint32_t crc = CRC32_START;
-        uint32_t at = WORD_BYTES;
+        uint32_t at = WORDS_BYTES;
 
-        store(bytes, dump->line);
+        words_put(bytes, dump->line);
         crc = crc32_step(crc, bytes);
         for (uint32_t k = 0U; k < RECORDER_LINE_WORDS; k++) {
             put_next(dump, &bytes[at]);
             crc = crc32_step(crc, &bytes[at]);
-            at += WORD_BYTES;
+            at += WORDS_BYTES;
         }
-        store(&bytes[at], ~crc);
+        words_put(&bytes[at], ~crc);
         line[0] = RECORDER_LINE_MARK;
         encode(bytes, &line[1]);
         dump->line++;

@@ -26,6 +26,20 @@ bool guard_start(void);
 /* Whether the watchdog made the last reset; forgets it. Call once. */
 bool guard_has_bitten(void);
 
+/*
+ * Hold the control interrupt back, and let the tick guard rest; then go on from the next conversion. The gates have to be
+ * open, and the watchdog has to be fed within its time. Context: background.
+ */
+void guard_hold_ticks(void);
+void guard_release_ticks(void);
+
+/*
+ * Let the watchdog wait for 47 ms and more, for an erase of the flash, and then for its own time again. Both feed it. False
+ * when it does not take the time over. Context: background, while ticks are held.
+ */
+bool guard_be_patient(void);
+bool guard_be_strict(void);
+
 /* Restart the tick guard. Context: control interrupt, first. */
 static inline void guard_restart(void)
 {

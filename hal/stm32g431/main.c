@@ -9,12 +9,14 @@
 #include "console.h"
 #include "cpu.h"
 #include "drive_config.h"
+#include "flash.h"
 #include "guard.h"
 #include "hal_g431.h"
 #include "led.h"
 #include "pwm.h"
 #include "reset.h"
 #include "sensing.h"
+#include "stored_config.h"
 #include "uart.h"
 #include "vectors.h"
 
@@ -24,6 +26,8 @@ static app_t app;
 static hal_t hardware;
 static console_t console;
 static recorder_t recorder;
+static stored_config_t stored;
+static about_t about;
 
 void board_safe_state(void)
 {
@@ -33,6 +37,13 @@ void board_safe_state(void)
 void ADC1_2_IRQHandler(void)
 {
     control_isr(&app);
+}
+
+void NMI_Handler(void)
+{
+    if (!flash_forgive()) {
+        safe_state_handler();
+    }
 }
 
 /* The tick guard: no control tick for one and a half periods. */
@@ -66,7 +77,7 @@ static const char *bring_up(void)
     const char *why = hal_g431_init(&hardware);
 
     if (why == NULL) {
-        why = app_init(&app, &hardware, &DRIVE_CONFIG);
+        why = app_init(&app, &hardware, &stored.block.cfg);
     }
     if (why == NULL) {
         why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
@@ -89,9 +100,20 @@ static void stay(const char *why)
     }
 }
 
+/* Whose numbers they are, and where they come from. */
+static void greet(void)
+{
+    console_say(&console, about.name);
+    stored_config_tell(&console.out, &stored);
+    console_say(&console, "");
+    if (guard_has_bitten()) {
+        console_say(&console, "the watchdog made the last reset");
+    }
+}
+
 int main(void)
 {
-    static const about_t about = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
+    static const about_t of_image = {DRIVE_ABOUT, .build = &build_id_note[BUILD_ID_FIRST_WORD]};
     const char *why = NULL;
 
     reg_write(SCB_VTOR, 0x08000000U);
@@ -100,11 +122,10 @@ int main(void)
     }
     clock_pins();
     uart_init();
+    about = of_image;
+    stored_config_load(&stored, &hardware, &DRIVE_CONFIG, &about);
     console_init(&console, &app, &hardware, &about);
-    console_say(&console, about.name);
-    if (guard_has_bitten()) {
-        console_say(&console, "the watchdog made the last reset");
-    }
+    greet();
     if (why == NULL) {
         why = bring_up();
     }

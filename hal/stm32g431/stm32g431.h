@@ -15,6 +15,26 @@
 #define FLASH_ACR_PRFTEN (1UL << 8) /* prefetch */
 #define FLASH_ACR_ICEN (1UL << 9)   /* instruction cache */
 #define FLASH_ACR_DCEN (1UL << 10)  /* data cache */
+#define FLASH_ACR_ICRST (1UL << 11) /* empties the one, while it is off */
+#define FLASH_ACR_DCRST (1UL << 12)
+#define FLASH_KEYR (0x40022008U)
+#define FLASH_KEY_1 (0x45670123U)
+#define FLASH_KEY_2 (0xCDEF89ABU)
+#define FLASH_SR (0x40022010U)
+#define FLASH_SR_EOP (1UL << 0)
+#define FLASH_SR_ERRORS \
+    (0xC3FAU) /* of operation, programming, protection, alignment, size, sequence, fast programming, options */
+#define FLASH_SR_BSY (1UL << 16)
+#define FLASH_CR (0x40022014U)
+#define FLASH_CR_PG (1UL << 0)
+#define FLASH_CR_PER (1UL << 1)
+#define FLASH_CR_PNB_SHIFT (3U)
+#define FLASH_CR_STRT (1UL << 16)
+#define FLASH_CR_LOCK (1UL << 31)
+#define FLASH_ECCR (0x40022018U)
+#define FLASH_ECCR_ECCD \
+    (1UL << 31) /* more wrong bits than can be corrected were read; written as 1 to clear */
+#define FLASH_STORE (0x0801F000U) /* the last two pages, see stm32g431.ld */
 
 /* --- Power, 6.4 ------------------------------------------------------------------------------- */
 #define PWR_CR3 (0x40007008U)
@@ -230,6 +250,8 @@
 #define SYST_RVR (0xE000E014U)
 #define SYST_CVR (0xE000E018U)
 #define NVIC_ISER0 (0xE000E100U)
+#define NVIC_ICER0 (0xE000E180U)
+#define NVIC_ICPR0 (0xE000E280U)
 #define NVIC_IPR4 (0xE000E410U) /* interrupts 16 to 19 */
 #define NVIC_ADC1_2 (18U)
 #define NVIC_ADC1_2_PRIORITY_1 (0x10UL << 16)

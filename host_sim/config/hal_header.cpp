@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -267,7 +268,24 @@ std::string trip_lines(const Config &config)
                 "hal.break_polarity");
 }
 
+std::string all_lines(const Config &config)
+{
+    return timer_lines(config) + sensing_lines(config) + trip_lines(config);
+}
+
 } // namespace
+
+std::string hal_facts(const Config &config)
+{
+    std::string facts;
+    if (config.origins.count("hal.shunt_ohm") != 0) {
+        std::istringstream lines(all_lines(config));
+        for (std::string line; std::getline(lines, line);) {
+            facts += line.substr(0, line.find(" /*")) + '\n';
+        }
+    }
+    return facts;
+}
 
 std::string make_hal_header(const Config &config)
 {
@@ -283,9 +301,9 @@ std::string make_hal_header(const Config &config)
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
         "again. */\n"
         "#ifndef HAL_CONFIG_H\n#define HAL_CONFIG_H\n\n"
-        "{}{}{}"
+        "{}"
         "\n#endif\n",
-        timer_lines(config), sensing_lines(config), trip_lines(config));
+        all_lines(config));
 }
 
 } // namespace nf

@@ -15,4 +15,7 @@ namespace nf
 // the converter's range, a missing key.
 std::string make_hal_header(const Config &config);
 
+// Its macros without their comments, and without any check; empty for a board without [hal].
+std::string hal_facts(const Config &config);
+
 } // namespace nf

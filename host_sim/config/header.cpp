@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "header.h"
 
+#include "about_text.h"
 #include "describe.h"
-#include "per_unit.h"
+#include "identity.h"
 
 extern "C" {
 #include "recorder.h"
 }
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -17,10 +17,6 @@ namespace nf
 {
 namespace
 {
-
-constexpr double PS_PER_S = 1e12;
-constexpr double MILLI = 1e-3;
-constexpr double MICRO = 1e-6;
 
 // Text of the user inside a comment: plain ASCII that can neither end the comment nor open another.
 std::string in_comment(std::string text)
@@ -98,54 +94,19 @@ std::string initialiser(const std::vector<ConfigRow> &rows)
     return text;
 }
 
-// A string literal of plain characters.
-std::string quoted(const std::string &text)
-{
-    std::string safe = text;
-    std::replace_if(
-        safe.begin(), safe.end(),
-        [](char c) { return c < 0x20 || c > 0x7E || c == '"' || c == '\\' || c == '?'; }, '_');
-    return '"' + safe + '"';
-}
-
-// As the timer makes it, of a whole number of its counts.
-double tick_ps(const BoardSettings &board)
-{
-    const double counts = std::round(board.timer_clock_hz / (2 * board.pwm_frequency_hz));
-    return 2 * counts / board.timer_clock_hz * PS_PER_S;
-}
-
-std::string temperature_points(const BoardSettings &board)
-{
-    std::string points;
-    int k = 0;
-    for (const double celsius : board.temperature_points_c) {
-        points += fmt::format("{}[{}] = {{{:.0f}, {:.0f}}}", k == 0 ? "" : ", ", k,
-                              temperature_count(board, celsius), celsius / MILLI);
-        k++;
-    }
-    return points;
-}
-
 // The initialisers of about_t.
 std::string about(const Config &config)
 {
-    const BoardSettings &board = config.board;
-    return fmt::format(
-        "#define DRIVE_ABOUT \\\n"
-        "    .name = {}, \\\n"
-        "    .rotation = {{.pole_pairs = {}U, .tick_ps = {:.0f}U}}, \\\n"
-        "    .speed_max_rpm = {:.0f}, \\\n"
-        "    .current_zero_count = {:.0f}U, \\\n"
-        "    .current_full_scale_ua = {:.0f}U, \\\n"
-        "    .bus_full_scale_uv = {:.0f}U, \\\n"
-        "    .temperature = {{.points = {}U, .at = {{{}}}}} /* counts and m°C, each */\n",
-        quoted(
-            fmt::format("neurofoc: {}, {}, {}", config.motor.name, board.name, config.tuning.name)),
-        config.motor.pole_pairs, std::round(tick_ps(board)), std::floor(config.motor.max_speed_rpm),
-        std::ldexp(0.5, board.adc_bits), std::round(board.current_full_scale_a / MICRO),
-        std::round(board.bus_full_scale_v / MICRO), board.temperature_points_c.size(),
-        temperature_points(board));
+    const config_identity_t identity = identity_of(config);
+    return fmt::format("#define DRIVE_ABOUT \\\n"
+                       "    .name = \"{}\", \\\n"
+                       "    .identity = {{.schema = 0x{:08X}U, .board = 0x{:08X}U}}, \\\n"
+                       "    .rotation = {{.pole_pairs = {}U, .tick_ps = {}U}}, \\\n"
+                       "    .speed_max_rpm = {}, \\\n"
+                       "{}",
+                       about_name(config), identity.schema, identity.board, config.motor.pole_pairs,
+                       tick_ps(config.board), speed_max_rpm(config.motor),
+                       about_board(config.board));
 }
 
 } // namespace

@@ -132,10 +132,10 @@ class Board:
     """The image from its reset vector on. Analogue values are set in counts as the drive takes them.
 
     `clock_library` is core_clock.c. `choose` takes the parts out of their tolerances (analogue.Parts). With ideal ones a
-    count is measured as it was set.
+    count is measured as it was set. `flashed`: (address, bytes) that are in the flash beside the image.
     """
 
-    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal):
+    def __init__(self, image, board_file, clock_library, reset_flags=PIN_FLAG, choose=analogue.ideal, flashed=()):
         board = tomllib.loads(board_file.read_text(encoding="utf-8"))
         hal = board["hal"]
         self.zero = round(hal["amplifier_zero_v"] / hal["adc_reference_v"] * 4096)
@@ -144,7 +144,7 @@ class Board:
         self.trip_a = board["board"]["trip_a"]
         self.parts = analogue.Parts(choose)
         self.chip = Chip(reset_flags, self.parts)
-        self.core = Core(image, self.chip, clock_library)
+        self.core = Core(image, self.chip, clock_library, flashed)
         self._stays = False  # the background, where it is
 
     def boot(self):

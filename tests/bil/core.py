@@ -73,7 +73,7 @@ def _decoded(flash):
 class Core:
     """Unicorn has no exceptions of its own: entry and return are made here."""
 
-    def __init__(self, image, chip, library):
+    def __init__(self, image, chip, library, flashed=()):
         self.chip = chip
         self.bus = Bus(chip.blocks)
         self.failure = None
@@ -87,7 +87,8 @@ class Core:
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
         self.uc.mem_map(FLASH, FLASH_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         self.uc.mem_map(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE)
-        for address, data in elf.segments(image):
+        self.uc.mem_write(FLASH, b"\xFF" * FLASH_SIZE)
+        for address, data in [*elf.segments(image), *flashed]:
             self.uc.mem_write(address, data)
         self.uc.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._invalid)
         self._library = ctypes.CDLL(str(library))

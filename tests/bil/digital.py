@@ -65,7 +65,10 @@ class Power:
             "SR2": (0x14, Register(0, 0, lambda: self._settling() << 10)),
             "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
         }, lambda: bit(self.rcc["APB1ENR1"], 28))
-        self.flash = Block("FLASH", 0x40022000, {"ACR": (0x00, Register(0x40600, 0x70F))})
+        self.flash = Block("FLASH", 0x40022000, {
+            "ACR": (0x00, Register(0x40600, 0x70F)),
+            "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),  # a test tears units
+        })
         self.rcc = Block("RCC", 0x40021000, {
             "CR": (0x00, Register(0x500, 0x01000500, self._control_read, self._control)),
             "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
@@ -80,6 +83,13 @@ class Power:
     def enabled(self, register, number):
         """A function that says whether a peripheral has its clock."""
         return lambda: bit(self.rcc[register], number)
+
+    def _acknowledge(self, value):
+        self.flash["ECCR"] &= ~value
+
+    def tear(self):
+        """A double word was read whose bits are beyond correction: the NMI follows."""
+        self.flash["ECCR"] = 1 << 31
 
     def _settling(self):
         return self.regulator.end != NEVER and not self.regulator.look()

@@ -4,7 +4,10 @@
 test_faults.py IMAGE BOARD CLOCK [TEST...], as scenario.py; all tests, or those named.
 """
 
+import functools
 import re
+import struct
+import subprocess
 import sys
 import tomllib
 import unittest
@@ -34,9 +37,17 @@ TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
 OVERTEMPERATURE_TICKS = round(0.11 * BOARD_FILE["board"]["pwm_frequency_hz"])  # for 0.1 s
 FULL_SCALE_A = BOARD_FILE["board"]["current_full_scale_a"]
 
+STRIDE = 37  # instructions, fewer than the store needs to read a block, and in step with none of its loops
+LONG_BLOCK = b"NFCB" + struct.pack("<II", 1, 384) + bytes(1524)  # for the store to read, and to find its CRC wrong
+
 # Pins of TIM1 and USART2 with their alternate function: data sheet, table 13.
 PINS = {("A", 8): 6, ("A", 9): 6, ("A", 10): 6, ("C", 13): 4, ("A", 12): 6, ("B", 15): 4,
         ("B", 3): 7, ("B", 4): 7}
+
+
+def address_of(name):
+    words = subprocess.run(["arm-none-eabi-nm", IMAGE], capture_output=True, text=True, check=True).stdout.split()
+    return int(words[words.index(name) - 2], 16)
 
 
 def make(image=IMAGE, **arguments):
@@ -215,6 +226,22 @@ class Ticks(unittest.TestCase):
     def test_an_interrupt_that_nobody_wants_opens_the_gates_for_good(self):
         made = running()
         made.core.handle(16, instructions=1000)  # the window watchdog's, which does not run
+        self.assertFalse(made.chip.timer.gates_on())
+
+    def test_a_torn_word_of_the_store_is_survived_and_any_other_opens_the_gates(self):
+        """The NMI comes while the store reads a unit, and then of something else, with and without a torn word."""
+        made = make(flashed=[(0x0801F000, LONG_BLOCK)])
+        reading = address_of("is_reading")
+        nmi = functools.partial(made.core.handle, 2, instructions=1000)
+        while not made.core.uc.mem_read(reading, 1)[0]:
+            made.core.step(STRIDE)
+        made.chip.power.tear()
+        self.assertTrue(nmi())
+        self.assertEqual(made.chip.power.flash["ECCR"], 0)
+        self.assertFalse(nmi())  # no word was torn
+        made = running()
+        made.chip.power.tear()
+        self.assertFalse(made.core.handle(2, instructions=1000))
         self.assertFalse(made.chip.timer.gates_on())
 
     def test_a_fault_with_no_stack_left_opens_the_gates(self):

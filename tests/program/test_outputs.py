@@ -31,6 +31,7 @@ WRITERS = {
     **{(MOTORSIM, "certify", option): CERTIFY for option in ("--output", "--json")},
     (NFCONFIG, "header", "--out"): PARTS,
     (NFCONFIG, "hal-header", "--out"): PARTS,
+    (NFCONFIG, "block", "--out"): (*PARTS, "--overwrite"),
     (GAINDESIGN, "design", "--json"): (),
 }
 WRITERS = {writer: settings for writer, settings in WRITERS.items() if writer[0] in PROGRAMS}
@@ -42,6 +43,7 @@ PRINTERS = (
     (MOTORSIM, "identify", "s1"), (MOTORSIM, "identify", "s1", "--json", "-"),
     (MOTORSIM, "certify", *CERTIFY), (MOTORSIM, "certify", *CERTIFY, "--json", "-"),
     (NFCONFIG, "header", *PARTS), (NFCONFIG, "hal-header", *PARTS), (NFCONFIG, "show", *PARTS), (NFCONFIG, "keys"),
+    (NFCONFIG, "block", *PARTS, "--out", "-"),
     (NFCONFIG, "list"),
     (GAINDESIGN, "design"), (GAINDESIGN, "compare"), (GAINDESIGN, "check", "0.264", "0.035"),
 )

@@ -995,12 +995,7 @@ static uint32_t coast(double fall)
 
 static void test_coasting_has_no_current_and_follows_the_rotor(void)
 {
-    int32_t firm;
-
-    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
-    firm = word(PROBE_INTEGRAL_Q) >> 16;
     begin_coast();
-    TEST_ASSERT_EQUAL_INT32(firm - 2, word(PROBE_INTEGRAL_Q) >> 16); /* four times as quick */
     TEST_ASSERT_EQUAL_INT32(0, word(PROBE_CURRENT));
     TEST_ASSERT_EQUAL_INT32(DAMPING_MOST, word(PROBE_DAMPING));
     TEST_ASSERT_EQUAL_INT32(300000, word(PROBE_TRACKING));
@@ -1009,6 +1004,17 @@ static void test_coasting_has_no_current_and_follows_the_rotor(void)
     TEST_ASSERT_EQUAL_INT32(60, identify.aim.settle);
     TEST_ASSERT_TRUE(coast_at(TOP));
     TEST_ASSERT_EQUAL_INT32(0, identify.aim.settle);
+}
+
+/* Four times as quick: its shift is less by two. */
+static void test_coasting_has_a_quick_integral(void)
+{
+    int32_t quick;
+
+    begin_coast();
+    quick = word(PROBE_INTEGRAL_Q) >> 16;
+    identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
+    TEST_ASSERT_EQUAL_INT32((word(PROBE_INTEGRAL_Q) >> 16) - 2, quick);
 }
 
 /* An electrical turn at half of the speed, 300 ticks; 5 and 80 ms are its bounds. */
@@ -1145,6 +1151,7 @@ int main(void)
     RUN_TEST(test_a_torque_is_that_over_the_ramp_of_current_and_flux);
     RUN_TEST(test_a_torque_of_no_motor_is_bounded);
     RUN_TEST(test_coasting_has_no_current_and_follows_the_rotor);
+    RUN_TEST(test_coasting_has_a_quick_integral);
     RUN_TEST(test_the_first_window_of_coasting_is_a_turn);
     RUN_TEST(test_windows_of_coasting_grow_once_there_is_a_speed_to_compare_with);
     RUN_TEST(test_windows_of_coasting_stay_once_the_speed_falls);

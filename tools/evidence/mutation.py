@@ -113,6 +113,7 @@ AREAS = (
          sample=52, looked_at=60, tests=("test_control_isr",)),
     Area("console", tuple(f"firmware/app/{name}.c" for name in ("commander", "console", "status", "temperature", "text")), APP,
          (44, 45), sample=60, tests=("test_console",)),
+    Area("store", tuple(f"firmware/app/{name}.c" for name in ("store", "stored_config")), APP, (86, 99), sample=60, looked_at=120),
     # `killed` is of all there were before the first look at them.
     Area("identification", ("firmware/app/identify*.c",), APP, (1581, 1729), sample=60),
     Area("board", tuple(f"hal/stm32g431/{name}.c" for name in ("codes", "led")), ("hal/stm32g431", *APP), (47, 50), sample=60),

@@ -70,3 +70,30 @@ hal_health_t hal_health(const hal_t *hal)
             (uint16_t)(MINE_NO_CURRENTS - mine_registers.current_a - mine_registers.current_b),
     };
 }
+
+/* No flash is kept for a configuration. */
+bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    (void)hal;
+    (void)slot;
+    (void)unit;
+    (void)bytes;
+    return false;
+}
+
+bool hal_store_erase(hal_t *hal, uint32_t slot)
+{
+    (void)hal;
+    (void)slot;
+    return false;
+}
+
+bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
+                       const uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    (void)hal;
+    (void)slot;
+    (void)unit;
+    (void)bytes;
+    return false;
+}

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: MIT
+"""target.loop.store: which configuration the image of the B-G431B-ESC1 starts with, by what is in the slots of its flash.
+
+test_store.py IMAGE BOARD CLOCK NFCONFIG. A slot is written here as store.h says, a second time.
+"""
+
+import binascii
+import struct
+import subprocess
+import sys
+import tempfile
+import tomllib
+import unittest
+from pathlib import Path
+
+import board
+import elf
+
+IMAGE, BOARD, CLOCK, NFCONFIG = (Path(argument) for argument in sys.argv[1:5])
+FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
+MIDDLE = 2048
+BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
+CALIBRATION_TICKS = 260
+SLOTS = (0x0801F000, 0x0801F800)
+STAMPS = 192 * 8  # bytes of a slot before them
+MAGIC, SCHEMA_AT, BOARD_AT = b"NFCB", 12, 16
+IMAGES_NAME = "neurofoc: 24 V outrunner, example, B-G431B-ESC1, robust"
+OTHERS_NAME = "neurofoc: ODrive D5065-270KV, B-G431B-ESC1, any motor"
+
+
+def block(motor="odrive_d5065", tuning="any"):
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "x.nfb"
+        subprocess.run([NFCONFIG, "block", "--motor", motor, "--board", "b_g431b_esc1", "--tuning", tuning, "-o", file],
+                       check=True)
+        return file.read_bytes()
+
+
+def sealed(data):
+    return data[:-4] + struct.pack("<I", binascii.crc32(data[:-4]))
+
+
+def changed(data, at, value=0):
+    return sealed(data[:at] + struct.pack("<I", value) + data[at + 4:])
+
+
+def slot(number, data, sequence=2):
+    stamp = struct.pack("<I", sequence)
+    stamp += struct.pack("<I", binascii.crc32(stamp + data[-4:]))
+    return [(SLOTS[number], data), (SLOTS[number] + STAMPS, stamp)]
+
+
+class Store(unittest.TestCase):
+    def start(self, *flashed):
+        self.made = board.Board(IMAGE, BOARD, CLOCK, flashed=[part for parts in flashed for part in parts])
+        self.made.set_inputs(MIDDLE, MIDDLE, BUS)
+        self.made.boot()
+        self.made.tick(CALIBRATION_TICKS)
+        said = self.made.said().splitlines()
+        self.assertIn("READY", said[-1])
+        return said[0], said[1]
+
+    def assert_images(self, greeting, why):
+        self.assertEqual(greeting, (IMAGES_NAME, f"configuration: that of the image, {why}"))
+
+    def test_without_a_block_it_has_that_of_the_image(self):
+        self.assert_images(self.start(), "none is stored")
+
+    def test_a_stored_block_of_another_motor_is_what_it_runs_with(self):
+        self.assertEqual(self.start(slot(0, block())), (OTHERS_NAME, "configuration: the stored one"))
+        self.made.type("speed 5401")
+        self.made.tick(3)
+        self.assertIn("at most 5400 either way", self.made.said())
+
+    def test_of_two_blocks_the_newer_one_counts(self):
+        images, others = block("outrunner_24v", "robust"), block()
+        self.assertEqual(self.start(slot(0, images, 4), slot(1, others, 6))[0], OTHERS_NAME)
+        self.assertEqual(self.start(slot(0, images, 8), slot(1, others, 6))[0], IMAGES_NAME)
+
+    def test_a_damaged_block_is_none(self):
+        data = bytearray(block())
+        data[300] ^= 1
+        self.assert_images(self.start(slot(0, bytes(data))), "none is stored")
+
+    def test_a_block_without_a_stamp_is_none(self):
+        self.assert_images(self.start([slot(0, block())[0]]), "none is stored")
+
+    def test_a_block_for_another_firmware_or_board_is_told(self):
+        why = "not the stored one: the block was made for another "
+        self.assert_images(self.start(slot(0, changed(block(), SCHEMA_AT))), why + "firmware")
+        self.assert_images(self.start(slot(0, changed(block(), BOARD_AT))), why + "board")
+
+    def test_nothing_of_the_image_lies_in_the_slots(self):
+        self.assertLessEqual(max(address + len(data) for address, data in elf.segments(IMAGE)), SLOTS[0])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
