@@ -69,13 +69,13 @@ double scatter_of(const std::vector<double> &values)
 }
 
 // What the rotor and ωL make of a window: the voltage less R·i and the legs. A demand stays in space for a period while
-// the frame turns.
+// the frame turns: the mean of what turns is smaller by a sinc, and so is the demand that holds against it.
 std::complex<double> induced_v(const Record &r, const Legs &legs)
 {
     const double size = std::abs(r.i_a);
     const double held = sinc(r.speed_el_rad_s * legs.period_s / 2);
     const double lost = size > 0 ? legs.lost_turning_v(size) / size : 0;
-    return r.voltage_v * held - (legs.warm_ohm() + lost) * r.i_a;
+    return r.voltage_v / held - (legs.warm_ohm() + lost) * r.i_a;
 }
 
 // φ of a window that turns: L_q·i belongs to the voltage whatever the load angle, (L_d − L_q)·i_d to the flux.

@@ -78,7 +78,7 @@ void what_is_neither_complete_nor_a_name_plate_is_refused_everywhere()
     const Folder folder;
     write_plate(folder, "resistance_ohm = 2\n");
     const std::string line =
-        "motors/m.toml:1: motor.inductance_d_h (1e-06 to 1 H), motor.inductance_q_h (1e-06 to 1 "
+        "motors/m.toml:1: motor.inductance_d_h (5e-07 to 1 H), motor.inductance_q_h (5e-07 to 1 "
         "H), motor.flux_linkage_wb (1e-05 to 10 Wb), motor.rated_torque_nm (1e-05 to 10000 N·m), "
         "motor.rated_speed_rpm (1 to 200000 rpm), motor.inertia_kg_m2 (1e-07 to 100 kg·m²), "
         "motor.viscous_friction_nm_s (0 to 100 N·m·s): are missing";

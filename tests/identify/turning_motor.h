@@ -30,7 +30,7 @@ inline double drag_nm(double speed_el)
     return VISCOUS * speed_el / POLE_PAIRS + COULOMB;
 }
 
-// A demand stays in space for a period while the frame turns.
+// A demand stays in space for a period, and is the mean of what turns meanwhile.
 inline double held(double speed_el)
 {
     const double x = speed_el * PERIOD_S / 2;
@@ -58,7 +58,7 @@ inline Record turning(const std::string &kind, double speed_el, double current_a
     r.i_a = current_a;
     const std::complex<double> v = OHM * current_a + lost + j * speed_el * Q_H * current_a +
                                    j * speed_el * flux_wb * std::polar(1.0, -LAG_RAD);
-    r.voltage_v = v / held(speed_el);
+    r.voltage_v = v * held(speed_el);
     return r;
 }
 
@@ -94,7 +94,7 @@ inline void add_coasting(Records &records, const Turning &t)
         r.bus_v = BUS_V;
         r.speed_el_rad_s = speed_el - fall / 2;
         r.voltage_v =
-            std::complex<double>(0, r.speed_el_rad_s * t.coasting_wb) / held(r.speed_el_rad_s);
+            std::complex<double>(0, r.speed_el_rad_s * t.coasting_wb) * held(r.speed_el_rad_s);
         records.all.push_back(r);
         speed_el -= fall;
     }
