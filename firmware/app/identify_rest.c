@@ -53,7 +53,7 @@ static int32_t largest_peak(const identify_rest_t *rest)
 }
 
 /* In any direction: exchanged wires turn the current away from the pulse. */
-static int32_t largest_current(const identify_rest_t *rest)
+static int32_t largest_answer(const identify_rest_t *rest)
 {
     int32_t largest = 0;
 
@@ -80,7 +80,7 @@ static void find_inductance(identify_rest_t *rest)
 /* So large a current says which phases are connected, long before the drive misses one. */
 static bool shows_current(const identify_t *identify)
 {
-    return largest_current(&identify->rest) >= (identify_aim_continuous(identify) / 16);
+    return largest_answer(&identify->rest) >= (identify_aim_continuous(identify) / 16);
 }
 
 /* In small steps once a current shows; twice as much before, first of the voltage, then of the time. */
@@ -113,7 +113,7 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
         "the wires or the current sensors of phases a and c are exchanged",
         "the wires or the current sensors of phases a and b are exchanged",
     };
-    const int32_t least = largest_current(rest) / OPEN_SHARE;
+    const int32_t least = largest_answer(rest) / OPEN_SHARE;
     const char *why = NULL;
     uint32_t turned = 0U;
     uint32_t straight = 0U;

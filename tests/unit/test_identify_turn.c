@@ -1012,6 +1012,8 @@ static void test_coasting_has_a_quick_integral(void)
     int32_t quick;
 
     begin_coast();
+    identify.rest.inductance_q16 = 1441;
+    TEST_ASSERT_TRUE(coast_at(TOP));
     quick = word(PROBE_INTEGRAL_Q) >> 16;
     identify_aim_gains(&identify, IDENTIFY_GAINS_FIRM);
     TEST_ASSERT_EQUAL_INT32((word(PROBE_INTEGRAL_Q) >> 16) - 2, quick);
