@@ -153,6 +153,11 @@ class Wiring(Case):
                 bench.sees = sees
                 self.assert_refused(f"the wires or the current sensors of phases {names} are exchanged", bench)
 
+    def test_three_exchanged_phases_are_named(self):
+        bench = self.bench()
+        bench.sees = 1, 2
+        self.assert_refused("a current sensor is reversed, or the wires or the sensors of all three phases are exchanged", bench)
+
     def test_noise_is_named(self):
         bench = self.bench()
         bench.noise = 0.1 * 8.4 / FULL_SCALE_A * MIDDLE  # a tenth of the continuous current
