@@ -34,8 +34,10 @@ def offsets(*members):
 
 
 def address_of(name):
+    """Of a static variable. Where the image is linked in parts, its name goes on behind a point."""
     words = output("arm-none-eabi-nm", IMAGE)
-    return int(words[words.index(name) - 2], 16)
+    at = next(k for k, word in enumerate(words) if word.partition(".")[0] == name)
+    return int(words[at - 2], 16)
 
 
 class Command(unittest.TestCase):

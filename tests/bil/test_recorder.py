@@ -200,9 +200,9 @@ class Recorder(unittest.TestCase):
         made = board.Board(IMAGE, BOARD, CLOCK)
         made.chip.usart.instant = True
         made.set_inputs(MIDDLE, MIDDLE, BUS)
+        converts, made.chip.timer.trigger = made.chip.timer.trigger, lambda: None
         made.boot()
         made.said()
-        converts, made.chip.timer.trigger = made.chip.timer.trigger, lambda: None
         made.type("dump")
         self.assertEqual(made.ticks, 0)
         self.assertIn("error: the control tick does not run, nothing is recorded", console.lines(made.said()))

@@ -21,12 +21,10 @@ find_program(CMAKE_RANLIB arm-none-eabi-gcc-ranlib REQUIRED)
 
 # -fno-short-enums: an enum is as wide as on the PC, so a struct has the same members on both and
 # the compiler warns about the same conversions.
-# -flto-partition=one: the program is optimised as a whole, and a static variable keeps the name that
-# tools look for; in more than one part it is renamed.
 string(JOIN " " CMAKE_C_FLAGS_INIT
     -mcpu=${NF_CPU} -mthumb -mfloat-abi=soft
     -ffreestanding -fno-short-enums -fno-common
-    -ffunction-sections -fdata-sections -flto -flto-partition=one)
+    -ffunction-sections -fdata-sections -flto)
 set(CMAKE_ASM_FLAGS_INIT "-mcpu=${NF_CPU} -mthumb")
 set(CMAKE_C_FLAGS_RELWITHDEBINFO "-O2 -g" CACHE STRING "Flags of the one build type")
 
