@@ -53,10 +53,10 @@ typedef struct {
     dq_t peaks[IDENTIFY_AXES]; /* current of the last pulses, in the frame of each axis */
     int32_t inductance_q16;    /* volt-ticks for a change of the current, Q15 of U_b and I_b, Q16 */
     int32_t along_q16;         /* the same along a current, of the last pulses */
-    int32_t
-        across_q16; /* and across: of the change of both between the last pulses and those before */
-    int32_t across_volts;   /* volt-ticks of the last pulses across, */
-    int32_t across_current; /* and their current */
+    /* The same across: the last two pulses of unlike current give it by their differences. */
+    int32_t across_q16;
+    int32_t across_volts;   /* volt-ticks of the last pulses across */
+    int32_t across_current; /* current of those */
     uint32_t looks;         /* at a rotor that has come to another axis; 0: it is at rest */
     int32_t mean_across;    /* i_q of an earlier look, */
     uint32_t steady;        /* and how many since then have about the same */

@@ -165,7 +165,7 @@ static void steepen(identify_t *identify, int32_t torque)
 #define SPIN_LOW (1U)
 #define SPIN_RAMP (2U)
 #define SPIN_WHOLE (3U)
-#define SPIN_HALF_CURRENT (4U)
+#define SPIN_OTHER_CURRENT (4U)
 
 #define ATTEMPTS (2U)  /* more, after the rotor was lost */
 #define SPIN_MS (2000) /* from rest to the highest speed */
@@ -417,7 +417,7 @@ static void note_spin(identify_t *identify)
         identify->turn.flux_q14 = flux_q14(identify);
     } else if ((identify->step == (SPIN_WHOLE + 1U)) && is_lost(identify)) {
         identify_turn_catch_again(identify);
-    } else if ((identify->step == (SPIN_HALF_CURRENT + 1U)) && has_stood(identify)) {
+    } else if ((identify->step == (SPIN_OTHER_CURRENT + 1U)) && has_stood(identify)) {
         retry_standing(identify);
     } else {
         /* for the record only */
@@ -429,7 +429,7 @@ bool identify_turn_plan_spin(identify_t *identify)
     note_spin(identify);
     if (identify->phase != IDENTIFY_SPIN) {
         /* refused, or lost */
-    } else if (identify->step <= SPIN_HALF_CURRENT) {
+    } else if (identify->step <= SPIN_OTHER_CURRENT) {
         aim_spin(identify);
         identify->step++;
     } else {

@@ -15,7 +15,7 @@ namespace
 {
 
 constexpr double PER_CENT = 100;
-constexpr double RAD_S_PER_RPM = 3.14159265358979323846 / 30;
+constexpr double RAD_S_PER_RPM = PI / 30;
 constexpr double SCALE_OFF = 1e-3; // the files' scales and the records' are those of one board
 // The mean change of a sensor from sample to sample is 2/√π of its standard deviation.
 constexpr double CHANGE_TO_SIGMA = 0.88622692545275801365;
@@ -123,12 +123,11 @@ void fill_bars(MeasuredSettings &m, const Legs &legs, const Inductances &l, cons
     m.gain_mismatch_bar_pct = PER_CENT * bar_of(legs.mismatch);
 }
 
-// The share of the rounding that the noise does not average away, of its rms in counts: the first harmonic of a staircase that a
-// normal distribution smooths.
+// How much of a converter's rounding is left in a mean. Noise smooths the staircase: its first harmonic falls with the rms of
+// the noise, here in counts.
 double left_of_rounding(double noise_lsb)
 {
-    constexpr double pi = 3.14159265358979323846;
-    return std::exp(-2 * pi * pi * noise_lsb * noise_lsb);
+    return std::exp(-2 * PI * PI * noise_lsb * noise_lsb);
 }
 
 // Rms, A; of both sensors and all levels.

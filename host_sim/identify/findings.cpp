@@ -2,6 +2,7 @@
 #include "findings.h"
 
 #include "bars.h"
+#include "numbers.h"
 
 #include <algorithm>
 #include <vector>
@@ -114,7 +115,7 @@ nlohmann::ordered_json curve_json(const Curve &curve, const std::optional<Truth>
 
 nlohmann::ordered_json speeds_json(const Result &result)
 {
-    constexpr double rad_s_per_rpm = 3.14159265358979323846 / 30;
+    constexpr double rad_s_per_rpm = PI / 30;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const FluxAtSpeed &point : result.flux.over_speed) {
         nlohmann::ordered_json entry;
