@@ -129,15 +129,13 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
             straight = axis;
         }
     }
-    if (why != NULL) {
-        /* an open phase turns the current of the others */
-    } else if (turned == IDENTIFY_AXES) {
+    /* an open phase turns the current of the others, so it is named first */
+    if ((why == NULL) && (turned == IDENTIFY_AXES)) {
         why =
             "a current sensor is reversed, or the wires or the sensors of all three phases are exchanged";
-    } else if (turned == 2U) {
+    }
+    if ((why == NULL) && (turned == 2U)) {
         why = crossed[straight];
-    } else {
-        /* a phase that stands out is judged by its resistance */
     }
     return why;
 }
