@@ -19,6 +19,9 @@
  *
  * When the background is busy for more than RECORDER_MARGIN ticks at the end of a segment, there is a gap. Frames before
  * a gap are no longer part of the history.
+ *
+ * A reader can follow the ring while it is written: recorder_find() and what is below it. While it does, a fault does not
+ * freeze the recording: the reader has the frames, and goes on.
  */
 #ifndef RECORDER_H
 #define RECORDER_H
@@ -39,8 +42,8 @@
  *
  *     frame    adc_ia, adc_ib; adc_bus, flags; compare of a and b; compare of c with gate_enable in bit 15, angle:
  *              each word has two halves of 16 bits, the lower first; a compare value has 15 bits
- *     change   marked by bit 15 of the third word; target; mode, request, adc_temperature: 8, 8 and 16 bits. They
- *              apply to the frames that follow, up to the next change
+ *     change   marked by bit 15 of the third word; target; mode, request, adc_temperature: 8, 8 and 16 bits; the
+ *              fourth word is the crc of the configuration. They apply to the frames that follow, up to the next change
  *
  * A segment begins with a change.
  */
@@ -56,6 +59,8 @@ typedef struct {
 
 typedef struct {
     const recorder_entry_t *end; /* behind its last entry, valid once the segment is complete */
+    uint32_t number;             /* counts the segments from 1 on, wrapping; 0: it holds nothing */
+    uint32_t config_crc;         /* of the configuration of the state before it */
     bool follows;                /* it continues the segment before it without a gap */
 } recorder_segment_t;
 
@@ -92,6 +97,13 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
 void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t *in,
                    const drive_out_t *out);
 
+/*
+ * The drive has another configuration in place of `before`, from the frame on that is recorded next. The frame gets a
+ * change in front of it. `before` is kept as long as the recording may need it, or is overwritten: then the history begins
+ * behind the change. Context: control interrupt, before drive_step().
+ */
+void recorder_change(recorder_t *recorder, const drive_cfg_t *before);
+
 /* Takes snapshots, freezes and restarts the recording. Context: background; a tick may interrupt it anywhere. */
 void recorder_service(recorder_t *recorder, const drive_t *drive);
 
@@ -121,6 +133,30 @@ const recorder_entry_t *recorder_entry(const recorder_t *recorder,
 /* Return the state before the first frame of the history and after the last one. */
 const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_history_t *history);
 const drive_t *recorder_end_state(const recorder_t *recorder);
+
+/*
+ * Reading while it records: segments by their number. All in the background, between two calls of recorder_service(); what
+ * they return is good until the next one.
+ */
+
+/* A fault does not freeze the recording while a reader is on. */
+void recorder_follow(recorder_t *recorder, bool on);
+
+/* Returns the number of the segment that is written, 0 when there is none. */
+uint32_t recorder_newest(const recorder_t *recorder);
+
+/* A segment of the ring. */
+typedef struct {
+    const recorder_entry_t *first;
+    uint32_t entries;     /* so far */
+    bool complete;        /* there will not be more */
+    bool follows;         /* nothing is missing between the segment before it and this one */
+    uint32_t config_crc;  /* of the configuration of `state` */
+    const drive_t *state; /* before its first frame */
+} recorder_view_t;
+
+/* False when the segment of this number is not in the ring, or not any more. */
+bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view);
 
 /* Decodes the next entry into `frame`. True when the entry was a frame, so that `frame` is complete; false for a
  * change. Pure. */

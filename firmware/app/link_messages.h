@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The messages of the link between a board and a PC, for both sides. docs/link.md says how a conversation goes.
+ *
+ * A message is type, tag and a body. All numbers are unsigned and have their lowest byte first, unless noted. It travels as
+ *
+ *     00  COBS(type, tag, body, CRC-32 of type to body)  00
+ *
+ * The PC asks and the board answers with the type + LINK_ANSWER and the tag of the question: one question at a time. What the
+ * board says unasked has the tag 0. A body that is too short for its type, or too long, makes the board answer
+ * LINK_REFUSED; a frame whose CRC is wrong is as if it had not come.
+ */
+#ifndef LINK_MESSAGES_H
+#define LINK_MESSAGES_H
+
+#include <stdint.h>
+
+#define LINK_VERSION (1U)
+#define LINK_MESSAGE_BYTES_MAX (160U) /* type, tag, body */
+#define LINK_CRC_BYTES (4U)
+
+#define LINK_ANSWER (0x80U)
+#define LINK_READ_WORDS_MAX (32U) /* of a block or a state, in one message */
+#define LINK_TEXT_MAX (120U)      /* characters in one message */
+
+/* Questions. */
+typedef enum {
+    LINK_HELLO = 1, /* version u8. Switches the line from the console to the link. Answer: link identity, below */
+    LINK_BYE,       /* switches back to the console. Answer: nothing behind type and tag */
+    LINK_PING,      /* keeps link and command alive. Answer: health, below */
+    LINK_COMMAND,   /* request u8, mode u8, target s32: as drive_command_t. Answer: verdict */
+    LINK_LINE,      /* a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
+    LINK_READ,      /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
+    LINK_WRITE,     /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
+    LINK_APPLY,     /* crc u32 of the block that is prepared: it becomes the one in force. Answer: verdict */
+    LINK_STORE,     /* the block in force is stored in flash. Answer: verdict */
+    LINK_DEFAULTS,  /* the block of the image becomes the one in force. Answer: verdict */
+    LINK_STREAM,    /* on u8: 1 starts the stream with the newest segment, 0 ends it. Answer: verdict */
+    LINK_STATE,     /* segment u32, first word u16: of its state. Answer: segment u32, first u16, words u8, words u32 each */
+    LINK_AGAIN      /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
+} link_question_t;
+
+/* A verdict is a text: empty when it is done, else why not, as a person reads it. */
+
+/* What the board says unasked. */
+typedef enum {
+    LINK_TEXT = 0xC0,    /* characters of the console */
+    LINK_SEGMENT = 0xC1, /* a segment of the ring begins, below */
+    LINK_FRAMES = 0xC2,  /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
+    LINK_REFUSED = 0xFF  /* answer to a message that the board does not know, or of a wrong length: its type u8 */
+} link_notice_t;
+
+/*
+ * Identity, the answer to LINK_HELLO:
+ *     version u8, capabilities u8 (LINK_CAN_…), state words u16, block words u16, entries of a segment u16,
+ *     schema u32, board u32 (config_identity_t), tick u32 in ps, baud rate u32, current full scale u32 in µA,
+ *     bus full scale u32 in µV, build-id 20 bytes
+ */
+#define LINK_CAN_STREAM (0x01U) /* it has a recorder */
+#define LINK_CAN_STORE (0x02U)
+#define LINK_IDENTITY_BYTES (52U)
+
+/*
+ * Health, the answer to LINK_PING: hal_health_t and the room of the link
+ *     load u8 in %, tick lost u8, adc_ic u16, late ticks u32, frames lost by the line's reader u32
+ */
+#define LINK_HEALTH_BYTES (12U)
+
+/*
+ * A segment (LINK_SEGMENT): number u32, tick of its first frame u32, hash of the state before it u32 (drive_words_hash),
+ * CRC of the configuration then u32, entries of the segment before it u16, follows u8: 1 when nothing is missing between
+ * the segment before it and this one.
+ */
+#define LINK_SEGMENT_BYTES (19U)
+
+#endif
