@@ -65,21 +65,6 @@ void check_sizes(const recorder_header_t &h, std::size_t words)
     }
 }
 
-void check_scales(const recorder_about_t &about)
-{
-    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
-    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
-    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
-                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
-                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
-                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
-        if (scale.value < scale.min || scale.value > scale.max) {
-            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
-                   scale.max);
-        }
-    }
-}
-
 recorder_header_t header_of(const std::vector<uint32_t> &words)
 {
     recorder_header_t header{};
@@ -149,6 +134,23 @@ void take_frames(Recording &recording, const uint32_t *words)
     }
 }
 
+} // namespace
+
+void check_scales(const recorder_about_t &about)
+{
+    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
+    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
+    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
+                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
+                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
+                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
+        if (scale.value < scale.min || scale.value > scale.max) {
+            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
+                   scale.max);
+        }
+    }
+}
+
 Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
 {
     constexpr double PICO = 1e-12;
@@ -166,8 +168,6 @@ Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
         std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
     return b;
 }
-
-} // namespace
 
 std::string Recording::name() const
 {

@@ -120,7 +120,6 @@ private:
     {
         return static_cast<std::size_t>(tick_ - first_);
     }
-    void view_frame(Tick &tick) const;
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
