@@ -93,7 +93,8 @@ static void enter_segment(recorder_t *recorder, const drive_t *drive, const driv
 }
 
 /* Where this tick has room in the current segment, behind the change if there is one; NULL where it has none. */
-static recorder_entry_t *go_on(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
+static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *drive,
+                                       const drive_in_t *in)
 {
     recorder_entry_t *at = recorder->at;
 
@@ -123,7 +124,7 @@ static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive, c
         enter_segment(recorder, drive, in);
         at = recorder->at;
     } else if (!recorder->frozen && (recorder->current != NONE)) {
-        at = go_on(recorder, drive, in);
+        at = room_for_tick(recorder, drive, in);
     } else {
         /* nothing to record to */
     }
@@ -402,7 +403,7 @@ const drive_t *recorder_end_state(const recorder_t *recorder)
  * What has been written of a segment. The place to write is read before the segment that is written: if a tick turns over
  * between the two, the segment is complete and has an end.
  */
-static void look_at(const recorder_t *recorder, uint32_t segment, recorder_view_t *view)
+static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_view_t *view)
 {
     const recorder_segment_t *const about = &recorder->segments[segment];
     const recorder_entry_t *end = recorder->at;
@@ -453,7 +454,7 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
     if ((number != 0U) && ((newest - number) < RECORDER_SEGMENTS)) {
         for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
             if (recorder->segments[k].number == number) {
-                look_at(recorder, k, view);
+                fill_view(recorder, k, view);
                 found = true;
             }
         }
