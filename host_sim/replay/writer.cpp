@@ -51,12 +51,18 @@ Writer::Writer(const Config &config)
 void Writer::add(const Tick &tick)
 {
     const Simulation &sim = *tick.sim;
-    recorder_step(&recorder_, &sim.drive(), &sim.in(), &sim.out());
-    recorder_service(&recorder_, &sim.drive());
-    cfg_ = sim.cfg();
+    const bool changed = source_ != nullptr && sim.drive().cfg != source_;
+    source_ = sim.drive().cfg;
+    if (changed) {
+        recorder_change(&recorder_, &cfgs_[in_force_]);
+        in_force_ = 1 - in_force_;
+    }
+    cfgs_[in_force_] = sim.cfg();
     drive_ = sim.drive();
-    drive_.cfg = &cfg_;
+    drive_.cfg = &cfgs_[in_force_];
     in_ = sim.in();
+    recorder_step(&recorder_, &drive_, &in_, &sim.out());
+    recorder_service(&recorder_, &drive_);
 }
 
 // It closes in the tick behind the last.
@@ -75,7 +81,7 @@ std::string Writer::text()
 {
     freeze();
     recorder_dump_t dump{};
-    recorder_dump_start(&dump, &recorder_, &cfg_, &about_);
+    recorder_dump_start(&dump, &recorder_, &about_);
     std::string text;
     std::array<char, RECORDER_LINE_CHARACTERS + 1> line{};
     while (recorder_dump_line(&dump, line.data())) {

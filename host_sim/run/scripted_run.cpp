@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scripted_run.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace nf
 {
@@ -23,7 +25,7 @@ ScriptedRun::ScriptedRun(const Config &config) : ScriptedRun(config, config)
 }
 
 ScriptedRun::ScriptedRun(const Config &real, const Config &believed)
-    : mode_(real.scenario.mode), sim_(real, believed), first_(0),
+    : mode_(real.scenario.mode), sim_(real, believed), first_built_(sim_.cfg()), first_(0),
       zero_(ticks_in(real.scenario.prelude_s)), end_(zero_ + ticks_in(real.scenario.duration_s)),
       command_(real.scenario.command, sim_.bases().control_period_s, zero_),
       load_(scaled(real.scenario.load, real.scenario.load_scale), sim_.bases().control_period_s,
@@ -36,13 +38,14 @@ ScriptedRun::ScriptedRun(const Config &real, const Config &believed)
 
 ScriptedRun::ScriptedRun(const RecordedRun &recorded)
     : mode_(DriveMode::speed), frames_(recorded.frames), outputs_(recorded.outputs),
-      sim_(recorded.image), first_(recorded.first()), zero_(0),
-      end_(first_ + static_cast<int64_t>(frames_.size())),
+      changes_(recorded.changes), sim_(recorded.image), first_built_(sim_.cfg()),
+      first_(recorded.first()), zero_(0), end_(first_ + static_cast<int64_t>(frames_.size())),
       command_({}, sim_.bases().control_period_s, zero_),
       load_({}, sim_.bases().control_period_s, zero_),
       injection_({}, sim_.bases().control_period_s, zero_),
       operator_({}, sim_.bases().control_period_s, zero_), tick_(first_)
 {
+    change_configuration();
 }
 
 int64_t ScriptedRun::ticks_in(double seconds) const
@@ -57,6 +60,35 @@ void ScriptedRun::send_command()
     } else {
         sim_.command_speed_rpm(command_.value());
     }
+}
+
+void ScriptedRun::change_configuration()
+{
+    for (const ConfigChange &change : changes_) {
+        if (change.frame == frame()) {
+            sim_.change(change.cfg);
+        }
+    }
+}
+
+std::vector<ConfigChange>::const_iterator ScriptedRun::next_change() const
+{
+    return std::upper_bound(
+        changes_.begin(), changes_.end(), frame(),
+        [](std::size_t frame, const ConfigChange &change) { return frame < change.frame; });
+}
+
+const drive_cfg_t &ScriptedRun::built() const
+{
+    const auto next = next_change();
+    return next == changes_.begin() ? first_built_ : std::prev(next)->cfg;
+}
+
+int64_t ScriptedRun::built_until() const
+{
+    const auto next = next_change();
+    return next == changes_.end() ? std::numeric_limits<int64_t>::max()
+                                  : first_ + static_cast<int64_t>(next->frame) - 1;
 }
 
 void ScriptedRun::set_command(double value)
