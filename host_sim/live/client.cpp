@@ -16,6 +16,8 @@ namespace
 {
 
 constexpr uint8_t TAG_UNASKED = 0;
+constexpr uint8_t TAG_MAX = 255;
+constexpr uint8_t AGAIN_ANSWER = LINK_AGAIN + LINK_ANSWER;
 
 const char *name_of(link_question_t type)
 {
@@ -89,7 +91,7 @@ void Client::poll(double wait_s)
 void Client::take(const Message &message)
 {
     const bool asked = !answered_ && message.tag == awaited_.tag && message.tag != TAG_UNASKED;
-    if (message.type == (LINK_AGAIN | LINK_ANSWER) || message.type == LINK_FRAMES) {
+    if (message.type == AGAIN_ANSWER || message.type == LINK_FRAMES) {
         take_frames(message.body);
     }
     if (message.type == LINK_TEXT) {
@@ -140,9 +142,9 @@ bool Client::wait_for_answer(double until_s)
 // Asked again it has the same tag: the board may know that it has done it already.
 Bytes Client::ask(const Question &question)
 {
-    const auto tag = static_cast<uint8_t>(awaited_.tag % 255U + 1U);
+    const auto tag = static_cast<uint8_t>(awaited_.tag % TAG_MAX + 1);
     const Bytes frame = frame_of({static_cast<uint8_t>(question.type), tag, question.body});
-    awaited_ = {static_cast<uint8_t>(question.type | LINK_ANSWER), tag, {}};
+    awaited_ = {static_cast<uint8_t>(uint32_t{question.type} + LINK_ANSWER), tag, {}};
     answered_ = false;
     refused_ = false;
     for (unsigned k = 0; k < question.tries && !answered_; k++) {

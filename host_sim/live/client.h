@@ -59,7 +59,7 @@ struct SegmentInfo {
     uint32_t first_tick;
     uint32_t hash; // of the state before it
     uint32_t config_crc;
-    uint16_t entries_before; // of the segment before it
+    uint16_t entries_before; // of the segment before it; 0: the board does not know
     bool follows;
 };
 

@@ -112,10 +112,17 @@ config_block_t Follower::block_in_force()
         const config_block_t block = client_.read_block();
         if (config_block_check(&block, &expected).fault == CONFIG_BLOCK_GOOD) {
             learn(block);
+            take_over(block);
             return block;
         }
     }
     throw LinkError("the configuration block in force is not whole, or no block of this firmware");
+}
+
+void Follower::take_over(const config_block_t &block)
+{
+    about_ = block.about;
+    bases_ = known_.at(block.cfg.crc).bases;
 }
 
 // Asks the board where it has to.
@@ -130,7 +137,11 @@ bool Follower::know(uint32_t crc)
 std::string Follower::change(const config_block_t &block)
 {
     learn(block);
-    return client_.write_block(block);
+    const std::string why = client_.write_block(block);
+    if (why.empty()) {
+        take_over(block);
+    }
+    return why;
 }
 
 std::string Follower::defaults()

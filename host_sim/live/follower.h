@@ -65,6 +65,19 @@ public:
     {
         return client_;
     }
+    // Of the newest block that was read or written.
+    const config_about_t &about() const
+    {
+        return about_;
+    }
+    const Bases &bases() const
+    {
+        return bases_;
+    }
+    double kept_s() const
+    {
+        return options_.keep_s;
+    }
     const Identity &identity() const
     {
         return identity_;
@@ -89,6 +102,7 @@ public:
 private:
     void refuse_others() const;
     void learn(const config_block_t &block);
+    void take_over(const config_block_t &block);
     bool know(uint32_t crc);
     void keep_alive();
     void hear(const SegmentInfo &info);
@@ -104,12 +118,13 @@ private:
     Client client_;
     Identity identity_{};
     std::map<uint32_t, DriveSettings> known_; // by crc
+    config_about_t about_{};
+    Bases bases_{};
     Shadow shadow_;
     std::unique_ptr<Stream> stream_;
     uint32_t at_ = 0; // segment, when in step: the next one to be computed
     std::optional<SegmentInfo> candidate_;
     std::vector<uint32_t> state_; // of the candidate, so far
-    bool was_in_step_ = false;
     std::vector<Gap> gaps_;
     Health health_{};
     double pinged_s_ = 0;

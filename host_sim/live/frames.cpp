@@ -3,67 +3,47 @@
 
 #include <optional>
 
+extern "C" {
+#include "cobs.h"
+#include "crc32.h"
+}
+
 namespace nf::live
 {
 namespace
 {
 
 constexpr uint8_t MARK = 0;
-constexpr std::size_t RUN_MAX = 254; // bytes without a 0 behind one code
 constexpr std::size_t FRAME_BYTES_MAX = LINK_MESSAGE_BYTES_MAX + LINK_CRC_BYTES + 1;
 constexpr std::size_t HEAD_BYTES = 2; // type and tag
 
-// CRC-32 of IEEE 802.3, as crc32.h has it, of any number of bytes.
 uint32_t crc_of(const Bytes &bytes)
 {
-    constexpr uint32_t POLYNOMIAL = 0xEDB88320U;
-    uint32_t crc = 0xFFFFFFFFU;
+    uint32_t crc = CRC32_START;
     for (const uint8_t byte : bytes) {
-        crc ^= byte;
-        for (unsigned k = 0; k < 8; k++) {
-            crc = (crc >> 1U) ^ (POLYNOMIAL & (0U - (crc & 1U)));
-        }
+        crc = crc32_byte(crc, byte);
     }
     return ~crc;
 }
 
-void stuff(const Bytes &bytes, Bytes &into)
+// Nothing where it is no code.
+std::optional<Bytes> decoded(const Bytes &frame)
 {
-    std::size_t code = into.size();
-    into.push_back(1);
-    for (const uint8_t byte : bytes) {
-        if (byte != MARK) {
-            into.push_back(byte);
-            into[code]++;
-        }
-        if (byte == MARK || into[code] == RUN_MAX + 1) {
-            code = into.size();
-            into.push_back(1);
-        }
-    }
-}
-
-std::optional<Bytes> unstuff(const Bytes &frame)
-{
+    cobs_decoder_t decoder{};
+    cobs_start(&decoder);
     Bytes bytes;
-    for (std::size_t at = 0; at < frame.size();) {
-        const std::size_t code = frame[at];
-        if (at + code > frame.size()) {
-            return std::nullopt;
-        }
-        bytes.insert(bytes.end(), frame.begin() + static_cast<std::ptrdiff_t>(at + 1),
-                     frame.begin() + static_cast<std::ptrdiff_t>(at + code));
-        at += code;
-        if (code <= RUN_MAX && at < frame.size()) {
-            bytes.push_back(MARK);
+    for (const uint8_t in : frame) {
+        uint8_t out = 0;
+        if (cobs_decode(&decoder, in, &out)) {
+            bytes.push_back(out);
         }
     }
-    return bytes;
+    return cobs_may_end(&decoder) ? std::optional<Bytes>(bytes) : std::nullopt;
 }
 
 std::optional<Message> message_of(const Bytes &frame)
 {
-    const std::optional<Bytes> bytes = unstuff(frame);
+    const std::optional<Bytes> bytes = decoded(frame);
     if (!bytes || bytes->size() < HEAD_BYTES + LINK_CRC_BYTES) {
         return std::nullopt;
     }
@@ -85,7 +65,10 @@ Bytes frame_of(const Message &message)
     const Bytes sum = BodyWriter().u32(crc_of(bytes)).body();
     bytes.insert(bytes.end(), sum.begin(), sum.end());
     Bytes frame = {MARK};
-    stuff(bytes, frame);
+    const auto count = static_cast<uint32_t>(bytes.size());
+    for (uint32_t at = 0; at <= count; at++) {
+        frame.push_back(cobs_encoded(bytes.data(), count, at));
+    }
     frame.push_back(MARK);
     return frame;
 }

@@ -178,7 +178,7 @@ std::optional<RecordedRun> Shadow::run(double seconds) const
         --from;
         have_s += static_cast<double>(from->steps.size()) * from->settings->bases.control_period_s;
     }
-    RecordedRun run{{from->settings->cfg, from->state, from->settings->bases}, {}, {}};
+    RecordedRun run{{from->settings->cfg, from->state, from->settings->bases}, {}, {}, {}};
     const DriveSettings *settings = from->settings;
     for (; from != kept_.end(); ++from) {
         for (const Step &step : from->steps) {

@@ -38,7 +38,7 @@ void Stream::add(const SegmentInfo &info)
     }
     of->info = info;
     const auto before = parts_.find(info.number - 1);
-    if (before != parts_.end()) {
+    if (before != parts_.end() && info.entries_before != 0) {
         before->second.total = std::min(info.entries_before, segment_entries_);
         fit(before->second);
     }
