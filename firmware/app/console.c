@@ -126,7 +126,7 @@ static void start_dump(console_t *console)
     for (uint32_t k = 0U; (k < RECORDER_BUILD_WORDS) && (known->build != NULL); k++) {
         about.build[k] = known->build[k];
     }
-    recorder_dump_start(&console->dump, app->recorder, app->drive.cfg, &about);
+    recorder_dump_start(&console->dump, app->recorder, &about);
     console->dump_phase = CONSOLE_DUMP_SENT;
 }
 

@@ -52,11 +52,12 @@ static bool has_changed(const recorder_t *recorder, const drive_in_t *in)
 }
 
 static recorder_entry_t *put_change(recorder_t *recorder, recorder_entry_t *at,
-                                    const drive_in_t *in)
+                                    const drive_t *drive, const drive_in_t *in)
 {
     recorder->target = fx_unsigned(in->command.target);
     recorder->slow = slow_part(in);
-    *at = (recorder_entry_t){{recorder->target, recorder->slow, CHANGE_MARK, 0U}};
+    recorder->changed = false;
+    *at = (recorder_entry_t){{recorder->target, recorder->slow, CHANGE_MARK, drive->cfg->crc}};
     return &at[1];
 }
 
@@ -80,7 +81,7 @@ static void leave_segment(recorder_t *recorder)
     }
 }
 
-static void enter_segment(recorder_t *recorder, const drive_in_t *in)
+static void enter_segment(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
     const uint32_t next = recorder->next;
 
@@ -88,13 +89,31 @@ static void enter_segment(recorder_t *recorder, const drive_in_t *in)
     recorder->gap = false;
     recorder->current = next;
     recorder->stop = stop_of(recorder, next);
-    recorder->at = put_change(recorder, first_of(recorder, next), in);
+    recorder->at = put_change(recorder, first_of(recorder, next), drive, in);
+}
+
+/* Where this tick has room in the current segment, behind the change if there is one; NULL where it has none. */
+static recorder_entry_t *room_for_tick(recorder_t *recorder, const drive_t *drive,
+                                       const drive_in_t *in)
+{
+    recorder_entry_t *at = recorder->at;
+
+    recorder->stop = stop_of(recorder, recorder->current);
+    if (at >= recorder->stop) {
+        recorder->gap = true;
+        at = NULL;
+    } else if (recorder->changed) {
+        at = put_change(recorder, at, drive, in);
+    } else {
+        /* the frame alone */
+    }
+    return at;
 }
 
 /* Where the entries of this tick go; NULL when the recording is frozen or there is no room. */
-static recorder_entry_t *turn_over(recorder_t *recorder, uint32_t tick, const drive_in_t *in)
+static recorder_entry_t *turn_over(recorder_t *recorder, const drive_t *drive, const drive_in_t *in)
 {
-    const bool fits = recorder->offered && (recorder->next_tick == tick);
+    const bool fits = recorder->offered && (recorder->next_tick == (drive->tick - 1U));
     recorder_entry_t *at = NULL;
 
     if (fits && (recorder->next == END)) {
@@ -102,12 +121,10 @@ static recorder_entry_t *turn_over(recorder_t *recorder, uint32_t tick, const dr
         recorder->frozen = true;
     } else if (fits) {
         leave_segment(recorder);
-        enter_segment(recorder, in);
+        enter_segment(recorder, drive, in);
         at = recorder->at;
     } else if (!recorder->frozen && (recorder->current != NONE)) {
-        recorder->stop = stop_of(recorder, recorder->current);
-        at = (recorder->at < recorder->stop) ? recorder->at : NULL;
-        recorder->gap = recorder->gap || (at == NULL);
+        at = room_for_tick(recorder, drive, in);
     } else {
         /* nothing to record to */
     }
@@ -121,19 +138,37 @@ void recorder_step(recorder_t *recorder, const drive_t *drive, const drive_in_t 
     recorder_entry_t *at = recorder->at;
 
     if (at >= recorder->stop) {
-        at = turn_over(recorder, drive->tick - 1U, in);
+        at = turn_over(recorder, drive, in);
     }
     if (at != NULL) {
         if (drive_has_read_slow_inputs(drive) && has_changed(recorder, in)) {
-            at = put_change(recorder, at, in);
+            at = put_change(recorder, at, drive, in);
         }
         recorder->at = put_frame(at, in, out);
     }
 }
 
+/* A tick that finds its segment full looks at `changed`, so that no other tick has to. */
+void recorder_change(recorder_t *recorder, const drive_cfg_t *before)
+{
+    recorder->before = before;
+    recorder->changed = true;
+    recorder->stop = recorder->entries;
+}
+
+uint32_t recorder_newest(const recorder_t *recorder)
+{
+    const uint32_t current = recorder->current;
+
+    return (current == NONE) ? 0U : recorder->segments[current].number;
+}
+
 /* Restart with the same memory. The interrupt does not touch a frozen recorder. */
 static void begin_anew(recorder_t *recorder)
 {
+    const uint32_t newest = recorder_newest(recorder);
+
+    recorder->ended = (newest == 0U) ? recorder->ended : newest;
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
         recorder->segments[k] = (recorder_segment_t){0};
     }
@@ -143,6 +178,7 @@ static void begin_anew(recorder_t *recorder)
     recorder->offered = false;
     recorder->gap = false;
     recorder->triggered = false;
+    recorder->changed = false;
     barrier_compiler();
     recorder->frozen = false;
 }
@@ -152,8 +188,10 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
 {
     const char *bad = NULL;
 
-    *recorder = (recorder_t){
-        .entries = entries, .segment_entries = segment_entries, .post_ticks = post_ticks};
+    *recorder = (recorder_t){.entries = entries,
+                             .segment_entries = segment_entries,
+                             .post_ticks = post_ticks,
+                             .current = NONE};
     begin_anew(recorder);
     if (segment_entries < RECORDER_ENTRIES_MIN) {
         bad = "segment_entries";
@@ -165,6 +203,15 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
     return bad;
 }
 
+/* 0 is no number. */
+static uint32_t number_after(const recorder_t *recorder)
+{
+    const uint32_t newest = recorder_newest(recorder);
+    const uint32_t next = ((newest == 0U) ? recorder->ended : newest) + 1U;
+
+    return (next == 0U) ? 1U : next;
+}
+
 /*
  * Copies the state, and offers the copy when no tick came meanwhile. A tick that finds its segment full reads `offered`,
  * any other tick reads the stop. So both are written last, after everything that belongs to the offer.
@@ -174,7 +221,8 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
     const uint32_t tick = drive->tick;
 
     if (next != END) {
-        recorder->segments[next] = (recorder_segment_t){0};
+        recorder->segments[next] =
+            (recorder_segment_t){.number = number_after(recorder), .config_crc = drive->cfg->crc};
     }
     barrier_compiler();
     recorder->states[next] = *drive;
@@ -232,12 +280,13 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
     const volatile drive_t *const live = drive;
     const bool failed = live->state == DRIVE_STATE_FAULT;
 
-    if (failed && !recorder->triggered) {
+    recorder->passed = failed && (recorder->followed || recorder->passed);
+    if (failed && !recorder->triggered && !recorder->passed) {
         trigger(recorder, live->fault.tick);
         recorder->held = true;
     }
     if (recorder->frozen) {
-        if (!failed && !recorder->held) {
+        if ((!failed || recorder->passed) && !recorder->held) {
             begin_anew(recorder);
         }
     } else if (!recorder->offered) {
@@ -245,6 +294,11 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
     } else {
         /* the next tick decides */
     }
+}
+
+void recorder_follow(recorder_t *recorder, bool on)
+{
+    recorder->followed = on;
 }
 
 void recorder_hold(recorder_t *recorder, const drive_t *drive)
@@ -278,18 +332,40 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment)
     return count;
 }
 
+/* Its configuration has not been overwritten since. */
+static bool is_configured(const recorder_t *recorder, uint32_t segment)
+{
+    return recorder->states[segment].cfg->crc == recorder->segments[segment].config_crc;
+}
+
+/* Segments of the history up to the current one: without a gap between them, each with its configuration. */
+static uint32_t count_segments(const recorder_t *recorder)
+{
+    uint32_t segment = recorder->current;
+    uint32_t count = is_configured(recorder, segment) ? 1U : 0U;
+    bool more = (count != 0U) && recorder->segments[segment].follows;
+
+    while (more && (count < RECORDER_SEGMENTS)) {
+        segment = segment_before(segment);
+        more = is_configured(recorder, segment);
+        count += more ? 1U : 0U;
+        more = more && recorder->segments[segment].follows;
+    }
+    return count;
+}
+
 recorder_history_t recorder_history(const recorder_t *recorder)
 {
-    recorder_history_t history = {.first = recorder->current, .entries = 0U};
+    recorder_history_t history = {.first = END, .entries = 0U};
 
     if (recorder->frozen) {
-        const recorder_segment_t *const segments = recorder->segments;
-        uint32_t count = 1U;
+        uint32_t count;
 
         barrier_compiler(); /* what was recorded is read behind `frozen` */
-        while (segments[history.first].follows && (count < RECORDER_SEGMENTS)) {
-            history.first = segment_before(history.first);
-            count++;
+        count = count_segments(recorder);
+        if (count > 0U) {
+            history.first =
+                ((recorder->current + RECORDER_SEGMENTS + 1U) - count) % RECORDER_SEGMENTS;
         }
         for (uint32_t k = 0U; k < count; k++) {
             history.of_segment[k] =
@@ -321,6 +397,69 @@ const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_h
 const drive_t *recorder_end_state(const recorder_t *recorder)
 {
     return &recorder->states[END];
+}
+
+/*
+ * What has been written of a segment. The place to write is read before the segment that is written: if a tick turns over
+ * between the two, the segment is complete and has an end.
+ */
+static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_view_t *view)
+{
+    const recorder_segment_t *const about = &recorder->segments[segment];
+    const recorder_entry_t *end = recorder->at;
+    ptrdiff_t written;
+
+    barrier_compiler();
+    view->complete = (recorder->current != segment) || recorder->frozen;
+    barrier_compiler();
+    if (view->complete) {
+        end = about->end;
+    }
+    view->first = first_of(recorder, segment);
+    written = end - view->first;
+    view->entries = (uint32_t)written;
+    view->follows = about->follows;
+    view->config_crc = about->config_crc;
+    view->state = &recorder->states[segment];
+}
+
+/* The other one of the two that a history can have. */
+static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
+{
+    const drive_cfg_t *const end = recorder_end_state(recorder)->cfg;
+
+    return (end == begin) ? recorder->before : end;
+}
+
+const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
+                                           const recorder_history_t *history)
+{
+    const drive_cfg_t *const begin = recorder_begin_state(recorder, history)->cfg;
+    const drive_cfg_t *const other = other_config(recorder, begin);
+    bool found = false;
+
+    for (uint32_t at = 0U; at < history->entries; at++) {
+        const uint32_t *const word = recorder_entry(recorder, history, at)->word;
+
+        found = found || (((word[2] & CHANGE_MARK) != 0U) && (word[3] != begin->crc));
+    }
+    return found ? other : NULL;
+}
+
+bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view)
+{
+    const uint32_t newest = recorder_newest(recorder);
+    bool found = false;
+
+    if ((number != 0U) && ((newest - number) < RECORDER_SEGMENTS)) {
+        for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
+            if (recorder->segments[k].number == number) {
+                fill_view(recorder, k, view);
+                found = true;
+            }
+        }
+    }
+    return found;
 }
 
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)

@@ -72,12 +72,17 @@ typedef struct {
     volatile uint32_t current;             /* segment; RECORDER_SEGMENTS: none yet */
     volatile bool offered;                 /* segment `next` may begin in the tick `next_tick` */
     volatile bool frozen;
-    uint32_t next; /* segment, or RECORDER_SEGMENTS: the end */
+    uint32_t next;  /* segment, or RECORDER_SEGMENTS: the end */
+    uint32_t ended; /* number of the last segment before the recording began anew */
     uint32_t next_tick;
-    bool gap;         /* a tick was not recorded */
-    bool triggered;   /* freeze … */
-    uint32_t trigger; /* … post_ticks after this tick */
-    bool held;        /* keep the recording once it is frozen */
+    bool gap;                  /* a tick was not recorded */
+    bool triggered;            /* freeze … */
+    uint32_t trigger;          /* … post_ticks after this tick */
+    bool held;                 /* keep the recording once it is frozen */
+    bool followed;             /* by a reader: a fault does not freeze … */
+    bool passed;               /* … nor does it later, while the drive stays in FAULT */
+    bool changed;              /* the next frame is the first with another configuration */
+    const drive_cfg_t *before; /* the configuration before the last change, NULL: none */
     recorder_entry_t *entries;
     uint32_t segment_entries;
     uint32_t post_ticks;
@@ -115,8 +120,8 @@ void recorder_hold(recorder_t *recorder, const drive_t *drive);
 void recorder_release(recorder_t *recorder);
 
 /*
- * History of a frozen recording: its oldest segment, and the number of entries from there to the end. 0 entries when the
- * recording is not frozen. Context: background.
+ * History of a frozen recording: its oldest segment, and the number of entries from there to the end. It has 0 entries when the
+ * recording is not frozen, or when two changes of the configuration have come within its last segment. Context: background.
  */
 typedef struct {
     uint32_t first; /* segment */
@@ -130,16 +135,26 @@ recorder_history_t recorder_history(const recorder_t *recorder);
 const recorder_entry_t *recorder_entry(const recorder_t *recorder,
                                        const recorder_history_t *history, uint32_t at);
 
-/* Return the state before the first frame of the history and after the last one. */
+/* Return the state before the first frame of the history and after the last one; ->cfg is the configuration then. */
 const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_history_t *history);
 const drive_t *recorder_end_state(const recorder_t *recorder);
+
+/*
+ * Returns the configuration that the history changes to, or changes to and leaves again; NULL when that of its begin is in
+ * force all the time.
+ */
+const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
+                                           const recorder_history_t *history);
 
 /*
  * Reading while it records: segments by their number. All in the background, between two calls of recorder_service(); what
  * they return is good until the next one.
  */
 
-/* A fault does not freeze the recording while a reader is on. */
+/*
+ * A reader begins, or ends. While it follows, a fault does not freeze the recording, and a recording that is frozen but not
+ * held begins anew at once.
+ */
 void recorder_follow(recorder_t *recorder, bool on);
 
 /* Returns the number of the segment that is written, 0 when there is none. */

@@ -39,14 +39,15 @@ static void describe_end(recorder_header_t *header, const drive_t *end)
     header->fault_tick = failed ? end->fault.tick : 0U;
 }
 
-void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, const drive_cfg_t *cfg,
+void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about)
 {
     recorder_header_t *const header = &dump->header;
 
     dump->recorder = recorder;
-    dump->cfg = cfg;
     dump->history = recorder_history(recorder);
+    dump->cfg = recorder_begin_state(recorder, &dump->history)->cfg;
+    dump->further = recorder_further_config(recorder, &dump->history);
     dump->next = 0U;
     dump->line = 0U;
     dump->crc = CRC32_START;
@@ -55,8 +56,9 @@ void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, cons
     header->config_words = CONFIG_WORDS;
     header->state_words = drive_words_count();
     header->entries = dump->history.entries;
-    header->words = RECORDER_HEADER_WORDS + CONFIG_WORDS + header->state_words +
-                    (header->entries * ENTRY_WORDS) + 1U;
+    header->further = (dump->further == NULL) ? 0U : 1U;
+    header->words = RECORDER_HEADER_WORDS + (CONFIG_WORDS * (1U + header->further)) +
+                    header->state_words + (header->entries * ENTRY_WORDS) + 1U;
     header->first_tick = recorder_begin_state(recorder, &dump->history)->tick;
     describe_end(header, recorder_end_state(recorder));
     header->about = *about;
@@ -90,6 +92,7 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
     const uint32_t config = RECORDER_HEADER_WORDS;
     const uint32_t state = config + CONFIG_WORDS;
     const uint32_t entries = state + dump->header.state_words;
+    const uint32_t further = entries + (dump->header.entries * ENTRY_WORDS);
     uint32_t word;
 
     if (at < config) {
@@ -98,8 +101,10 @@ static uint32_t word_of(const recorder_dump_t *dump, uint32_t at)
         word = word_at((const uint8_t *)dump->cfg, at - config);
     } else if (at < entries) {
         word = drive_words_get(recorder_begin_state(dump->recorder, &dump->history), at - state);
-    } else {
+    } else if (at < further) {
         word = entry_word(dump, at - entries);
+    } else {
+        word = word_at((const uint8_t *)dump->further, at - further);
     }
     return word;
 }

@@ -8,6 +8,7 @@
  *     configuration    drive_cfg_t, its last word is its CRC-32
  *     state            drive_words_get(), before the first frame
  *     entries          recorder_entry_t, 4 words each
+ *     further          drive_cfg_t that an entry changes to, only where the header says so
  *     end              CRC-32 of all words before it
  *
  * Each line holds RECORDER_LINE_WORDS of these words; the last line is filled up with zeros. A line is a '~' and then,
@@ -24,7 +25,7 @@
 #include <stdint.h>
 
 #define RECORDER_MAGIC (0x4452464EU) /* "NFRD" */
-#define RECORDER_VERSION (2U)
+#define RECORDER_VERSION (3U)
 #define RECORDER_LINE_MARK ('~')
 #define RECORDER_LINE_WORDS (13U)
 #define RECORDER_LINE_CHARACTERS (1U + (((RECORDER_LINE_WORDS + 2U) / 3U) * 16U)) /* less its end */
@@ -56,6 +57,7 @@ typedef struct {
     uint32_t config_words; /* this and the next: differ when the recording is of another firmware */
     uint32_t state_words;
     uint32_t entries;
+    uint32_t further;    /* configurations behind the entries, 0 or 1 */
     uint32_t first_tick; /* of the frames */
     uint32_t end_tick;   /* the one after the last */
     uint32_t end_hash;   /* drive_words_hash() then */
@@ -70,7 +72,8 @@ typedef struct {
 
 typedef struct {
     const recorder_t *recorder;
-    const drive_cfg_t *cfg;
+    const drive_cfg_t *cfg;     /* at the begin of the history */
+    const drive_cfg_t *further; /* NULL: none */
     recorder_history_t history;
     recorder_header_t header;
     uint32_t next; /* word */
@@ -78,8 +81,11 @@ typedef struct {
     uint32_t crc; /* of the words before `next` */
 } recorder_dump_t;
 
-/* Begin with the first line. The recorder must be frozen and held; `about` is copied. */
-void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder, const drive_cfg_t *cfg,
+/*
+ * Begin with the first line. The recorder must be frozen and held, and the configurations that it was used with stay as they
+ * are until the last line; `about` is copied.
+ */
+void recorder_dump_start(recorder_dump_t *dump, const recorder_t *recorder,
                          const recorder_about_t *about);
 
 /* Returns the total number of lines. */

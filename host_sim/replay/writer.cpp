@@ -51,12 +51,12 @@ Writer::Writer(const Config &config)
 void Writer::add(const Tick &tick)
 {
     const Simulation &sim = *tick.sim;
-    recorder_step(&recorder_, &sim.drive(), &sim.in(), &sim.out());
-    recorder_service(&recorder_, &sim.drive());
     cfg_ = sim.cfg();
     drive_ = sim.drive();
     drive_.cfg = &cfg_;
     in_ = sim.in();
+    recorder_step(&recorder_, &drive_, &in_, &sim.out());
+    recorder_service(&recorder_, &drive_);
 }
 
 // It closes in the tick behind the last.
@@ -75,7 +75,7 @@ std::string Writer::text()
 {
     freeze();
     recorder_dump_t dump{};
-    recorder_dump_start(&dump, &recorder_, &cfg_, &about_);
+    recorder_dump_start(&dump, &recorder_, &about_);
     std::string text;
     std::array<char, RECORDER_LINE_CHARACTERS + 1> line{};
     while (recorder_dump_line(&dump, line.data())) {

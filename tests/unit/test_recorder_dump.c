@@ -30,7 +30,7 @@ void setUp(void)
                                .pole_pairs = 4U,
                                .build = {5U, 6U, 7U, 8U, 9U},
                                .name = {10U}};
-    recorder_dump_start(&dump, &run.recorder, &run.cfg, &about);
+    recorder_dump_start(&dump, &run.recorder, &about);
 }
 
 void tearDown(void)
@@ -152,7 +152,7 @@ static void test_without_a_fault_the_header_has_none(void)
     recorded_run_ticks(&run, 100U);
     recorder_hold(&run.recorder, &run.drive);
     recorded_run_ticks(&run, 2U);
-    recorder_dump_start(&dump, &run.recorder, &run.cfg, &about);
+    recorder_dump_start(&dump, &run.recorder, &about);
     TEST_ASSERT_EQUAL_UINT32(FAULT_NONE, dump.header.fault_id);
     TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_value);
     TEST_ASSERT_EQUAL_UINT32(0U, dump.header.fault_limit);
