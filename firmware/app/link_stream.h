@@ -3,7 +3,7 @@
  * The stream of the link: follows the ring of the flight recorder and writes LINK_SEGMENT and LINK_FRAMES.
  *
  * A segment is announced with the hash of the state before it, which takes some passes. Then its entries are sent, as many
- * at a time as fit into a message, or those that there are after 5 ms or at the end of the segment. When the line is too
+ * at a time as fit into a message, or those that there are after 8 ms or at the end of the segment. When the line is too
  * slow the ring goes on without it: the segment is overwritten while it is read, and the stream goes on with the newest one
  * and counts the ticks in between. Nothing waits for the line.
  *
@@ -14,6 +14,7 @@
 
 #include "link_frame.h"
 #include "recorder.h"
+#include "units.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -32,11 +33,11 @@ typedef struct {
     uint32_t before;         /* its number */
     uint32_t next_tick;      /* behind the last frame that was sent */
     uint32_t sent_tick;      /* when the last entries were sent */
-    uint32_t lost;           /* ticks that were not sent because the line was too slow, since the start */
+    uint32_t lost;           /* ticks that a stream has left out, since the start */
 } link_stream_t;
 
-/* Off. tick_ps: of the control. */
-void link_stream_init(link_stream_t *stream, uint32_t tick_ps);
+/* Off. */
+void link_stream_init(link_stream_t *stream, const units_rotation_t *rotation);
 
 /* Begins with the newest segment of `recorder`, or ends. */
 void link_stream_begin(link_stream_t *stream, recorder_t *recorder);

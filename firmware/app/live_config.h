@@ -62,6 +62,9 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);
 /* The configuration of the image takes the place of the one in force, under the same conditions. */
 live_config_verdict_t live_config_restore(live_config_t *live);
 
+/* Whether the board has a store: whether any unit of it can be read. */
+bool live_config_can_store(const live_config_t *live);
+
 /* Stores the block in force (stored_config.h). */
 live_config_verdict_t live_config_store(live_config_t *live);
 
