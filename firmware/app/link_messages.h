@@ -25,19 +25,20 @@
 
 /* Questions. */
 typedef enum {
-    LINK_HELLO = 1, /* version u8. Switches the line from the console to the link. Answer: link identity, below */
-    LINK_BYE,       /* switches back to the console. Answer: nothing behind type and tag */
-    LINK_PING,      /* keeps link and command alive. Answer: health, below */
-    LINK_COMMAND,   /* request u8, mode u8, target s32: as drive_command_t. Answer: verdict */
-    LINK_LINE,      /* a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
-    LINK_READ,      /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
-    LINK_WRITE,     /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
-    LINK_APPLY,     /* crc u32 of the block that is prepared: it becomes the one in force. Answer: verdict */
-    LINK_STORE,     /* the block in force is stored in flash. Answer: verdict */
-    LINK_DEFAULTS,  /* the block of the image becomes the one in force. Answer: verdict */
-    LINK_STREAM,    /* on u8: 1 starts the stream with the newest segment, 0 ends it. Answer: verdict */
-    LINK_STATE,     /* segment u32, first word u16: of its state. Answer: segment u32, first u16, words u8, words u32 each */
-    LINK_AGAIN      /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
+    LINK_HELLO =
+        1, /* version u8. Switches the line from the console to the link. Answer: link identity, below */
+    LINK_BYE,     /* switches back to the console. Answer: nothing behind type and tag */
+    LINK_PING,    /* keeps link and command alive. Answer: health, below */
+    LINK_COMMAND, /* request u8, mode u8, target s32: as drive_command_t. Answer: verdict */
+    LINK_LINE, /* a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
+    LINK_READ, /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
+    LINK_WRITE, /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
+    LINK_APPLY, /* crc u32 of the block that is prepared: it becomes the one in force. Answer: verdict */
+    LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
+    LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
+    LINK_STREAM, /* on u8: 1 starts the stream with the newest segment, 0 ends it. Answer: verdict */
+    LINK_STATE, /* segment u32, first word u16: of its state. Answer: segment u32, first u16, words u8, words u32 each */
+    LINK_AGAIN /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
 } link_question_t;
 
 /* A verdict is a text: empty when it is done, else why not, as a person reads it. */
@@ -46,8 +47,10 @@ typedef enum {
 typedef enum {
     LINK_TEXT = 0xC0,    /* characters of the console */
     LINK_SEGMENT = 0xC1, /* a segment of the ring begins, below */
-    LINK_FRAMES = 0xC2,  /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
-    LINK_REFUSED = 0xFF  /* answer to a message that the board does not know, or of a wrong length: its type u8 */
+    LINK_FRAMES =
+        0xC2, /* segment u32, first entry u16, entries u8, then their code (frame_code.h) */
+    LINK_REFUSED =
+        0xFF /* answer to a message that the board does not know, or of a wrong length: its type u8 */
 } link_notice_t;
 
 /*
