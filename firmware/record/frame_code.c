@@ -260,7 +260,7 @@ static bool has_room(const writer_t *writer)
 
 static uint32_t ones(uint32_t count)
 {
-    return (1UL << count) - 1U;
+    return ((uint32_t)1U << count) - 1U;
 }
 
 static void put_rice(writer_t *writer, uint32_t folded, uint32_t rice)
