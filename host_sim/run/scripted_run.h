@@ -47,17 +47,23 @@ public:
 
     // The script acts, then the control interrupt.
     Tick control();
-    // One PWM period goes by.
+    // One PWM period goes by. A configuration that the next tick has is in force then.
     void advance()
     {
         sim_.advance();
         tick_++;
+        change_configuration();
     }
 
     bool is_recorded() const
     {
         return !frames_.empty();
     }
+
+    // The configuration that the drive was given last, as it was made.
+    const drive_cfg_t &built() const;
+    // The last tick with it; the largest number when there is no change behind the present tick.
+    int64_t built_until() const;
 
     // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
@@ -113,6 +119,7 @@ public:
 private:
     int64_t ticks_in(double seconds) const;
     void send_command();
+    void change_configuration();
     void act();
     void impose_forced();
     Tick view() const;
@@ -120,12 +127,14 @@ private:
     {
         return static_cast<std::size_t>(tick_ - first_);
     }
-    void view_frame(Tick &tick) const;
+    std::vector<ConfigChange>::const_iterator next_change() const;
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
     std::vector<drive_out_t> outputs_;
+    std::vector<ConfigChange> changes_;
     Simulation sim_;
+    drive_cfg_t first_built_;
     int64_t first_;
     int64_t zero_;
     int64_t end_;
