@@ -63,6 +63,12 @@ void ScriptedRun::send_command()
     }
 }
 
+void ScriptedRun::start(const drive_cfg_t &cfg)
+{
+    sim_.start(cfg);
+    send_command();
+}
+
 void ScriptedRun::change_configuration()
 {
     for (const ConfigChange &change : changes_) {
@@ -135,11 +141,12 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     injection_ = snapshot.injection;
     operator_ = snapshot.user;
     forced_ = snapshot.forced;
+    is_commanded_ = snapshot.is_commanded;
 }
 
 void ScriptedRun::act()
 {
-    new_command_ = command_.advance(tick_);
+    new_command_ = is_commanded_ && command_.advance(tick_);
     if (new_command_) {
         send_command();
     }
@@ -150,7 +157,9 @@ void ScriptedRun::act()
     if (injection_.act(tick_, sim_)) {
         impose_forced();
     }
-    operator_.act(tick_, sim_);
+    if (is_commanded_) {
+        operator_.act(tick_, sim_);
+    }
 }
 
 Tick ScriptedRun::view() const
@@ -161,10 +170,13 @@ Tick ScriptedRun::view() const
         tick.recorded = &outputs_[frame()];
         return tick;
     }
-    Tick tick = believed_tick(sim_, time_s);
+    Tick tick =
+        is_commanded_ ? believed_tick(sim_, time_s) : tick_of_frame(sim_, sim_.in(), time_s);
     plant_view(&sim_.plant(), &tick.truth);
-    tick.mode = mode_;
-    tick.command = command_.value();
+    if (is_commanded_) {
+        tick.mode = mode_;
+        tick.command = command_.value();
+    }
     tick.load_nm = load_.value();
     return tick;
 }
