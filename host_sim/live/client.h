@@ -126,9 +126,9 @@ public:
     // The whole block, prepared and applied.
     std::string write_block(const config_block_t &block);
 
-    Channel &channel()
+    double now_s() const
     {
-        return channel_;
+        return channel_.now_s();
     }
     uint64_t bytes_in() const
     {

@@ -20,6 +20,14 @@ namespace
 
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
+// The board's verdict on a change that is asked for again before a tick has taken it.
+constexpr const char *ASK_AGAIN = "ask again";
+
+bool ends_with(const std::string &text, const std::string &end)
+{
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
 } // namespace
 
 std::string gap_text(const Gap &gap)
@@ -80,7 +88,7 @@ void Follower::connect()
     if (const std::string why = client_.stream(true); !why.empty()) {
         throw LinkError("the board refuses the stream: " + why);
     }
-    answered_s_ = client_.channel().now_s();
+    answered_s_ = client_.now_s();
 }
 
 void Follower::leave()
@@ -137,7 +145,11 @@ bool Follower::know(uint32_t crc)
 std::string Follower::change(const config_block_t &block)
 {
     learn(block);
-    const std::string why = client_.write_block(block);
+    std::string why = client_.write_block(block);
+    for (int k = 0; k < BLOCK_TRIES && ends_with(why, ASK_AGAIN); k++) {
+        client_.poll(options_.timing.ring_s);
+        why = client_.apply(block.crc);
+    }
     if (why.empty()) {
         take_over(block);
     }
@@ -178,7 +190,7 @@ void Follower::lose(const std::string &why)
 
 void Follower::keep_alive()
 {
-    const double now_s = client_.channel().now_s();
+    const double now_s = client_.now_s();
     if (now_s - pinged_s_ < options_.ping_s) {
         return;
     }
@@ -264,13 +276,10 @@ void Follower::compute()
                              *unknown));
             return;
         }
-        if (!stretch->end.follows) {
-            lose("the board's recorder had no time to go on");
-            return;
-        }
-        if (const std::string why = shadow_.advance(*stretch, sink_); !why.empty()) {
-            hash_differences_++;
-            lose(why);
+        const Shadow::Advance advance = shadow_.advance(*stretch, sink_);
+        if (advance.verdict != Shadow::Verdict::right) {
+            departures_ += advance.verdict == Shadow::Verdict::departs ? 1 : 0;
+            lose(advance.why);
             return;
         }
         at_ = stretch->end.number;

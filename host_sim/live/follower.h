@@ -90,13 +90,27 @@ public:
     {
         return gaps_;
     }
+    double now_s() const
+    {
+        return client_.now_s();
+    }
+    uint64_t bytes_in() const
+    {
+        return client_.bytes_in();
+    }
+    // Frames that came damaged.
+    uint64_t broken() const
+    {
+        return client_.broken();
+    }
     const Health &health() const
     {
         return health_;
     }
-    uint64_t hash_differences() const
+    // How often the board's state was not that of the same inputs here.
+    uint64_t departures() const
     {
-        return hash_differences_;
+        return departures_;
     }
 
 private:
@@ -129,7 +143,7 @@ private:
     Health health_{};
     double pinged_s_ = 0;
     double answered_s_ = 0;
-    uint64_t hash_differences_ = 0;
+    uint64_t departures_ = 0;
 };
 
 } // namespace nf::live

@@ -286,7 +286,7 @@ bool LiveRun::run()
     } catch (const LinkError &error) {
         say(error.what());
     }
-    return follower_.hash_differences() == 0 && (person_ || !refused_);
+    return follower_.departures() == 0 && (person_ || !refused_);
 }
 
 } // namespace

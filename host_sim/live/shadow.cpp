@@ -95,9 +95,8 @@ std::vector<Shadow::Step> Shadow::steps_of(const Stretch &stretch) const
     return steps;
 }
 
-std::string Shadow::advance(const Stretch &stretch, TickSink &sink)
+Shadow::Advance Shadow::judge(const Stretch &stretch, const std::vector<Step> &steps)
 {
-    const std::vector<Step> steps = steps_of(stretch);
     drive_t drive = sim_->drive();
     for (const Step &step : steps) {
         drive_out_t out{};
@@ -106,25 +105,33 @@ std::string Shadow::advance(const Stretch &stretch, TickSink &sink)
         }
         drive_step(&drive, &step.in, &out);
     }
-    const uint32_t hash = drive_words_hash(&drive);
-    const bool first_is_change = !stretch.entries.empty() && is_change(stretch.entries.front());
+    if (drive.tick != stretch.end.first_tick) {
+        return {Verdict::gap, fmt::format("the board's recorder went on at tick {}",
+                                          stretch.end.first_tick)};
+    }
     compared_++;
-    std::string why;
-    if (!first_is_change) {
-        why = "its first entry is no change";
-    } else if (drive.tick != stretch.end.first_tick) {
-        why = fmt::format("ticks up to {} came, and the next segment begins with {}",
-                          drive.tick - 1, stretch.end.first_tick);
-    } else if (hash != stretch.end.hash) {
-        why = fmt::format("HASH DIFFERS before tick {}: {:08x} here, {:08x} at the board",
-                          drive.tick, hash, stretch.end.hash);
+    const uint32_t hash = drive_words_hash(&drive);
+    if (hash != stretch.end.hash) {
+        return {Verdict::departs,
+                fmt::format("THE BOARD DEPARTS between ticks {} and {}: the hash of its state is "
+                            "{:08x}, of the same inputs here {:08x}",
+                            sim_->drive().tick, drive.tick, stretch.end.hash, hash)};
     }
-    if (why.empty()) {
+    return {Verdict::right, ""};
+}
+
+// A segment begins with a change: what its first frame is told.
+Shadow::Advance Shadow::advance(const Stretch &stretch, TickSink &sink)
+{
+    const std::vector<Step> steps = steps_of(stretch);
+    const bool begins = !stretch.entries.empty() && is_change(stretch.entries.front());
+    const Advance found =
+        begins ? judge(stretch, steps)
+               : Advance{Verdict::departs, "the first entry of a segment is no change"};
+    if (found.verdict == Verdict::right) {
         compute(steps, sink);
-    } else {
-        lose_step();
     }
-    return why;
+    return found;
 }
 
 void Shadow::change(const DriveSettings &settings)

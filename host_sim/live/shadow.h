@@ -48,9 +48,17 @@ public:
     // The first crc in a stretch whose settings are not known.
     std::optional<uint32_t> unknown_config(const Stretch &stretch) const;
 
-    // Empty when the state behind the stretch is the board's, all ticks went to `sink`. Else why not: no tick went there, and
-    // the shadow is not in step any more. All settings are known.
-    std::string advance(const Stretch &stretch, TickSink &sink);
+    enum class Verdict {
+        right,  // the state behind the stretch is the board's, and all its ticks went to `sink`
+        gap,    // the stretch is not all that the board did up to its end
+        departs // the board has another state
+    };
+    struct Advance {
+        Verdict verdict;
+        std::string why; // in a line; empty when it is right
+    };
+    // When it is not right no tick went to `sink`. All settings of the stretch are known.
+    Advance advance(const Stretch &stretch, TickSink &sink);
 
     void lose_step();
 
@@ -82,6 +90,7 @@ private:
         std::vector<Step> steps;
         std::vector<drive_out_t> outputs;
     };
+    Advance judge(const Stretch &stretch, const std::vector<Step> &steps);
     std::vector<Step> steps_of(const Stretch &stretch) const;
     void compute(const std::vector<Step> &steps, TickSink &sink);
     void change(const DriveSettings &settings);
