@@ -3,9 +3,9 @@
  * The whole console on another binding: the PC's, with the plant and a serial line behind it. A person types, the motor turns,
  * and a fault is told.
  */
-#include "console.h"
 #include "example_cfg.h"
 #include "hal_host.h"
+#include "link.h"
 #include "unity.h"
 
 #include <math.h>
@@ -49,7 +49,8 @@ static plant_t plant;
 static drive_cfg_t cfg;
 static hal_t hardware;
 static app_t app;
-static console_t console;
+static live_config_t live;
+static link_t serial;
 
 static void listen(void)
 {
@@ -71,7 +72,7 @@ static const char *after(uint32_t ticks, const char *typed)
     }
     for (uint32_t k = 0U; k < ticks; k++) {
         control_isr(&app);
-        console_step(&console);
+        link_step(&serial);
         hal_host_step(&hardware);
     }
     listen();
@@ -101,8 +102,9 @@ void setUp(void)
     hal_host_init(&hardware, &plant);
     hal_host_line_init(&line, BAUD, TICK_PS);
     hardware.line = &line;
-    console_init(&console, &app, &hardware, &ABOUT);
-    TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
+    live_config_init(&live, &app, &hardware, &ABOUT, &cfg);
+    link_init(&serial, &live);
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &live.in_force->cfg));
     assert_has("READY, speed 0 of 0 rpm, ", after(TICKS_PER_S / 10U, ""));
 }
 
