@@ -89,7 +89,8 @@ void show(const Choice &choice)
     }
     const nf::Config config = load(choice);
     for (const nf::ConfigRow &row : nf::describe(config, nf::build(config))) {
-        std::cout << fmt::format("{:39}{:>12}  {}\n", row.path, row.value, row.meaning);
+        std::cout << fmt::format("{:39}{:>12}  {:6}{}\n", row.path, row.value,
+                                 row.in_run ? "run" : "rest", row.meaning);
     }
     print_notes(config);
 }

@@ -10,6 +10,8 @@
 #include "hal.h"
 #include "recorder.h"
 
+#include <stdbool.h>
+
 typedef struct {
     drive_t drive;
     command_mailbox_t mailbox; /* the background posts, the interrupt takes */
@@ -17,6 +19,8 @@ typedef struct {
     drive_in_t in; /* the frames of the last tick, for traces and recordings */
     drive_out_t out;
     recorder_t *recorder; /* NULL: none */
+    /* a configuration that the background has posted and the interrupt has not taken yet; NULL: none */
+    const drive_cfg_t *volatile change;
 } app_t;
 
 /*
@@ -27,6 +31,17 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg);
 
 /* Record every tick from now on. Call once, before the control interrupt is enabled. */
 void app_record(app_t *app, recorder_t *recorder);
+
+/*
+ * Post another configuration. The control interrupt takes it with the command, within a slow period, as a whole and at one
+ * tick boundary: drive_change() says what that means. One that is posted before it was taken is forgotten. `cfg`
+ * must outlive its use; what was in force before it is needed until app_changes() is false, and by the recorder as long as
+ * recorder_change() says. Context: background.
+ */
+void app_change(app_t *app, const drive_cfg_t *cfg);
+
+/* Whether a configuration that was posted is still to be taken. Context: background. */
+bool app_changes(const app_t *app);
 
 /* The control interrupt: sample, step, apply, record. Call once a PWM period, never re-entered. */
 void control_isr(app_t *app);

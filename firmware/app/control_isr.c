@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "app.h"
 
+#include "barrier.h"
+#include "inlining.h"
+
 #include <stddef.h>
 
 const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
@@ -11,6 +14,7 @@ const char *app_init(app_t *app, hal_t *hal, const drive_cfg_t *cfg)
     app->in = (drive_in_t){0};
     app->out = (drive_out_t){0};
     app->recorder = NULL;
+    app->change = NULL;
     return drive_init(&app->drive, cfg);
 }
 
@@ -19,12 +23,41 @@ void app_record(app_t *app, recorder_t *recorder)
     app->recorder = recorder;
 }
 
+/* The barrier keeps the words of the configuration in front of the store that posts it. */
+void app_change(app_t *app, const drive_cfg_t *cfg)
+{
+    barrier_compiler();
+    app->change = cfg;
+}
+
+bool app_changes(const app_t *app)
+{
+    const bool posted = app->change != NULL;
+
+    barrier_compiler(); /* what was in force before is written after this */
+    return posted;
+}
+
+NEVER_INLINED static void take_change(app_t *app)
+{
+    const drive_cfg_t *const before = app->drive.cfg;
+
+    drive_change(&app->drive, app->change);
+    if (app->recorder != NULL) {
+        recorder_change(app->recorder, before);
+    }
+    app->change = NULL;
+}
+
 /* What was found is applied before it is recorded: its time is short. */
 void control_isr(app_t *app)
 {
     hal_sample(app->hal, &app->in);
     if (drive_reads_slow_inputs(&app->drive)) {
         app->in.command = command_mailbox_take(&app->mailbox);
+        if (app->change != NULL) {
+            take_change(app);
+        }
     }
     drive_step(&app->drive, &app->in, &app->out);
     hal_apply(app->hal, &app->out);

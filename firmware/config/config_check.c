@@ -38,11 +38,11 @@ static const char *check_rows(const drive_cfg_t *cfg)
     // cppcheck-suppress misra-c2012-20.7 ; D3: a path is a member, which no brackets may enclose
     // cppcheck-suppress misra-c2012-20.10 ; D4: what is returned is the row's own path
 #define CHECK(found, path, lo, hi) found = in_range(found, #path, (int64_t)cfg->path, (lo), (hi));
-#define CFG(path, lo, hi, quantity, meaning) CHECK(bad, path, lo, hi)
-#define CFG_STARTUP(path, lo, hi, quantity, meaning) CHECK(startup, path, lo, hi)
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) \
+#define CFG(path, when, lo, hi, quantity, meaning) CHECK(bad, path, lo, hi)
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) CHECK(startup, path, lo, hi)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
     CHECK(bad, path, lo, hi) CHECK(startup, path, lo_startup, hi)
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) CHECK(voltage, path, lo, hi)
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) CHECK(voltage, path, lo, hi)
     // cppcheck-suppress misra-c2012-20.1 ; D5: the rows are the statements here
 #include "cfg.def"
 

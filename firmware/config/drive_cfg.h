@@ -55,6 +55,11 @@ typedef struct {
     virtual_resistance_cfg_t damping; /* of the currents' own mode */
 } voltage_drive_cfg_t;
 
+/* The line between the drive and a PC. */
+typedef struct {
+    uint32_t timeout_ticks; /* without a message for so long the drive stops, 0…2^30; 0: never */
+} link_cfg_t;
+
 /* In the order of their use in a tick, the motion loops last: see drive_t. */
 typedef struct {
     uint32_t speed_shift; /* speed in Q15 of Ω_b = step >> speed_shift, 1…16 */
@@ -76,6 +81,7 @@ typedef struct {
     oscillation_cfg_t oscillation;
     voltage_drive_cfg_t voltage_drive;
     torque_filter_cfg_t torque_filter;
+    link_cfg_t link;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;
 

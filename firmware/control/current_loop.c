@@ -57,6 +57,12 @@ dq_t current_loop_model(const current_loop_t *loop, dq_t current)
     };
 }
 
+void current_loop_take_over(current_loop_t *loop, dq_t voltage)
+{
+    pi_unwind(&loop->pi_d, fx_clamp(-voltage.d, -FX_Q15_MAX, FX_Q15_MAX));
+    pi_unwind(&loop->pi_q, fx_clamp(-voltage.q, -FX_Q15_MAX, FX_Q15_MAX));
+}
+
 static bool lies_in_circle(dq_t v, int32_t limit)
 {
     const int32_t square = limit * limit;

@@ -62,6 +62,9 @@ void current_loop_plan(current_loop_t *loop, const current_loop_cfg_t *cfg, dq_t
  */
 dq_t current_loop_model(const current_loop_t *loop, dq_t current);
 
+/* The integrals take over `voltage`, which the plan no longer gives. They saturate at ±1; of it ±32767 counts. */
+void current_loop_take_over(current_loop_t *loop, dq_t voltage);
+
 /*
  * One tick. Returns the voltage to apply, |v| ≤ limit. |reference| ≤ 23171, |measured| ≤ 42364. limit 0…32766: a demand
  * that saturates at 16 bits has to lie outside of the circle. Within the circle both integrals move freely. Outside, each

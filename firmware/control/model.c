@@ -137,10 +137,32 @@ static void apply_inductances(model_t *model, const model_nominal_t *nominal)
     hold->reactance_q_q13 = run->reactance_q_q13;
 }
 
+static void apply_all(model_t *model, const model_nominal_t *nominal)
+{
+    apply_weights(model, nominal);
+    apply_gains(model, nominal);
+    apply_inductances(model, nominal);
+    apply_flux(model, nominal);
+}
+
+static int32_t limited_saliency(const model_cfg_t *cfg, int32_t ratio_q14)
+{
+    const int32_t most = fx_min(MODEL_RATIO_ONE + cfg->saliency_limit_q14, FX_Q15_MAX);
+
+    return fx_clamp(ratio_q14, inverse_q14(most), most);
+}
+
+static int32_t limited_flux(const model_cfg_t *cfg, int32_t ratio_q30)
+{
+    const uint32_t unit = 1UL << Q14_TO_Q30;
+    const int32_t band_q30 = cfg->flux_limit_q14 * (int32_t)unit;
+
+    return fx_clamp(ratio_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
+}
+
 /* What the measured saliency corrects of the configured one. */
 static int32_t saliency_ratio(const model_cfg_t *cfg, int32_t nominal_q13, int32_t measured_q13)
 {
-    const int32_t most = fx_min(MODEL_RATIO_ONE + cfg->saliency_limit_q14, FX_Q15_MAX);
     int32_t ratio = MODEL_RATIO_ONE;
 
     if (measured_q13 > 0) {
@@ -149,7 +171,7 @@ static int32_t saliency_ratio(const model_cfg_t *cfg, int32_t nominal_q13, int32
     if (fx_abs(ratio - MODEL_RATIO_ONE) <= SALIENCY_CERTAIN) {
         ratio = MODEL_RATIO_ONE;
     }
-    return fx_clamp(ratio, inverse_q14(most), most);
+    return limited_saliency(cfg, ratio);
 }
 
 void model_reset(model_t *model, const model_nominal_t *nominal)
@@ -182,22 +204,30 @@ NEVER_INLINED void model_set(model_t *model, const model_cfg_t *cfg, const model
     model->inductance_inverse_q14 = inverse_q14(model->inductance_q14);
     model->saliency_q14 =
         saliency_ratio(cfg, nominal->observer->saliency_q13, measured->saliency_q13);
-    apply_weights(model, nominal);
-    apply_gains(model, nominal);
-    apply_inductances(model, nominal);
-    apply_flux(model, nominal);
+    apply_all(model, nominal);
+}
+
+NEVER_INLINED void model_change(model_t *model, const model_cfg_t *cfg,
+                                const model_nominal_t *nominal)
+{
+    model->observer = *nominal->observer;
+    model->run_loop = *nominal->run_loop;
+    model->hold_loop = *nominal->hold_loop;
+    model->resistance_q14 = limited(model->resistance_q14, cfg->resistance_limit_q14);
+    model->inductance_q14 = limited(model->inductance_q14, cfg->inductance_limit_q14);
+    model->inductance_inverse_q14 = inverse_q14(model->inductance_q14);
+    model->saliency_q14 = limited_saliency(cfg, model->saliency_q14);
+    model->flux_q30 = limited_flux(cfg, model->flux_q30);
+    apply_all(model, nominal);
 }
 
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed)
 {
-    const uint32_t unit = 1UL << Q14_TO_Q30;
-    const int32_t band_q30 = cfg->flux_limit_q14 * (int32_t)unit;
-
-    if ((band_q30 != 0) && (fx_abs(speed) >= cfg->flux_speed_min)) {
+    if ((cfg->flux_limit_q14 != 0) && (fx_abs(speed) >= cfg->flux_speed_min)) {
         const int32_t flux_q30 = model->flux_q30 - (error_d * cfg->flux_rate);
 
-        model->flux_q30 = fx_clamp(flux_q30, ONE_Q30 - band_q30, ONE_Q30 + band_q30);
+        model->flux_q30 = limited_flux(cfg, flux_q30);
         apply_flux(model, nominal);
     }
 }

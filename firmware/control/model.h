@@ -83,6 +83,12 @@ void model_reset(model_t *model, const model_nominal_t *nominal);
 void model_set(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                const model_measured_t *measured);
 
+/*
+ * Take over other configured values. The ratios that were measured stay, within the limits of now; so do the shares of the
+ * gains. Two divisions at most. Control interrupt only.
+ */
+void model_change(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal);
+
 /* Correct the flux. Once per slow period. error_d: e'_d of the observer, Q15 of I_b, ±8192. */
 void model_track_flux(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal,
                       int32_t error_d, step_t speed);

@@ -13,6 +13,20 @@ void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg)
     mod->inverse_bus_q12 = ONE_Q12;
 }
 
+static int32_t within_band(const modulator_cfg_t *cfg, int32_t dead_time_q15)
+{
+    const int32_t band = cfg->dead_time_band_q15;
+
+    return fx_clamp(dead_time_q15, fx_max(cfg->dead_time_q15 - band, 0), cfg->dead_time_q15 + band);
+}
+
+void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modulator_cfg_t *to)
+{
+    const int32_t measured = mod->dead_time_q15 - from->dead_time_q15;
+
+    mod->dead_time_q15 = within_band(to, to->dead_time_q15 + measured);
+}
+
 int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t lost)
 {
     const int32_t ratio_q15 = fx_asr(lost * mod->inverse_bus_q12, 12U);
@@ -21,10 +35,7 @@ int32_t modulator_correct(modulator_t *mod, const modulator_cfg_t *cfg, int32_t 
     const int32_t certain = fx_asr(before, CERTAIN_SHIFT);
 
     if (fx_abs(change) > certain) {
-        const int32_t band = cfg->dead_time_band_q15;
-        const int32_t lowest = fx_max(cfg->dead_time_q15 - band, 0);
-
-        mod->dead_time_q15 = fx_clamp(before + change, lowest, cfg->dead_time_q15 + band);
+        mod->dead_time_q15 = within_band(cfg, before + change);
     }
     return mod->dead_time_q15 - before;
 }

@@ -63,6 +63,12 @@ typedef struct {
 void modulator_reset(modulator_t *mod, const modulator_cfg_t *cfg);
 
 /*
+ * Take over another configuration. By how much a measurement has corrected the dead time stays, within the band of now.
+ * Control interrupt only.
+ */
+void modulator_change(modulator_t *mod, const modulator_cfg_t *from, const modulator_cfg_t *to);
+
+/*
  * Correct the dead time by a measurement. lost: the voltage that the legs took in excess of the compensation in force,
  * along a current vector on the axis of phase a, Q15 of U_b, ±16384. There the legs b and c carry half of the current of
  * leg a, so that lost = 4/3·Δt_d/T·u_bus. Both currents have to be well above ripple and knee. Device drop that the

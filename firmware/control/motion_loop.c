@@ -29,6 +29,12 @@ void speed_loop_init(speed_loop_t *loop)
     *loop = (speed_loop_t){.inertia_q17 = RATIO_ONE_Q17};
 }
 
+void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg)
+{
+    loop->inertia_q17 = fx_clamp(loop->inertia_q17, cfg->inertia_least_q13 * Q13_TO_Q17,
+                                 cfg->inertia_most_q13 * Q13_TO_Q17);
+}
+
 void speed_loop_reset(speed_loop_t *loop, step_t speed)
 {
     pi_reset(&loop->pi, 0);

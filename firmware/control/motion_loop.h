@@ -84,6 +84,9 @@ void speed_loop_restore(speed_loop_t *loop);
 /* J as configured, the whole bandwidth, at rest. Before the first use, and after a fault. */
 void speed_loop_init(speed_loop_t *loop);
 
+/* Take over another configuration: the ratio of J that was learned stays, within the limits of now. */
+void speed_loop_change(speed_loop_t *loop, const speed_loop_cfg_t *cfg);
+
 /* Start at the present speed with i_q* = 0, without a jump. Does not change the bandwidth. */
 void speed_loop_reset(speed_loop_t *loop, step_t speed);
 

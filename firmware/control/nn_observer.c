@@ -57,6 +57,21 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
     }
 }
 
+void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *from,
+                        const nn_observer_cfg_t *to, sincos_t angle)
+{
+    const uint32_t steps = (uint32_t)1U << (STATE_BITS + 1U - to->current_shift);
+    const int32_t unit = (int32_t)steps;
+    const int32_t saliency = to->saliency_q13 - from->saliency_q13;
+    const int32_t x_q27 = to->flux_q27 - from->flux_q27;
+    const int32_t y_q27 = fx_sat28(fx_asr(obs->current.q * saliency, 13U) * unit);
+    const int32_t alpha = 2 * fx_mla_32x16(fx_mul_32x16(x_q27, angle.cos), y_q27, -angle.sin);
+    const int32_t beta = 2 * fx_mla_32x16(fx_mul_32x16(x_q27, angle.sin), y_q27, angle.cos);
+
+    obs->alpha_q27 = fx_sat28(obs->alpha_q27 + alpha);
+    obs->beta_q27 = fx_sat28(obs->beta_q27 + beta);
+}
+
 /* î − m·(î + e) lies between î and −e, so it fits where î does. */
 static int32_t observer_less_measured(int32_t current, int32_t error, int32_t feedback_q15)
 {

@@ -123,6 +123,14 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
                        sincos_t angle);
 
 /*
+ * Take over other weights. φ/L_d and L_q/L_d are in the states: these change so that the current of the network stays. What
+ * nn_observer_refresh() computes follows with its next call. angle: as of the last nn_observer_predict(). Both have the same
+ * current_shift. Control interrupt only.
+ */
+void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *from,
+                        const nn_observer_cfg_t *to, sincos_t angle);
+
+/*
  * (14)–(18), the forward pass: state and errors at this instant. measured: i_d, i_q at this instant, turned with
  * θ̂, |i| ≤ 65535. voltage: applied by the inverter since the last instant, stationary frame, |v| ≤ 32768. angle: sine
  * and cosine of θ̂ at this instant, that is θ̂ of the last instant plus speed_out. Total within these ranges: states,

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "drive.h"
 
+#include "config_change.h"
 #include "config_check.h"
 #include "estimate.h"
 #include "frame.h"
+#include "inlining.h"
 #include "open_loop.h"
 #include "probing.h"
 #include "run.h"
 #include "schedule.h"
 #include "straight.h"
 #include "transitions.h"
+#include "trig.h"
 #include "voltage_drive.h"
 
 #include <stddef.h>
@@ -293,10 +296,10 @@ static bool attend(drive_t *drive, const drive_in_t *in)
     return controlled && drive_is_controlled(drive->state);
 }
 
-const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
+/* INIT with this configuration. Nothing is known. */
+static void begin(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
-    const char *bad;
 
     *drive = (drive_t){.cfg = cfg};
     nominal = drive_nominal(drive);
@@ -308,12 +311,109 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
     modulator_reset(&drive->modulator, &cfg->modulator);
     derating_reset(&drive->derating, &cfg->derating);
     config_guard_reset(&drive->guard);
-    probe_reset(&drive->probe);
+}
+
+const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
+{
+    const char *bad;
+
+    begin(drive, cfg);
     bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";
     }
     return bad;
+}
+
+/*
+ * Words of the state mean something else from now on, so the drive begins anew and calibrates. What remains is the clock, a
+ * latched fault, and the heat as a share of its limit. The slow period goes on: this tick has read its slow inputs.
+ */
+static void begin_anew(drive_t *drive, const drive_cfg_t *cfg)
+{
+    const drive_state_t state = drive->state;
+    const fault_t fault = drive->fault;
+    const uint32_t tick = drive->tick;
+    const uint32_t left = drive->slow_count;
+    const int32_t heat_q24 = drive->derating.heat_q24;
+
+    begin(drive, cfg);
+    drive->fault = fault;
+    drive->tick = tick;
+    drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
+    drive->derating.heat_q24 = heat_q24;
+    if (state == DRIVE_STATE_FAULT) {
+        enter(drive, DRIVE_STATE_FAULT);
+    }
+}
+
+/* The instant of the last prediction: θ̂ has gone on since. */
+static sincos_t angle_before(const drive_t *drive)
+{
+    const angle_t rotor = rotor_position_angle(&drive->position);
+
+    return trig_sincos(rotor - fx_unsigned(drive->observer.speed_out));
+}
+
+static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_cfg_t *other)
+{
+    return (one->smooth_rate_q15 != other->smooth_rate_q15) ||
+           (one->notch_share_q15 != other->notch_share_q15) ||
+           (one->notch_turn.sin != other->notch_turn.sin) ||
+           (one->notch_turn.cos != other->notch_turn.cos);
+}
+
+/* Each part of the state that has copies, corrections or limits of the configuration. */
+static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
+{
+    const drive_cfg_t *const before = drive->cfg;
+    const nn_observer_cfg_t observer = drive->model.observer;
+    model_nominal_t nominal;
+
+    drive->cfg = cfg;
+    nominal = drive_nominal(drive);
+    model_change(&drive->model, &cfg->model, &nominal);
+    nn_observer_change(&drive->observer, &observer, &drive->model.observer, angle_before(drive));
+    modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
+    speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
+    if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
+        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+    }
+    drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
+    config_guard_reset(&drive->guard);
+}
+
+/* The voltage that the old model gave and the new one does not, or the other way round, goes to the integrals. */
+static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
+{
+    const dq_t before = frame_model_voltage(drive);
+    dq_t now;
+
+    adopt_parts(drive, cfg);
+    now = frame_model_voltage(drive);
+    current_loop_take_over(&drive->current_loop, (dq_t){before.d - now.d, before.q - now.q});
+}
+
+static void adopt(drive_t *drive, const drive_cfg_t *cfg)
+{
+    if ((drive->state == DRIVE_STATE_RUN) && drive->voltage_drive.active) {
+        /* Nothing limits the current there. It comes back by itself when all is calm. */
+        adopt_parts(drive, cfg);
+        voltage_drive_end(drive);
+    } else if ((drive->state == DRIVE_STATE_RUN) || drive_is_imposed(drive->state)) {
+        adopt_controlled(drive, cfg);
+    } else {
+        adopt_parts(drive, cfg);
+    }
+}
+
+NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+{
+    if (config_change_refused(drive->cfg, cfg) == NULL) {
+        adopt(drive, cfg);
+    } else {
+        begin_anew(drive, cfg);
+    }
 }
 
 /* The slot of the slow schedule that falls on this tick, if one does. */

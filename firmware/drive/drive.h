@@ -39,6 +39,23 @@
 const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
 
 /*
+ * From the next drive_step() on the drive runs with `cfg`, which must outlive the drive or the next change. It is one that
+ * config_check() accepts, with its checksum.
+ *
+ * Of what config_change_refused() allows the drive keeps its state. What was measured of the motor stays as a ratio to the
+ * values of the new configuration, and so does the voltage of the current control: what the model gives otherwise goes to
+ * the integrals. A voltage drive goes back to current control. What a slot of the slow schedule computes follows in
+ * its slot, within a slow period.
+ *
+ * Of anything else the drive begins anew: it opens the gates, goes to INIT and calibrates; nothing that was measured is known.
+ * So the caller asks config_change_refused() first, and goes on at rest only. A latched fault stays.
+ *
+ * Total and pure: a replay with the same change in front of the same frame repeats it bit for bit. Context: control
+ * interrupt, right before drive_step().
+ */
+void drive_change(drive_t *drive, const drive_cfg_t *cfg);
+
+/*
  * Whether the next tick is the one of a slow period in which the drive reads the temperature. control_isr() takes the
  * command then, and the recorder looks for a change of both. So a command waits for up to a slow period.
  */

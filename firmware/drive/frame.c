@@ -34,6 +34,16 @@ void frame_plan_rotor(drive_t *drive)
     plan_current(drive, &drive->model.run_loop, drive->observer.speed);
 }
 
+dq_t frame_model_voltage(drive_t *drive)
+{
+    if (drive->state == DRIVE_STATE_RUN) {
+        frame_plan_rotor(drive);
+    } else {
+        plan_current(drive, &drive->model.hold_loop, drive->vector.step);
+    }
+    return current_loop_model(&drive->current_loop, drive->signals.current_ref);
+}
+
 /* The voltage with which RUN would answer a current beyond ±limit at full speed. ratio_q14: L in force over that of the file. */
 static int32_t held_back(const pi_cfg_t *cfg, int32_t current, int32_t limit, int32_t ratio_q14)
 {

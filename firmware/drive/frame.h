@@ -48,6 +48,9 @@ void frame_measure(drive_t *drive);
 /* In RUN, when current_ref, the model or ω̂ may have changed: current_loop_plan() in the frame of the rotor. */
 void frame_plan_rotor(drive_t *drive);
 
+/* In RUN and with an imposed current: plans, and returns the voltage that the model needs for current_ref, Q15 of U_b. */
+dq_t frame_model_voltage(drive_t *drive);
+
 /* Sets the voltage for current_ref (current_loop.h). An imposed frame plans each tick. */
 void frame_control_current(drive_t *drive, const frame_t *frame);
 

@@ -63,11 +63,8 @@ void voltage_drive_step(drive_t *drive)
     s->voltage.q = fx_sat16(fx_asr(damping.q + (magnitude * angle.cos), 15U));
 }
 
-/*
- * Change back to current control. The integrals are set to the voltage less that of the model, the torque current to the
- * present one. i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove it.
- */
-static void return_to_current(drive_t *drive)
+/* i_d* is 0: the compensator has left no i_d, and there may be no start-up with a slope to remove it. */
+void voltage_drive_end(drive_t *drive)
 {
     drive_signals_t *const s = &drive->signals;
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
@@ -150,7 +147,7 @@ void voltage_drive_motion(drive_t *drive, const drive_command_t *command)
     vd->end_periods = is_at_end(drive) ? (vd->end_periods + 1U) : 0U;
     if (!is_wanted(drive, command, leave) || is_overloaded(drive) ||
         (vd->end_periods >= cfg->settle_periods)) {
-        return_to_current(drive);
+        voltage_drive_end(drive);
     } else {
         set_magnitude(drive);
     }

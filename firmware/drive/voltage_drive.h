@@ -36,6 +36,12 @@ void voltage_drive_step(drive_t *drive);
 /* Once per slow period: speed PI, or the change back to current control. */
 void voltage_drive_motion(drive_t *drive, const drive_command_t *command);
 
+/*
+ * Changes back to current control: the integrals are set to the voltage less that of the model, the torque current to the
+ * present one.
+ */
+void voltage_drive_end(drive_t *drive);
+
 /* Once per slow period under current control: checks the conditions above and changes to voltage control. */
 void voltage_drive_offer(drive_t *drive, const drive_command_t *command);
 

@@ -11,22 +11,28 @@ namespace nf
 namespace
 {
 
+// What stands in the column `when` of cfg.def.
+constexpr bool RUN = true;
+constexpr bool REST = false;
+
 std::vector<CfgRow> written_rows()
 {
-#define CFG(path, lo, hi, quantity, meaning) \
+#define CFG(path, when, lo, hi, quantity, meaning) \
     {"cfg." #path, \
      #path, \
      offsetof(drive_cfg_t, path), \
      std::is_unsigned_v<decltype(drive_cfg_t{}.path)>, \
+     when, \
      Quantity::quantity, \
      meaning, \
      nullptr},
 #define CFG_STARTUP CFG
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG(path, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
+    CFG(path, when, lo, hi, quantity, meaning)
 #define CFG_VOLTAGE CFG
     return {
 #include "cfg.def"
-        CFG(crc, , , number, "of all above, CRC-32")};
+        CFG(crc, RUN, , , number, "of all above, CRC-32")};
 #undef CFG
 #undef CFG_STARTUP
 #undef CFG_BOTH

@@ -16,6 +16,7 @@ struct CfgRow {
     const char *path;   // "current_loop.pi_d.kp"
     std::size_t offset; // in drive_cfg_t, 32 bits
     bool is_unsigned;
+    bool in_run; // may change while current flows, else only at rest
     Quantity quantity;
     const char *meaning;    // {} is the value with its unit
     const CfgRow *exponent; // of a mantissa, else NULL

@@ -78,7 +78,7 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
             meaning += ", " + from->second;
         }
         meaning += bar_text(config, row.path);
-        rows.push_back({row.path, raw, row.is_unsigned, sizeof(std::int32_t), meaning});
+        rows.push_back({row.path, raw, row.is_unsigned, sizeof(std::int32_t), row.in_run, meaning});
     }
     return rows;
 }

@@ -18,6 +18,7 @@ struct ConfigRow {
     std::int64_t value;
     bool is_unsigned;
     std::size_t bytes;
+    bool in_run;         // may change while current flows
     std::string meaning; // "T·R/L_d = 0.0183"
 };
 

@@ -38,12 +38,13 @@ constexpr std::uint32_t mix(std::uint32_t hash, std::size_t number)
 constexpr std::uint32_t make_schema_hash()
 {
     std::uint32_t hash = mix(FNV_BASIS, sizeof(drive_cfg_t));
-#define CFG(path, lo, hi, quantity, meaning) \
+#define CFG(path, when, lo, hi, quantity, meaning) \
     hash = mix(mix(mix(mix(hash, #path), offsetof(drive_cfg_t, path)), \
                    std::size_t{std::is_unsigned_v<decltype(drive_cfg_t{}.path)>}), \
                #quantity);
 #define CFG_STARTUP CFG
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG(path, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
+    CFG(path, when, lo, hi, quantity, meaning)
 #define CFG_VOLTAGE CFG
 #include "cfg.def"
 #undef CFG

@@ -328,6 +328,12 @@ oscillation_cfg_t make_oscillation(const MotorSettings &motor, const TuningSetti
     return c;
 }
 
+// Rounded up: a time that is not 0 is not "never".
+uint32_t command_timeout(const TuningSettings &tuning, const Bases &b)
+{
+    return static_cast<uint32_t>(std::ceil(tuning.command_timeout_s / b.control_period_s));
+}
+
 // The base of the observer's states, I_x = 2^s·I_b: both states fit for every current that the
 // over-current protection lets through (three phases within it make a vector of 2/√3 of it). Not
 // larger than that, for the adaptation's gains per unit grow with it.
@@ -856,6 +862,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.model = make_model_cfg(motor, tuning, m, b);
     c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.torque_filter = make_torque_filter(tuning, b);
+    c.link.timeout_ticks = command_timeout(tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);
     c.crc = config_guard_crc(&c);

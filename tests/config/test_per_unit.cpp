@@ -614,6 +614,14 @@ void flying_start()
            motor_b({"motor.max_current_a=4"}).startup.flying_start.current);
 }
 
+// At 10 kHz; 0.1 of a tick counts as one, or it would mean never.
+void the_time_without_a_message()
+{
+    expect(0, motor_b().link.timeout_ticks);
+    expect(2500, motor_b({"tuning.command_timeout_s=0.25"}).link.timeout_ticks);
+    expect(1, motor_b({"tuning.command_timeout_s=1e-5"}).link.timeout_ticks);
+}
+
 // Without a start of its own the run's current changes as with one of 100 %.
 void run()
 {
@@ -863,6 +871,7 @@ int main()
     RUN_TEST(flying_start);
     RUN_TEST(the_pause_of_a_flying_start_makes_a_turn_of_0_15);
     RUN_TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed);
+    RUN_TEST(the_time_without_a_message);
     RUN_TEST(run);
     RUN_TEST(hold_loop);
     RUN_TEST(a_large_resistance_is_relieved);

@@ -50,11 +50,11 @@ void configuration_holds(const drive_cfg_t &cfg)
     if (used) { \
         within("cfg." #path, static_cast<int64_t>(cfg.path), lowest, highest); \
     }
-#define CFG(path, lo, hi, quantity, meaning) ROW(true, path, lo, hi)
-#define CFG_STARTUP(path, lo, hi, quantity, meaning) ROW(starts_up, path, lo, hi)
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) \
+#define CFG(path, when, lo, hi, quantity, meaning) ROW(true, path, lo, hi)
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) ROW(starts_up, path, lo, hi)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
     ROW(true, path, starts_up ? (lo_startup) : (lo), hi)
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) ROW(drives_voltage, path, lo, hi)
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) ROW(drives_voltage, path, lo, hi)
 #include "cfg.def"
 #undef CFG
 #undef CFG_STARTUP

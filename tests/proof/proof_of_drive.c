@@ -39,10 +39,10 @@ static void choose_words(uint32_t *words, uint32_t size)
 static void choose_configuration(void)
 {
     choose_words((uint32_t *)&cfg, sizeof(cfg));
-#define CFG(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
-#define CFG_STARTUP(path, lo, hi, quantity, meaning)
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG(path, lo, hi, , )
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning)
+#define CFG(path, when, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) CFG(path, when, lo, hi, , )
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning)
 #include "cfg.def"
 #undef CFG
 #undef CFG_STARTUP
@@ -52,10 +52,12 @@ static void choose_configuration(void)
 
 static void choose_startup(void)
 {
-#define CFG(path, lo, hi, quantity, meaning)
-#define CFG_STARTUP(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) CFG_STARTUP(path, lo_startup, hi, , )
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning)
+#define CFG(path, when, lo, hi, quantity, meaning)
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) \
+    cfg.path = Frama_C_long_long_interval(lo, hi);
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
+    CFG_STARTUP(path, when, lo_startup, hi, , )
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning)
 #include "cfg.def"
 #undef CFG_STARTUP
 #undef CFG_BOTH
@@ -67,9 +69,10 @@ static void choose_startup(void)
 
 static void choose_voltage_drive(void)
 {
-#define CFG_STARTUP(path, lo, hi, quantity, meaning)
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning)
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) cfg.path = Frama_C_long_long_interval(lo, hi);
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning)
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) \
+    cfg.path = Frama_C_long_long_interval(lo, hi);
 #include "cfg.def"
 }
 

@@ -37,10 +37,11 @@ typedef struct {
 } row_t;
 
 #define ROW(path, lo, hi, use) {{#path, offsetof(drive_cfg_t, path), lo, hi, #path, #path}, use},
-#define CFG(path, lo, hi, quantity, meaning) ROW(path, lo, hi, ALWAYS)
-#define CFG_STARTUP(path, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_STARTUP)
-#define CFG_BOTH(path, lo, lo_startup, hi, quantity, meaning) ROW(path, lo_startup, hi, IN_BOTH)
-#define CFG_VOLTAGE(path, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_VOLTAGE_DRIVE)
+#define CFG(path, when, lo, hi, quantity, meaning) ROW(path, lo, hi, ALWAYS)
+#define CFG_STARTUP(path, when, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_STARTUP)
+#define CFG_BOTH(path, when, lo, lo_startup, hi, quantity, meaning) \
+    ROW(path, lo_startup, hi, IN_BOTH)
+#define CFG_VOLTAGE(path, when, lo, hi, quantity, meaning) ROW(path, lo, hi, WITH_VOLTAGE_DRIVE)
 static const row_t ROWS[] = {
 #include "cfg.def"
 };
