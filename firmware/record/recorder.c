@@ -35,12 +35,12 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
     return &recorder->entries[at];
 }
 
-/* A tick takes two entries at most. */
+/* A tick takes two entries at most: of two changes the second has nothing new. The proof does not see that, so it is three. */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
 {
     const uint32_t behind = (segment + 1U) * recorder->segment_entries;
 
-    return &recorder->entries[behind - 1U];
+    return &recorder->entries[behind - 2U];
 }
 
 /* Compared by bit operations, so that there is only one branch. */
@@ -166,9 +166,6 @@ uint32_t recorder_newest(const recorder_t *recorder)
 /* Restart with the same memory. The interrupt does not touch a frozen recorder. */
 static void begin_anew(recorder_t *recorder)
 {
-    const uint32_t newest = recorder_newest(recorder);
-
-    recorder->ended = (newest == 0U) ? recorder->ended : newest;
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
         recorder->segments[k] = (recorder_segment_t){0};
     }
@@ -287,6 +284,7 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
     }
     if (recorder->frozen) {
         if ((!failed || recorder->passed) && !recorder->held) {
+            recorder->ended = recorder_newest(recorder);
             begin_anew(recorder);
         }
     } else if (!recorder->offered) {

@@ -449,6 +449,15 @@ void of_three_configurations_the_history_begins_with_the_second()
     assert_genuine(recording);
 }
 
+void a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason()
+{
+    const std::string text =
+        recorded_with({{last_tick() - 500, {KAPPA}}, {last_tick() - 300, {SLOW_TICKS}}});
+    TEST_ASSERT_EQUAL_STRING(
+        "it has no frames: the configuration changed twice in its last segment",
+        refusal_of(text).c_str());
+}
+
 void a_summary_says_when_the_configuration_changes()
 {
     const std::string text = recorded_with({{100, {KAPPA}}});
@@ -738,6 +747,7 @@ int main()
     RUN_TEST(a_change_may_come_before_any_frame_of_a_segment);
     RUN_TEST(of_one_configuration_and_back_both_changes_come_out);
     RUN_TEST(of_three_configurations_the_history_begins_with_the_second);
+    RUN_TEST(a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason);
     RUN_TEST(a_summary_says_when_the_configuration_changes);
     RUN_TEST(a_damaged_further_configuration_is_refused);
     RUN_TEST(a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting);
