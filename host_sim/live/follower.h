@@ -34,9 +34,9 @@ struct Reporter {
 
 struct FollowerOptions {
     Timing timing;
-    double keep_s = 10;   // for the stepper
-    double ping_s = 0.2;  // how often the board hears that somebody is there
-    double silent_s = 1;  // without an answer: it is asked anew who it is
+    double keep_s = 10;  // for the stepper
+    double ping_s = 0.2; // how often the board hears that somebody is there
+    double silent_s = 1; // without an answer: it is asked anew who it is
 };
 
 class Follower
