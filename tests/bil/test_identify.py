@@ -221,7 +221,7 @@ class NamePlate(Case):
 
 
 class Measures(Case):
-    """One whole identification, at the console's 115200 baud; where the rotor begins to turn, copies of it fail."""
+    """One whole identification, at the console's own baud rate; where the rotor begins to turn, copies of it fail."""
 
     @classmethod
     def setUpClass(cls):

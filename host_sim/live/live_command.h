@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+// The command line of `motorsim live`.
+#pragma once
+
+#include "live_run.h"
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace nf::live
+{
+
+struct LiveArguments : LiveOptions {
+    std::string port;
+    unsigned rate = 0; // 0: board.baud of --board, else of the default
+};
+
+void describe(CLI::App &command, LiveArguments &arguments);
+
+// False as follow(). Throws what is to be said in one line.
+bool live(LiveArguments arguments);
+
+} // namespace nf::live
