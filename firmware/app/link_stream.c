@@ -137,8 +137,8 @@ static void announce_segment(link_stream_t *stream, const recorder_view_t *view,
 /* The hash is told when it is whole. */
 static void go_on_hashing(link_stream_t *stream, const recorder_view_t *view, link_out_t *out)
 {
-    stream->hash = drive_words_hash_part(stream->hash, view->state, &stream->hashed,
-                                         HASH_WORDS_OF_A_PASS);
+    stream->hash =
+        drive_words_hash_part(stream->hash, view->state, &stream->hashed, HASH_WORDS_OF_A_PASS);
     if (stream->hashed >= drive_words_count()) {
         announce_segment(stream, view, out);
     }

@@ -297,7 +297,7 @@ static bool attend(drive_t *drive, const drive_in_t *in)
 }
 
 /* INIT with this configuration. Nothing is known. */
-static void begin(drive_t *drive, const drive_cfg_t *cfg)
+static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
 
@@ -317,7 +317,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
     const char *bad;
 
-    begin(drive, cfg);
+    initialise(drive, cfg);
     bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";
@@ -329,7 +329,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
  * Words of the state mean something else from now on, so the drive begins anew and calibrates. What remains is the clock, a
  * latched fault, and the heat as a share of its limit. The slow period goes on: this tick has read its slow inputs.
  */
-static void begin_anew(drive_t *drive, const drive_cfg_t *cfg)
+static void restart(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_state_t state = drive->state;
     const fault_t fault = drive->fault;
@@ -337,7 +337,7 @@ static void begin_anew(drive_t *drive, const drive_cfg_t *cfg)
     const uint32_t left = drive->slow_count;
     const int32_t heat_q24 = drive->derating.heat_q24;
 
-    begin(drive, cfg);
+    initialise(drive, cfg);
     drive->fault = fault;
     drive->tick = tick;
     drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
@@ -412,7 +412,7 @@ NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
     if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);
     } else {
-        begin_anew(drive, cfg);
+        restart(drive, cfg);
     }
 }
 

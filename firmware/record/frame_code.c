@@ -29,6 +29,7 @@
 #define MODE_BITS (6U)
 #define RICE_MAX (14U)
 #define RICES (RICE_MAX + 1U)
+#define FIRST_ONES (3U) /* differences whose prediction lacks values */
 #define ONES_MAX (10U)
 #define ESCAPE_BITS (11U) /* ONES_MAX ones and a 0: a value; or a 1: a change */
 #define ESCAPE_VALUE (0x3FFU)
@@ -136,11 +137,29 @@ static void learn_first(channel_t *channel, uint32_t value)
     channel->v4 = value;
 }
 
-/* Of the differences of a channel: how many, and the sum of z by each prediction. */
+/*
+ * Of the differences of a channel: how many, and the sum of z by each prediction. The first ones come from values that there
+ * are not yet, and say little of the others. None of them counts for more than the bits that it takes at most.
+ */
 typedef struct {
     uint32_t count;
     uint32_t z[PREDICTIONS];
 } sums_t;
+
+static uint32_t limited(uint32_t z, uint32_t most)
+{
+    return (z < most) ? z : most;
+}
+
+static void add_difference(sums_t *sums, const channel_t *history, uint32_t value)
+{
+    const uint32_t most = (sums->count < FIRST_ONES) ? (ESCAPE_BITS + VALUE_BITS) : VALUE_MASK;
+
+    sums->z[BEFORE] += limited(fold(value - predict(history, BEFORE)), most);
+    sums->z[LINE] += limited(fold(value - predict(history, LINE)), most);
+    sums->z[SMOOTH] += limited(fold(value - predict(history, SMOOTH)), most);
+    sums->count++;
+}
 
 static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t channel)
 {
@@ -159,10 +178,7 @@ static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t c
         if (!is_change(&entries[k])) {
             const uint32_t value = value_of(&entries[k], channel);
 
-            sums.z[BEFORE] += fold(value - predict(&history, BEFORE));
-            sums.z[LINE] += fold(value - predict(&history, LINE));
-            sums.z[SMOOTH] += fold(value - predict(&history, SMOOTH));
-            sums.count++;
+            add_difference(&sums, &history, value);
             learn(&history, value);
         }
     }

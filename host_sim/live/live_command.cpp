@@ -17,6 +17,7 @@ Examples:
   motorsim live /dev/ttyACM0 --trace run.csv --for 10   the signals of 10 s, for plots
   motorsim live /dev/ttyACM0 --udp localhost:9870 for PlotJuggler: UDP server, JSON
   motorsim live /dev/ttyACM0 --script tune.txt    commands from a file
+  motorsim live --simulate s1 --link board        a simulated board on a port: try `motorsim live board` beside it
 
 Exit status: 0 done, 1 the board's state departed from the one here or a command of a script was refused, 2 wrong usage,
 no board, or another firmware.)";
@@ -61,7 +62,8 @@ void describe_outputs(CLI::App &command, LiveArguments &arguments)
 void describe(CLI::App &command, LiveArguments &arguments)
 {
     command.footer(LIVE_HELP);
-    command.add_option("port", arguments.port, "serial port of the board")->required();
+    command.add_option("port", arguments.port, "serial port of the board");
+    describe(command, arguments.serve);
     command.add_option("--baud", arguments.rate, "of the port; else board.baud of --board")
         ->check(CLI::Range(1200, 12000000));
     describe_outputs(command, arguments);
@@ -86,6 +88,14 @@ void describe(CLI::App &command, LiveArguments &arguments)
 
 bool live(LiveArguments arguments)
 {
+    const FileChoice &files = arguments.files;
+    if (arguments.port.empty() == arguments.serve.scenario.empty()) {
+        throw ChannelError("name a port, or --simulate SCENARIO");
+    }
+    if (arguments.port.empty()) {
+        serve(arguments.serve, {files.motor, files.board, files.set});
+        return true;
+    }
     arguments.baud = rate_of(arguments);
     SerialPort port(arguments.port, arguments.baud);
     return follow(port, arguments);

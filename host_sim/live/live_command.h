@@ -3,6 +3,7 @@
 #pragma once
 
 #include "live_run.h"
+#include "serve_command.h"
 
 #include <string>
 
@@ -13,7 +14,8 @@ namespace nf::live
 
 struct LiveArguments : LiveOptions {
     std::string port;
-    unsigned rate = 0; // 0: board.baud of --board, else of the default
+    ServeArguments serve; // in place of following a board
+    unsigned rate = 0;    // 0: board.baud of --board, else of the default
 };
 
 void describe(CLI::App &command, LiveArguments &arguments);

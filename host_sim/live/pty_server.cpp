@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <termios.h>
@@ -21,9 +22,9 @@ namespace nf::live
 namespace
 {
 
-constexpr double SLICE_S = 1e-3;     // of the board between two looks at the terminal
-constexpr double LAG_MAX_S = 0.1;    // what the board is behind by more than that is given up
-constexpr double REPORT_S = 1;       // between two reports of that
+constexpr double SLICE_S = 1e-3;  // of the board between two looks at the terminal
+constexpr double LAG_MAX_S = 0.1; // what the board is behind by more than that is given up
+constexpr double REPORT_S = 1;    // between two reports of that
 constexpr std::size_t AT_ONCE = 4096;
 
 [[noreturn]] void fail(const std::string &what)

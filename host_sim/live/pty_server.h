@@ -42,8 +42,9 @@ private:
 
 struct Serving {
     double pace = 1; // seconds of the board in a second; 0: as fast as it goes
-    std::function<bool()> stops = [] { return false; };      // asked some 1000 times a second
-    std::function<void(double lag_s)> lags = [](double) {}; // behind that pace, at most once a second
+    std::function<bool()> stops = [] { return false; }; // asked some 1000 times a second
+    std::function<void(double lag_s)> lags = [](double) {
+    }; // behind that pace, at most once a second
 };
 
 // Until serving.stops().

@@ -74,7 +74,8 @@ void serve(const ServeArguments &arguments, const ServeFiles &files)
     serving.pace = arguments.pace;
     serving.stops = debug::was_interrupted;
     serving.lags = [](double lag_s) {
-        fmt::print(stderr, "the simulation is slower than its pace: {:.2g} s are left out\n", lag_s);
+        fmt::print(stderr, "the simulation is slower than its pace: {:.2g} s are left out\n",
+                   lag_s);
     };
     serve(board, pty, serving);
 }

@@ -106,8 +106,8 @@ Shadow::Advance Shadow::judge(const Stretch &stretch, const std::vector<Step> &s
         drive_step(&drive, &step.in, &out);
     }
     if (drive.tick != stretch.end.first_tick) {
-        return {Verdict::gap, fmt::format("the board's recorder went on at tick {}",
-                                          stretch.end.first_tick)};
+        return {Verdict::gap,
+                fmt::format("the board's recorder went on at tick {}", stretch.end.first_tick)};
     }
     compared_++;
     const uint32_t hash = drive_words_hash(&drive);

@@ -96,8 +96,7 @@ void SimulatedBoard::background()
 {
     constexpr uint8_t NO_REQUEST = 0xFF;
     app_t &app = run_.sim().app();
-    drive_command_t &spare =
-        app.mailbox.slots[(app.mailbox.in_force + 1) % COMMAND_MAILBOX_SLOTS];
+    drive_command_t &spare = app.mailbox.slots[(app.mailbox.in_force + 1) % COMMAND_MAILBOX_SLOTS];
     const bool clears = command_mailbox_take(&app.mailbox).request == DRIVE_REQUEST_CLEAR;
     spare.request = NO_REQUEST;
     recorder_service(&recorder_, &app.drive);
