@@ -18,6 +18,14 @@ namespace nf::live
 namespace
 {
 
+// How long messages are: on a line that spoils one in ten they are short, until it spoils less than one in fifty.
+constexpr uint8_t STREAM_FULL = 1; // as many entries as fit
+constexpr uint8_t STREAM_SHORT = 16;
+constexpr uint8_t STATE_SHORT = 8; // words
+constexpr double JUDGED_S = 0.25;
+constexpr uint64_t BAD_ONE_IN = 10;
+constexpr uint64_t GOOD_ONE_IN = 50;
+
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
@@ -85,15 +93,41 @@ void Follower::connect()
     if ((identity_.capabilities & LINK_CAN_STREAM) == 0) {
         throw LinkError("the board has no flight recorder: there is nothing to stream");
     }
-    if (const std::string why = client_.stream(true); !why.empty()) {
-        throw LinkError("the board refuses the stream: " + why);
+    begin_stream();
+    heard_s_ = client_.now_s();
+}
+
+// A recording that is kept holds the stream up: it begins when somebody has taken the recording.
+void Follower::begin_stream()
+{
+    const std::string why = client_.stream(careful_ ? STREAM_SHORT : STREAM_FULL);
+    if (!why.empty() && streaming_ != why.empty()) {
+        reporter_.say("no stream: " + why);
     }
-    answered_s_ = client_.now_s();
+    streaming_ = why.empty();
+}
+
+void Follower::judge_line()
+{
+    const double now_s = client_.now_s();
+    if (now_s - judged_s_ < JUDGED_S) {
+        return;
+    }
+    const uint64_t broken = client_.broken() - judged_broken_;
+    const uint64_t all = client_.whole() - judged_whole_ + broken;
+    judged_s_ = now_s;
+    judged_whole_ = client_.whole();
+    judged_broken_ = client_.broken();
+    const bool was_careful = careful_;
+    careful_ = broken * (careful_ ? GOOD_ONE_IN : BAD_ONE_IN) > all;
+    if (careful_ != was_careful || !streaming_) {
+        begin_stream();
+    }
 }
 
 void Follower::leave()
 {
-    (void)client_.stream(false);
+    (void)client_.stream(0);
     client_.bye();
 }
 
@@ -197,8 +231,11 @@ void Follower::keep_alive()
     pinged_s_ = now_s;
     if (const std::optional<Health> health = client_.ping()) {
         health_ = *health;
-        answered_s_ = now_s;
-    } else if (now_s - answered_s_ > options_.silent_s) {
+    }
+    if (client_.whole() != heard_) {
+        heard_ = client_.whole();
+        heard_s_ = now_s;
+    } else if (now_s - heard_s_ > options_.silent_s) {
         reporter_.say("the board does not answer, it is asked who it is");
         if (shadow_.is_in_step()) {
             lose("the board did not answer");
@@ -223,7 +260,8 @@ void Follower::ask_for_state()
         return;
     }
     const Client::Piece piece =
-        client_.state(candidate_->number, static_cast<uint16_t>(state_.size()));
+        client_.state(candidate_->number, static_cast<uint16_t>(state_.size()),
+                      careful_ ? STATE_SHORT : LINK_READ_WORDS_MAX);
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
     if (refused) {
@@ -292,8 +330,11 @@ void Follower::compute()
 void Follower::step(double wait_s)
 {
     keep_alive();
-    const bool asked = ask_for_missing();
-    if (!shadow_.is_in_step()) {
+    judge_line();
+    bool asked = false;
+    if (shadow_.is_in_step()) {
+        asked = ask_for_missing();
+    } else {
         ask_for_state();
     }
     client_.poll(asked || candidate_ ? 0 : wait_s);

@@ -36,7 +36,7 @@ struct FollowerOptions {
     Timing timing;
     double keep_s = 10;   // for the stepper
     double ping_s = 0.2;  // how often the board hears that somebody is there
-    double silent_s = 1;  // without an answer: it is asked anew who it is
+    double silent_s = 1;  // without a frame of it: it is asked anew who it is
 };
 
 class Follower
@@ -119,6 +119,8 @@ private:
     void take_over(const config_block_t &block);
     bool know(uint32_t crc);
     void keep_alive();
+    void begin_stream();
+    void judge_line();
     void hear(const SegmentInfo &info);
     void ask_for_state();
     void begin();
@@ -142,7 +144,13 @@ private:
     std::vector<Gap> gaps_;
     Health health_{};
     double pinged_s_ = 0;
-    double answered_s_ = 0;
+    double heard_s_ = 0; // when a frame came in last
+    uint64_t heard_ = 0; // and how many by then
+    bool careful_ = false; // the line spoils long messages
+    bool streaming_ = false;
+    double judged_s_ = 0;
+    uint64_t judged_whole_ = 0; // by then
+    uint64_t judged_broken_ = 0;
     uint64_t departures_ = 0;
 };
 
