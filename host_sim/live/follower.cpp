@@ -90,6 +90,7 @@ void Follower::connect()
     (void)block_in_force();
     stream_ = std::make_unique<Stream>(identity_.segment_entries);
     candidate_.reset();
+    tried_ = 0;
     if ((identity_.capabilities & LINK_CAN_STREAM) == 0) {
         throw LinkError("the board has no flight recorder: there is nothing to stream");
     }
@@ -101,10 +102,10 @@ void Follower::connect()
 void Follower::begin_stream()
 {
     const std::string why = client_.stream(careful_ ? STREAM_SHORT : STREAM_FULL);
-    if (!why.empty() && streaming_ != why.empty()) {
+    if (!why.empty() && why != no_stream_) {
         reporter_.say("no stream: " + why);
     }
-    streaming_ = why.empty();
+    no_stream_ = why;
 }
 
 void Follower::judge_line()
@@ -120,7 +121,7 @@ void Follower::judge_line()
     judged_broken_ = client_.broken();
     const bool was_careful = careful_;
     careful_ = broken * (careful_ ? GOOD_ONE_IN : BAD_ONE_IN) > all;
-    if (careful_ != was_careful || !streaming_) {
+    if (careful_ != was_careful || !no_stream_.empty()) {
         begin_stream();
     }
 }
@@ -207,6 +208,7 @@ void Follower::hear(const SegmentInfo &info)
     if (info.number + RECORDER_SEGMENTS <= stream_->newest()) {
         stream_ = std::make_unique<Stream>(identity_.segment_entries); // the board counts anew
         candidate_.reset();
+        tried_ = 0;
         if (shadow_.is_in_step()) {
             lose("the board's recorder has begun anew");
         }
@@ -216,8 +218,10 @@ void Follower::hear(const SegmentInfo &info)
 
 void Follower::lose(const std::string &why)
 {
-    gaps_.push_back({shadow_.next(), 0, why});
-    reporter_.say(gap_text(gaps_.back()));
+    if (gaps_.empty() || gaps_.back().until != 0) {
+        gaps_.push_back({shadow_.next(), 0, why});
+        reporter_.say(gap_text(gaps_.back()));
+    }
     shadow_.lose_step();
     candidate_.reset();
 }
@@ -250,7 +254,8 @@ void Follower::ask_for_state()
     const bool gone =
         candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
     if (!candidate_ || gone) {
-        candidate_ = stream_->newest_after(candidate_ ? candidate_->number : 0);
+        tried_ = candidate_ ? candidate_->number : tried_;
+        candidate_ = stream_->newest_after(tried_);
         state_.clear();
         if (candidate_) {
             stream_->forget_before(candidate_->number);
@@ -265,8 +270,8 @@ void Follower::ask_for_state()
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
     if (refused) {
-        candidate_ = stream_->newest_after(candidate_->number);
-        state_.clear();
+        tried_ = candidate_->number;
+        candidate_.reset();
     } else if (state_.size() >= identity_.state_words) {
         begin();
     }
@@ -278,16 +283,21 @@ void Follower::begin()
     const std::string why = know(info.config_crc)
                                 ? shadow_.begin(info, state_)
                                 : "its configuration is not in force any more";
+    tried_ = info.number;
     candidate_.reset();
-    state_.clear();
     if (!why.empty()) {
         reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
         stream_->forget_before(info.number + 1);
         return;
     }
     at_ = info.number;
+}
+
+// Not before something is shown again.
+void Follower::close_gap(int64_t tick)
+{
     if (!gaps_.empty() && gaps_.back().until == 0) {
-        gaps_.back().until = shadow_.next();
+        gaps_.back().until = tick;
         reporter_.say(gap_text(gaps_.back()));
     }
 }
@@ -314,12 +324,14 @@ void Follower::compute()
                              *unknown));
             return;
         }
+        const int64_t first = shadow_.next();
         const Shadow::Advance advance = shadow_.advance(*stretch, sink_);
         if (advance.verdict != Shadow::Verdict::right) {
             departures_ += advance.verdict == Shadow::Verdict::departs ? 1 : 0;
             lose(advance.why);
             return;
         }
+        close_gap(first);
         at_ = stretch->end.number;
     }
     if (stream_->is_lost(at_)) {

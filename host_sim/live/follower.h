@@ -126,6 +126,7 @@ private:
     void begin();
     bool ask_for_missing();
     void compute();
+    void close_gap(int64_t tick);
     void lose(const std::string &why);
 
     Reporter reporter_;
@@ -140,6 +141,7 @@ private:
     std::unique_ptr<Stream> stream_;
     uint32_t at_ = 0; // segment, when in step: the next one to be computed
     std::optional<SegmentInfo> candidate_;
+    uint32_t tried_ = 0; // candidates up to this one were none
     std::vector<uint32_t> state_; // of the candidate, so far
     std::vector<Gap> gaps_;
     Health health_{};
@@ -147,7 +149,7 @@ private:
     double heard_s_ = 0; // when a frame came in last
     uint64_t heard_ = 0; // and how many by then
     bool careful_ = false; // the line spoils long messages
-    bool streaming_ = false;
+    std::string no_stream_; // why there is none
     double judged_s_ = 0;
     uint64_t judged_whole_ = 0; // by then
     uint64_t judged_broken_ = 0;
