@@ -375,12 +375,29 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
     model_change(&drive->model, &cfg->model, &nominal);
     nn_observer_change(&drive->observer, &observer, &drive->model.observer, angle_before(drive));
     modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
+    derating_change(&drive->derating, &before->derating, &cfg->derating);
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
     config_guard_reset(&drive->guard);
+}
+
+/* A measurement whose pulses or times may be others now begins again, at the present vector. */
+static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
+{
+    align_t *const align = &drive->align;
+
+    if (drive->cfg->crc == cfg->crc) {
+        /* nothing is another */
+    } else if (drive->state == DRIVE_STATE_FLYING_START) {
+        flying_start_reset(&drive->flying_start);
+    } else if ((drive->state == DRIVE_STATE_ALIGN) && (align->phase != ALIGN_PULL)) {
+        align_reset_held(align, &cfg->startup.align, align->current_ref);
+    } else {
+        /* no measurement is under way */
+    }
 }
 
 /* The voltage that the old model gave and the new one does not, or the other way round, goes to the integrals. */
@@ -396,6 +413,7 @@ static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
 
 static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 {
+    measure_again_with(drive, cfg);
     if ((drive->state == DRIVE_STATE_RUN) && drive->voltage_drive.active) {
         /* Nothing limits the current there. It comes back by itself when all is calm. */
         adopt_parts(drive, cfg);

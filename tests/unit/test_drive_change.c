@@ -332,6 +332,72 @@ static void test_the_correction_of_the_dead_time_stays(void)
     TEST_ASSERT_EQUAL_INT32(cfg.modulator.dead_time_q15 - 50, drive.modulator.dead_time_q15);
 }
 
+/* The heat of a current is the same current in the new scale: 8/10 of the continuous current are 1/0.64 of the heat. */
+static void test_the_heat_is_that_of_the_same_current(void)
+{
+    const int32_t heat = 8000000;
+
+    drive.derating.heat_q24 = heat;
+    other.derating.current_continuous = scaled(other.derating.current_continuous, 0.8);
+    other.derating.heat_gain = scaled(other.derating.heat_gain, 0.5 / 0.64);
+    other.derating.heat_shift++;
+    change();
+    /* the gain is rounded: half of one in 15 bits */
+    TEST_ASSERT_INT32_WITHIN(heat / 16384, scaled(heat, 1.0 / 0.64), drive.derating.heat_q24);
+    drive_change(&drive, &cfg);
+    TEST_ASSERT_INT32_WITHIN(1, heat, drive.derating.heat_q24);
+    other.derating.heat_shift = 27U; /* more than a heat can be: the most of it */
+    other.derating.heat_gain = 32767;
+    change();
+    TEST_ASSERT_EQUAL_INT32(0x40000000, drive.derating.heat_q24);
+}
+
+/* ---- a measurement that is under way ---- */
+
+/* With other pulses its sums would be of both, and what was pulsed to one side would not be pulsed back. */
+static void test_an_alignment_measures_again(void)
+{
+    go_to(DRIVE_STATE_ALIGN);
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.align.phase != ALIGN_INDUCTANCE); k++) {
+        tick();
+    }
+    ticks(5U);
+    other.startup.align.inductance.pulse_ticks++;
+    other.startup.align.measure_log2--;
+    change();
+    TEST_ASSERT_EQUAL_INT(ALIGN_PULL, drive.align.phase);
+    TEST_ASSERT_EQUAL_INT32(0, drive.align.high.current);
+    TEST_ASSERT_EQUAL_INT32(drive.signals.current_ref.d, drive.align.current_ref);
+    go_to(DRIVE_STATE_HOLD);
+    TEST_ASSERT_INT32_WITHIN(164, 16384, drive.model.inductance_q14); /* within 1 %, as without */
+}
+
+static void test_a_rotor_that_is_pulled_is_pulled_on(void)
+{
+    align_t before;
+
+    go_to(DRIVE_STATE_ALIGN);
+    ticks(20U);
+    before = drive.align;
+    other.startup.align.measure_log2--;
+    change();
+    TEST_ASSERT_EQUAL_MEMORY(&before, &drive.align, sizeof before);
+}
+
+static void test_a_flying_start_looks_again(void)
+{
+    go_to(DRIVE_STATE_FLYING_START);
+    for (uint32_t k = 0U;
+         (k < PATIENCE_TICKS) && (drive.flying_start.phase != FLYING_START_SECOND_PULSE); k++) {
+        tick();
+    }
+    other.startup.flying_start.gap_factor++;
+    change();
+    TEST_ASSERT_EQUAL_INT(FLYING_START_PRELOAD, drive.flying_start.phase);
+    TEST_ASSERT_FALSE(drive.flying_start.gates);
+    go_to(DRIVE_STATE_RUN);
+}
+
 /* ---- nothing jumps ---- */
 
 /* Voltage and current of the next tick, with the configuration of before and with the new one. */
@@ -631,6 +697,10 @@ int main(void)
     RUN_TEST(test_narrower_limits_of_a_correction_hold_for_what_was_measured);
     RUN_TEST(test_the_inertia_that_was_learned_stays_within_its_limits);
     RUN_TEST(test_the_correction_of_the_dead_time_stays);
+    RUN_TEST(test_the_heat_is_that_of_the_same_current);
+    RUN_TEST(test_an_alignment_measures_again);
+    RUN_TEST(test_a_rotor_that_is_pulled_is_pulled_on);
+    RUN_TEST(test_a_flying_start_looks_again);
     RUN_TEST(test_with_other_values_of_the_motor_voltage_and_network_do_not_jump);
     RUN_TEST(test_with_another_saliency_the_network_does_not_jump);
     RUN_TEST(test_an_imposed_current_does_not_jump);

@@ -313,7 +313,7 @@ static void test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_noth
         uint8_t length;
     } right[] = {{LINK_HELLO, 1U},    {LINK_BYE, 0U},    {LINK_PING, 0U},  {LINK_COMMAND, 6U},
                  {LINK_READ, 3U},     {LINK_WRITE, 7U},  {LINK_APPLY, 4U}, {LINK_STORE, 0U},
-                 {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 6U}, {LINK_AGAIN, 7U}};
+                 {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 7U}, {LINK_AGAIN, 7U}};
     static const uint8_t none[] = {0U, LINK_AGAIN + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
     uint8_t body[10] = {1U, 0U, 1U};
 
@@ -597,7 +597,7 @@ static void test_no_stream_begins_while_a_dump_is_under_way(void)
 
 static void test_a_segments_state_is_read_in_pieces(void)
 {
-    uint8_t body[6] = {0U};
+    uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, LINK_READ_WORDS_MAX};
     recorder_view_t view = {0};
     drive_t copy = {0};
 
@@ -613,7 +613,7 @@ static void test_a_segments_state_is_read_in_pieces(void)
         line_listen();
         TEST_ASSERT_TRUE(recorder_find(&recorder, number, &view));
         const line_message_t *const answer = line_find(LINK_STATE + LINK_ANSWER);
-        TEST_ASSERT_EQUAL_HEX8_ARRAY(body, &answer->bytes[2], sizeof body);
+        TEST_ASSERT_EQUAL_HEX8_ARRAY(body, &answer->bytes[2], 6U);
         for (uint32_t k = 0U; k < answer->bytes[8]; k++) {
             drive_words_set(&copy, first + k, words_get(&answer->bytes[9U + (4U * k)]));
         }
@@ -626,7 +626,7 @@ static void test_a_segment_that_is_not_there_has_no_state_and_no_entries(void)
     uint8_t body[7] = {0xFFU, 0xFFU, 0xFFU, 0x7FU, 0U, 0U, 9U};
 
     hello();
-    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, body, 6U)->length);
+    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, body, 7U)->length);
     TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, body, 7U)->length);
 }
 
