@@ -3,6 +3,7 @@
 
 #include "commander.h"
 #include "drive_words.h"
+#include "frame_code.h"
 #include "words.h"
 
 #include <stddef.h>
@@ -45,9 +46,9 @@ static uint32_t length_of(const question_t *question)
         length = 4U;
         break;
     case LINK_COMMAND:
-    case LINK_STATE:
         length = 6U;
         break;
+    case LINK_STATE:
     case LINK_AGAIN:
         length = 7U;
         break;
@@ -201,7 +202,7 @@ static void put_state(link_t *link, const uint8_t *body)
     uint32_t count = 0U;
 
     if ((recorder != NULL) && recorder_find(recorder, segment, &view)) {
-        count = words_there(first, LINK_READ_WORDS_MAX, drive_words_count());
+        count = words_there(first, body[6], drive_words_count());
     }
     link_out_word(&link->out, segment);
     link_out_half(&link->out, first);
@@ -211,13 +212,14 @@ static void put_state(link_t *link, const uint8_t *body)
     }
 }
 
-static const char *turn_stream(link_t *link, bool on)
+/* on: as in link_messages.h. */
+static const char *turn_stream(link_t *link, uint32_t on)
 {
     recorder_t *const recorder = link->live->app->recorder;
     const char *why = NULL;
 
     link_stream_end(&link->stream);
-    if (!on) {
+    if (on == 0U) {
         /* that was all */
     } else if (recorder == NULL) {
         why = "there is no recorder";
@@ -227,6 +229,7 @@ static const char *turn_stream(link_t *link, bool on)
         why = "the recording of a fault is kept; dump it, or begin anew with record";
     } else {
         link_stream_begin(&link->stream, recorder);
+        link_stream_limit(&link->stream, (on == 1U) ? FRAME_CODE_ENTRIES_MAX : on);
     }
     return why;
 }
@@ -276,7 +279,7 @@ static void answer_question(link_t *link, const question_t *question)
         put_block(link, body);
         break;
     case LINK_STREAM:
-        put_why(&link->out, turn_stream(link, body[0] != 0U));
+        put_why(&link->out, turn_stream(link, body[0]));
         break;
     case LINK_STATE:
         put_state(link, body);

@@ -147,8 +147,8 @@ bool link_out_next(const link_out_t *out, uint8_t *byte)
     if (out->ready) {
         const bool is_code = (out->sent >= 1U) && (out->sent <= code);
 
-        *byte = is_code ? cobs_encoded(out->bytes, out->length, out->sent - 1U)
-                        : LINK_FRAME_DELIMITER;
+        *byte =
+            is_code ? cobs_encoded(out->bytes, out->length, out->sent - 1U) : LINK_FRAME_DELIMITER;
     }
     return out->ready;
 }

@@ -21,8 +21,9 @@
 /* A frame that comes in. */
 typedef struct {
     cobs_decoder_t cobs;
-    uint32_t length; /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
-    bool is_open;    /* a byte has come since the last delimiter */
+    uint32_t
+        length;   /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
+    bool is_open; /* a byte has come since the last delimiter */
     uint8_t bytes[LINK_FRAME_BYTES_MAX];
 } link_in_t;
 

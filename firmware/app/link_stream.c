@@ -11,6 +11,11 @@
 #define CHANGE_MARK (0x8000U)
 #define MARK_WORD (2U)
 
+static uint32_t fewer(uint32_t a, uint32_t b)
+{
+    return (a < b) ? a : b;
+}
+
 void link_stream_init(link_stream_t *stream, const units_rotation_t *rotation)
 {
     *stream = (link_stream_t){.wait_ticks = units_ticks(rotation, WAIT_US)};
@@ -33,8 +38,14 @@ void link_stream_begin(link_stream_t *stream, recorder_t *recorder)
     stream->began = false;
     stream->before = 0U;
     stream->before_entries = 0U;
+    stream->most = FRAME_CODE_ENTRIES_MAX;
     recorder_follow(recorder, true);
     start_segment(stream, recorder_newest(recorder));
+}
+
+void link_stream_limit(link_stream_t *stream, uint32_t most)
+{
+    stream->most = fewer(most, FRAME_CODE_ENTRIES_MAX);
 }
 
 void link_stream_end(link_stream_t *stream)
@@ -79,11 +90,6 @@ static uint32_t put_from(const recorder_view_t *view, link_out_t *out, uint32_t 
         *number = (uint8_t)put;
     }
     return put;
-}
-
-static uint32_t fewer(uint32_t a, uint32_t b)
-{
-    return (a < b) ? a : b;
 }
 
 uint32_t link_stream_put_entries(const recorder_t *recorder, link_out_t *out, uint32_t segment,
@@ -137,8 +143,8 @@ static void announce_segment(link_stream_t *stream, const recorder_view_t *view,
 /* The hash is told when it is whole. */
 static void go_on_hashing(link_stream_t *stream, const recorder_view_t *view, link_out_t *out)
 {
-    stream->hash = drive_words_hash_part(stream->hash, view->state, &stream->hashed,
-                                         HASH_WORDS_OF_A_PASS);
+    stream->hash =
+        drive_words_hash_part(stream->hash, view->state, &stream->hashed, HASH_WORDS_OF_A_PASS);
     if (stream->hashed >= drive_words_count()) {
         announce_segment(stream, view, out);
     }
@@ -151,7 +157,7 @@ static void send_entries(link_stream_t *stream, const recorder_view_t *view, lin
 
     link_out_begin(out, LINK_FRAMES, 0U);
     put = link_stream_put_entries(stream->recorder, out, stream->segment, stream->next,
-                                  FRAME_CODE_ENTRIES_MAX);
+                                  stream->most);
     link_out_end(out);
     stream->next_tick += frames_of(&view->first[stream->next], put);
     stream->next += put;
@@ -164,7 +170,7 @@ static void go_on_sending(link_stream_t *stream, const recorder_view_t *view, li
     const uint32_t left = view->entries - stream->next;
     const bool waited = (tick - stream->sent_tick) >= stream->wait_ticks;
 
-    if ((left >= FRAME_CODE_ENTRIES_MAX) || ((left > 0U) && (view->complete || waited))) {
+    if ((left >= stream->most) || ((left > 0U) && (view->complete || waited))) {
         send_entries(stream, view, out, tick);
     } else if ((left == 0U) && view->complete) {
         stream->before = stream->segment;

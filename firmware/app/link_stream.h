@@ -21,6 +21,7 @@
 
 typedef struct {
     recorder_t *recorder; /* once it has been on */
+    uint32_t most;        /* entries of a message */
     uint32_t wait_ticks;  /* at most, until entries that do not fill a message are sent */
     bool on;
     bool began;       /* something was sent since it is on: next_tick and before_entries count */
@@ -41,6 +42,9 @@ void link_stream_init(link_stream_t *stream, const units_rotation_t *rotation);
 
 /* Begins with the newest segment of `recorder`, or ends. */
 void link_stream_begin(link_stream_t *stream, recorder_t *recorder);
+/* At most so many entries in a message, 1…FRAME_CODE_ENTRIES_MAX, until it begins again. What is beyond is limited. */
+void link_stream_limit(link_stream_t *stream, uint32_t most);
+
 void link_stream_end(link_stream_t *stream);
 
 /*

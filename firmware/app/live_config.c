@@ -21,6 +21,7 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
     stored_config_load(&live->stored, hal, cfg, &live->about);
     live->in_force = &live->stored.block;
     live->prepared = &live->other;
+    live->applied = (live_config_verdict_t){NULL, "no block was prepared"};
     live->preparing = false;
     live->pending = false;
 }
@@ -37,8 +38,9 @@ static live_config_verdict_t pending_verdict(const live_config_t *live)
     live_config_verdict_t verdict = DONE;
 
     if (live->pending) {
-        verdict.why = lacks_ticks(live) ? "the change before waits for the control tick, which does not run"
-                                        : "the change before has not been taken yet; ask again";
+        verdict.why = lacks_ticks(live)
+                          ? "the change before waits for the control tick, which does not run"
+                          : "the change before has not been taken yet; ask again";
     }
     return verdict;
 }
@@ -87,7 +89,9 @@ static live_config_verdict_t change_verdict(const live_config_t *live)
 
     if (!commander_is_at_rest(live->app)) {
         verdict.path = config_change_refused(&live->in_force->cfg, &live->prepared->cfg);
-        verdict.why = (verdict.path == NULL) ? NULL : "cannot change while the drive runs; stop the drive first";
+        verdict.why = (verdict.path == NULL)
+                          ? NULL
+                          : "cannot change while the drive runs; stop the drive first";
     }
     return verdict;
 }
@@ -114,19 +118,23 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
 {
     live_config_verdict_t verdict = pending_verdict(live);
 
-    if (verdict.why != NULL) {
-        /* that is the answer */
-    } else if (live->preparing && (live->prepared->crc == crc)) {
-        verdict = change_to_prepared(live);
-    } else if (live->in_force->crc != crc) {
-        verdict.why = "another block was prepared; write it again";
-    } else {
-        /* it is in force */
-    }
-    if (!live->pending) {
-        live->preparing = false;
+    if (verdict.why == NULL) {
+        if (live->preparing) {
+            live->preparing = false;
+            live->applied =
+                (live->prepared->crc == crc)
+                    ? change_to_prepared(live)
+                    : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
+        }
+        verdict = live->applied;
     }
     return verdict;
+}
+
+/* The CRC of a configuration is behind it in the block, and so that of the block does not depend on it: both have to agree. */
+static bool is_same(const config_block_t *one, const config_block_t *other)
+{
+    return (one->crc == other->crc) && (one->cfg.crc == other->cfg.crc);
 }
 
 live_config_verdict_t live_config_restore(live_config_t *live)
@@ -136,7 +144,7 @@ live_config_verdict_t live_config_restore(live_config_t *live)
     if (verdict.why == NULL) {
         live->preparing = false;
         stored_config_of_image(live->prepared, live->about_of_image, live->cfg_of_image);
-        if (live->prepared->crc != live->in_force->crc) {
+        if (!is_same(live->prepared, live->in_force)) {
             verdict = change_to_prepared(live);
         }
     }
@@ -174,9 +182,9 @@ void live_config_step(live_config_t *live)
 
         live->in_force = live->prepared;
         live->prepared = before;
-        live->preparing = false;
         live->pending = false;
         stored_config_about(live->in_force, &live->about);
-        commander_limit_speed(live->app, units_step(&live->about.rotation, live->about.speed_max_rpm));
+        commander_limit_speed(live->app,
+                              units_step(&live->about.rotation, live->about.speed_max_rpm));
     }
 }

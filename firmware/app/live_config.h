@@ -3,7 +3,8 @@
  * The configuration while the drive lives: the block in force, and one that is prepared and takes its place at a tick.
  *
  * Preparing begins with the first word that is written: the prepared block is then a copy of the one in force. So a writer
- * needs to write the words that differ, and the CRCs. An apply ends the preparation, whatever comes of it.
+ * needs to write the words that differ, and the CRCs. An apply ends the preparation, whatever comes of it. When it is
+ * asked for once more, its verdict is the same again.
  *
  * Context: background, all of it; a tick may come in between anywhere.
  */
@@ -18,6 +19,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Why something is refused: `why` about `path`, a setting, where there is one. Both constant texts; why NULL: it is done. */
+typedef struct {
+    const char *path;
+    const char *why;
+} live_config_verdict_t;
+
 typedef struct {
     app_t *app;
     hal_t *hal;
@@ -27,16 +34,11 @@ typedef struct {
     stored_config_t stored; /* its block is the first one in force */
     config_block_t other;
     config_block_t *in_force;
-    config_block_t *prepared; /* the other one of the two */
-    bool preparing;           /* a word was written since the last apply */
-    bool pending;             /* the prepared block waits for the tick that takes it */
+    config_block_t *prepared;      /* the other one of the two */
+    live_config_verdict_t applied; /* of the last apply */
+    bool preparing;                /* a word was written since the last apply */
+    bool pending;                  /* the prepared block waits for the tick that takes it */
 } live_config_t;
-
-/* Why something is refused: `why` about `path`, a setting, where there is one. Both constant texts; why NULL: it is done. */
-typedef struct {
-    const char *path;
-    const char *why;
-} live_config_verdict_t;
 
 /*
  * Chooses the block that the drive is to be started with, live->in_force->cfg: the stored one or that of the image
@@ -54,8 +56,7 @@ void live_config_forget(live_config_t *live);
 
 /*
  * The prepared block, whose CRC is `crc`, takes the place of the one in force at the next tick, as a whole. Refused when it is
- * another one, not for this image or not good, or changes what the drive cannot change in its state. The CRC of the block
- * in force: nothing is done, so that a question that is asked twice has one effect.
+ * another one, not for this image or not good, or changes what the drive cannot change in its state.
  */
 live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);
 

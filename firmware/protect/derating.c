@@ -3,6 +3,8 @@
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
 #define HEAT_MAX_Q24 (0x40000000)
+#define GAIN_BITS (16U) /* heat_gain / 2^16 */
+#define GAIN_HALF (0x8000U)
 #define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
 #define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
@@ -13,6 +15,25 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
         .motoring = cfg->current_max,
         .braking = cfg->current_max,
     };
+}
+
+/* The square in the middle is at the shift of before. Rounded to nearest, so that the same configuration changes no bit. */
+void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
+{
+    const uint64_t heat = (uint64_t)derating->heat_q24 << GAIN_BITS;
+    const uint64_t square = heat / (uint64_t)from->heat_gain;
+    const uint64_t there = ((square * (uint64_t)to->heat_gain) + GAIN_HALF) >> GAIN_BITS;
+    uint64_t converted;
+
+    if (to->heat_shift >= from->heat_shift) {
+        const uint32_t up = to->heat_shift - from->heat_shift;
+
+        converted =
+            (there > ((uint64_t)HEAT_MAX_Q24 >> up)) ? (uint64_t)HEAT_MAX_Q24 : (there << up);
+    } else {
+        converted = there >> (from->heat_shift - to->heat_shift);
+    }
+    derating->heat_q24 = (converted < (uint64_t)HEAT_MAX_Q24) ? (int32_t)converted : HEAT_MAX_Q24;
 }
 
 int32_t derating_share(const fade_t *fade, int32_t x)

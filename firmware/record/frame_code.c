@@ -29,6 +29,8 @@
 #define MODE_BITS (6U)
 #define RICE_MAX (14U)
 #define RICES (RICE_MAX + 1U)
+#define SAMPLE (32U)    /* entries that prediction and parameter are chosen by */
+#define FIRST_ONES (3U) /* differences whose prediction lacks values */
 #define ONES_MAX (10U)
 #define ESCAPE_BITS (11U) /* ONES_MAX ones and a 0: a value; or a 1: a change */
 #define ESCAPE_VALUE (0x3FFU)
@@ -87,9 +89,9 @@ static uint32_t value_of(const recorder_entry_t *entry, uint32_t channel)
 /* 0, 1, 2, 3, … for 0, −1, 1, −2, … of a difference of 16 bits. */
 static uint32_t fold(uint32_t difference)
 {
-    const uint32_t doubled = difference << 1U;
+    const uint32_t all_if_negative = 0U - ((difference >> 15U) & 1U);
 
-    return (((difference & SIGN_BIT) != 0U) ? ~doubled : doubled) & VALUE_MASK;
+    return ((difference << 1U) ^ all_if_negative) & VALUE_MASK;
 }
 
 static uint32_t unfold(uint32_t folded)
@@ -136,33 +138,78 @@ static void learn_first(channel_t *channel, uint32_t value)
     channel->v4 = value;
 }
 
-/* Of the differences of a channel: how many, and the sum of z by each prediction. */
+/*
+ * Of the differences of a channel: how many, and the sum of z by each prediction.
+ */
 typedef struct {
     uint32_t count;
     uint32_t z[PREDICTIONS];
 } sums_t;
 
+static void add_difference(sums_t *sums, const channel_t *history, uint32_t value)
+{
+    sums->z[BEFORE] += fold(value - predict(history, BEFORE));
+    sums->z[LINE] += fold(value - predict(history, LINE));
+    sums->z[SMOOTH] += fold(value - predict(history, SMOOTH));
+    sums->count++;
+}
+
+/* The first ones come from values that there are not yet: none counts for more than the bits that it takes at most. */
+static void limit_first(sums_t *sums)
+{
+    const uint32_t most = sums->count * (ESCAPE_BITS + VALUE_BITS);
+
+    for (uint32_t k = 0U; k < PREDICTIONS; k++) {
+        sums->z[k] = (sums->z[k] < most) ? sums->z[k] : most;
+    }
+}
+
+/* The first frame of these entries; NULL when all are changes. */
+static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint32_t count)
+{
+    const recorder_entry_t *found = NULL;
+
+    for (uint32_t k = 0U; (k < count) && (found == NULL); k++) {
+        found = is_change(&entries[k]) ? NULL : &entries[k];
+    }
+    return found;
+}
+
+/* The bits in which any frame differs from the first one, in the places of a frame. */
+static recorder_entry_t changing_bits(const recorder_entry_t *entries, uint32_t count)
+{
+    const recorder_entry_t *const first = first_frame(entries, count);
+    recorder_entry_t bits = {{0U, 0U, 0U, 0U}};
+
+    for (uint32_t k = 0U; (k < count) && (first != NULL); k++) {
+        if (!is_change(&entries[k])) {
+            bits.word[0] |= entries[k].word[0] ^ first->word[0];
+            bits.word[1] |= entries[k].word[1] ^ first->word[1];
+            bits.word[3] |= entries[k].word[3] ^ first->word[3];
+        }
+    }
+    return bits;
+}
+
 static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t channel)
 {
+    const uint32_t word = places[channel].word;
+    const uint32_t shift = places[channel].shift;
+    const recorder_entry_t *const first = first_frame(entries, count);
     channel_t history = {.prediction = CONSTANT};
     sums_t sums = {0U, {0U, 0U, 0U}};
-    uint32_t k = 0U;
 
-    while ((k < count) && is_change(&entries[k])) {
-        k++;
+    if (first != NULL) {
+        learn_first(&history, value_of(first, channel));
     }
-    if (k < count) {
-        learn_first(&history, value_of(&entries[k], channel));
-        k++;
-    }
-    for (; k < count; k++) {
-        if (!is_change(&entries[k])) {
-            const uint32_t value = value_of(&entries[k], channel);
+    for (uint32_t k = 0U; k < count; k++) {
+        if (!is_change(&entries[k]) && (&entries[k] != first)) {
+            const uint32_t value = (entries[k].word[word] >> shift) & VALUE_MASK;
 
-            sums.z[BEFORE] += fold(value - predict(&history, BEFORE));
-            sums.z[LINE] += fold(value - predict(&history, LINE));
-            sums.z[SMOOTH] += fold(value - predict(&history, SMOOTH));
-            sums.count++;
+            add_difference(&sums, &history, value);
+            if (sums.count <= FIRST_ONES) {
+                limit_first(&sums);
+            }
             learn(&history, value);
         }
     }
@@ -186,22 +233,19 @@ static uint32_t best_rice(uint32_t count, uint32_t sum)
     return k;
 }
 
-static void plan_channel(channel_t *channel, const sums_t *sums, bool has_escape)
+/* The prediction and the parameter with the least cost. */
+static void plan_channel(channel_t *channel, const sums_t *sums)
 {
     uint32_t least = UINT32_MAX;
 
-    channel->prediction = CONSTANT;
-    channel->rice = 0U;
-    if ((sums->z[BEFORE] != 0U) || has_escape) {
-        for (uint32_t k = 0U; k < PREDICTIONS; k++) {
-            const uint32_t rice = best_rice(sums->count, sums->z[k]);
-            const uint32_t cost = cost_of(sums->count, sums->z[k], rice);
+    for (uint32_t k = 0U; k < PREDICTIONS; k++) {
+        const uint32_t rice = best_rice(sums->count, sums->z[k]);
+        const uint32_t cost = cost_of(sums->count, sums->z[k], rice);
 
-            if (cost < least) {
-                least = cost;
-                channel->prediction = (prediction_t)k;
-                channel->rice = rice;
-            }
+        if (cost < least) {
+            least = cost;
+            channel->prediction = (prediction_t)k;
+            channel->rice = rice;
         }
     }
 }
@@ -209,15 +253,22 @@ static void plan_channel(channel_t *channel, const sums_t *sums, bool has_escape
 /* The code of the first channel carries the escape of a change. So it counts as constant only where there is none. */
 static void plan(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
+    const recorder_entry_t changing = changing_bits(entries, count);
     bool has_change = false;
 
     for (uint32_t k = 0U; k < count; k++) {
         has_change = has_change || is_change(&entries[k]);
     }
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
-        const sums_t sums = sum_up(entries, count, channel);
+        const bool has_escape = has_change && (channel == 0U);
 
-        plan_channel(&code->channels[channel], &sums, has_change && (channel == 0U));
+        code->channels[channel] = (channel_t){.prediction = CONSTANT};
+        if (has_escape || (value_of(&changing, channel) != 0U)) {
+            const uint32_t sample = (count < SAMPLE) ? count : SAMPLE;
+            const sums_t sums = sum_up(entries, sample, channel);
+
+            plan_channel(&code->channels[channel], &sums);
+        }
     }
     code->began = false;
 }

@@ -54,9 +54,8 @@ const char *name_of(link_question_t type)
 
 [[noreturn]] void refuse_answer(link_question_t type)
 {
-    throw LinkError(
-        fmt::format("the board's answer to `{}` is none of this link: another firmware?",
-                    name_of(type)));
+    throw LinkError(fmt::format(
+        "the board's answer to `{}` is none of this link: another firmware?", name_of(type)));
 }
 
 Words words_of(BodyReader &reader, link_question_t type)
@@ -131,12 +130,14 @@ void Client::take_frames(const Bytes &body)
     }
 }
 
-bool Client::wait_for_answer(double until_s)
+void Client::wait_for_answer(const Question &question)
 {
-    while (!answered_ && channel_.now_s() < until_s) {
+    const double until_s = channel_.now_s() + question.answer_s;
+    const uint64_t broken = reader_.broken();
+    while (!answered_ && channel_.now_s() < until_s &&
+           !(question.impatient && reader_.broken() != broken)) {
         poll(until_s - channel_.now_s());
     }
-    return answered_;
 }
 
 // Asked again it has the same tag: the board may know that it has done it already.
@@ -150,16 +151,16 @@ Bytes Client::ask(const Question &question)
     for (unsigned k = 0; k < question.tries && !answered_; k++) {
         repeats_ += k == 0 ? 0 : 1;
         channel_.write(frame);
-        wait_for_answer(channel_.now_s() + question.answer_s);
+        wait_for_answer(question);
     }
     if (!answered_) {
-        throw LinkError(fmt::format("the board does not answer: `{}` was asked {} times in {:.1f} s",
-                                    name_of(question.type), question.tries,
-                                    question.tries * question.answer_s));
+        throw LinkError(fmt::format(
+            "the board does not answer: `{}` was asked {} times in {:.1f} s",
+            name_of(question.type), question.tries, question.tries * question.answer_s));
     }
     if (refused_) {
-        throw LinkError(fmt::format("the board does not know `{}`: another firmware?",
-                                    name_of(question.type)));
+        throw LinkError(
+            fmt::format("the board does not know `{}`: another firmware?", name_of(question.type)));
     }
     return awaited_.body;
 }
@@ -261,9 +262,9 @@ std::string Client::defaults()
     return verdict(LINK_DEFAULTS);
 }
 
-std::string Client::stream(bool on)
+std::string Client::stream(uint8_t entries)
 {
-    return verdict(LINK_STREAM, BodyWriter().u8(on ? 1 : 0).body());
+    return verdict(LINK_STREAM, BodyWriter().u8(entries).body());
 }
 
 std::optional<Bytes> Client::ask_once(link_question_t type, const Bytes &body)
@@ -275,18 +276,18 @@ std::optional<Bytes> Client::ask_once(link_question_t type, const Bytes &body)
     }
 }
 
-Client::Piece Client::state(uint32_t segment, uint16_t first)
+Client::Piece Client::state(uint32_t segment, uint16_t first, uint8_t words)
 {
     const std::optional<Bytes> body =
-        ask_once(LINK_STATE, BodyWriter().u32(segment).u16(first).body());
+        ask_once(LINK_STATE, BodyWriter().u32(segment).u16(first).u8(words).body());
     if (!body) {
         return {refused_, {}};
     }
     BodyReader reader(*body);
     const uint32_t number = reader.u32();
-    const Words words = words_of(reader, LINK_STATE);
-    const bool is_it = number == segment && words.first == first;
-    return {true, is_it ? words : Words{}};
+    const Words found = words_of(reader, LINK_STATE);
+    const bool is_it = number == segment && found.first == first;
+    return {true, is_it ? found : Words{}};
 }
 
 Client::Again Client::again(uint32_t segment, uint16_t first, uint8_t entries)

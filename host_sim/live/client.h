@@ -105,14 +105,15 @@ public:
     std::string apply(uint32_t crc);
     std::string store();
     std::string defaults();
-    std::string stream(bool on);
+    // entries: of a message, at most; 0 ends the stream.
+    std::string stream(uint8_t entries);
 
     // Of something that the ring may have lost, asked once: whoever asks decides what next.
     struct Piece {
         bool answered; // and nothing in it: the board has not got it
         Words words;
     };
-    Piece state(uint32_t segment, uint16_t first);
+    Piece state(uint32_t segment, uint16_t first, uint8_t words);
     // What comes goes to the listener.
     enum class Again {
         silence, // no answer
@@ -134,6 +135,11 @@ public:
     {
         return bytes_in_;
     }
+    // Frames that came in.
+    uint64_t whole() const
+    {
+        return reader_.whole();
+    }
     uint64_t broken() const
     {
         return reader_.broken();
@@ -149,20 +155,21 @@ private:
         Bytes body;
         double answer_s;
         unsigned tries;
+        bool impatient; // a damaged frame may have been the answer: it is not waited for any more
     };
     Question patient(link_question_t type, const Bytes &body = {}) const
     {
-        return {type, body, timing_.answer_s, timing_.tries};
+        return {type, body, timing_.answer_s, timing_.tries, false};
     }
     Question quick(link_question_t type, const Bytes &body) const
     {
-        return {type, body, timing_.ring_s, 1};
+        return {type, body, timing_.ring_s, 1, true};
     }
     Bytes ask(const Question &question);
     // The answer of a question that is asked once; nothing: none came, or it is refused, see refused_.
     std::optional<Bytes> ask_once(link_question_t type, const Bytes &body);
     std::string verdict(link_question_t type, const Bytes &body = {});
-    bool wait_for_answer(double until_s);
+    void wait_for_answer(const Question &question);
     void take(const Message &message);
     void take_segment(const Bytes &body);
     void take_frames(const Bytes &body);

@@ -18,6 +18,14 @@ namespace nf::live
 namespace
 {
 
+// How long messages are: on a line that spoils one in ten they are short, until it spoils less than one in fifty.
+constexpr uint8_t STREAM_FULL = 1; // as many entries as fit
+constexpr uint8_t STREAM_SHORT = 16;
+constexpr uint8_t STATE_SHORT = 8; // words
+constexpr double JUDGED_S = 0.25;
+constexpr uint64_t BAD_ONE_IN = 10;
+constexpr uint64_t GOOD_ONE_IN = 50;
+
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
@@ -82,18 +90,45 @@ void Follower::connect()
     (void)block_in_force();
     stream_ = std::make_unique<Stream>(identity_.segment_entries);
     candidate_.reset();
+    tried_ = 0;
     if ((identity_.capabilities & LINK_CAN_STREAM) == 0) {
         throw LinkError("the board has no flight recorder: there is nothing to stream");
     }
-    if (const std::string why = client_.stream(true); !why.empty()) {
-        throw LinkError("the board refuses the stream: " + why);
+    begin_stream();
+    heard_s_ = client_.now_s();
+}
+
+// A recording that is kept holds the stream up: it begins when somebody has taken the recording.
+void Follower::begin_stream()
+{
+    const std::string why = client_.stream(careful_ ? STREAM_SHORT : STREAM_FULL);
+    if (!why.empty() && why != no_stream_) {
+        reporter_.say("no stream: " + why);
     }
-    answered_s_ = client_.now_s();
+    no_stream_ = why;
+}
+
+void Follower::judge_line()
+{
+    const double now_s = client_.now_s();
+    if (now_s - judged_s_ < JUDGED_S) {
+        return;
+    }
+    const uint64_t broken = client_.broken() - judged_broken_;
+    const uint64_t all = client_.whole() - judged_whole_ + broken;
+    judged_s_ = now_s;
+    judged_whole_ = client_.whole();
+    judged_broken_ = client_.broken();
+    const bool was_careful = careful_;
+    careful_ = broken * (careful_ ? GOOD_ONE_IN : BAD_ONE_IN) > all;
+    if (careful_ != was_careful || !no_stream_.empty()) {
+        begin_stream();
+    }
 }
 
 void Follower::leave()
 {
-    (void)client_.stream(false);
+    (void)client_.stream(0);
     client_.bye();
 }
 
@@ -173,6 +208,7 @@ void Follower::hear(const SegmentInfo &info)
     if (info.number + RECORDER_SEGMENTS <= stream_->newest()) {
         stream_ = std::make_unique<Stream>(identity_.segment_entries); // the board counts anew
         candidate_.reset();
+        tried_ = 0;
         if (shadow_.is_in_step()) {
             lose("the board's recorder has begun anew");
         }
@@ -182,8 +218,10 @@ void Follower::hear(const SegmentInfo &info)
 
 void Follower::lose(const std::string &why)
 {
-    gaps_.push_back({shadow_.next(), 0, why});
-    reporter_.say(gap_text(gaps_.back()));
+    if (gaps_.empty() || gaps_.back().until != 0) {
+        gaps_.push_back({shadow_.next(), 0, why});
+        reporter_.say(gap_text(gaps_.back()));
+    }
     shadow_.lose_step();
     candidate_.reset();
 }
@@ -197,8 +235,11 @@ void Follower::keep_alive()
     pinged_s_ = now_s;
     if (const std::optional<Health> health = client_.ping()) {
         health_ = *health;
-        answered_s_ = now_s;
-    } else if (now_s - answered_s_ > options_.silent_s) {
+    }
+    if (client_.whole() != heard_) {
+        heard_ = client_.whole();
+        heard_s_ = now_s;
+    } else if (now_s - heard_s_ > options_.silent_s) {
         reporter_.say("the board does not answer, it is asked who it is");
         if (shadow_.is_in_step()) {
             lose("the board did not answer");
@@ -213,7 +254,8 @@ void Follower::ask_for_state()
     const bool gone =
         candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
     if (!candidate_ || gone) {
-        candidate_ = stream_->newest_after(candidate_ ? candidate_->number : 0);
+        tried_ = candidate_ ? candidate_->number : tried_;
+        candidate_ = stream_->newest_after(tried_);
         state_.clear();
         if (candidate_) {
             stream_->forget_before(candidate_->number);
@@ -223,12 +265,13 @@ void Follower::ask_for_state()
         return;
     }
     const Client::Piece piece =
-        client_.state(candidate_->number, static_cast<uint16_t>(state_.size()));
+        client_.state(candidate_->number, static_cast<uint16_t>(state_.size()),
+                      careful_ ? STATE_SHORT : LINK_READ_WORDS_MAX);
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
     if (refused) {
-        candidate_ = stream_->newest_after(candidate_->number);
-        state_.clear();
+        tried_ = candidate_->number;
+        candidate_.reset();
     } else if (state_.size() >= identity_.state_words) {
         begin();
     }
@@ -240,16 +283,21 @@ void Follower::begin()
     const std::string why = know(info.config_crc)
                                 ? shadow_.begin(info, state_)
                                 : "its configuration is not in force any more";
+    tried_ = info.number;
     candidate_.reset();
-    state_.clear();
     if (!why.empty()) {
         reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
         stream_->forget_before(info.number + 1);
         return;
     }
     at_ = info.number;
+}
+
+// Not before something is shown again.
+void Follower::close_gap(int64_t tick)
+{
     if (!gaps_.empty() && gaps_.back().until == 0) {
-        gaps_.back().until = shadow_.next();
+        gaps_.back().until = tick;
         reporter_.say(gap_text(gaps_.back()));
     }
 }
@@ -276,12 +324,14 @@ void Follower::compute()
                              *unknown));
             return;
         }
+        const int64_t first = shadow_.next();
         const Shadow::Advance advance = shadow_.advance(*stretch, sink_);
         if (advance.verdict != Shadow::Verdict::right) {
             departures_ += advance.verdict == Shadow::Verdict::departs ? 1 : 0;
             lose(advance.why);
             return;
         }
+        close_gap(first);
         at_ = stretch->end.number;
     }
     if (stream_->is_lost(at_)) {
@@ -292,8 +342,11 @@ void Follower::compute()
 void Follower::step(double wait_s)
 {
     keep_alive();
-    const bool asked = ask_for_missing();
-    if (!shadow_.is_in_step()) {
+    judge_line();
+    bool asked = false;
+    if (shadow_.is_in_step()) {
+        asked = ask_for_missing();
+    } else {
         ask_for_state();
     }
     client_.poll(asked || candidate_ ? 0 : wait_s);

@@ -126,6 +126,7 @@ void FrameReader::end_frame(std::vector<Message> &found)
         const std::optional<Message> message = too_long_ ? std::nullopt : message_of(frame_);
         if (message) {
             found.push_back(*message);
+            whole_++;
         } else {
             broken_++;
         }

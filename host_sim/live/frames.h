@@ -99,6 +99,10 @@ public:
     // Those that are whole with these bytes. Whatever has a wrong CRC, or a length that no message has, is left out.
     std::vector<Message> add(const Bytes &bytes);
 
+    uint64_t whole() const
+    {
+        return whole_;
+    }
     uint64_t broken() const
     {
         return broken_;
@@ -109,6 +113,7 @@ private:
 
     Bytes frame_; // since the last 0
     bool too_long_ = false;
+    uint64_t whole_ = 0;
     uint64_t broken_ = 0;
 };
 

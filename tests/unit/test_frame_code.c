@@ -167,9 +167,10 @@ static void test_a_running_motor_with_noise_takes_no_more_than_1_9_bytes_a_tick(
     for (uint32_t k = 0U; k < (10U * MAX); k++) {
         const double angle = TURN_RAD * 50.0 * (double)k / 10000.0;
 
-        entries[k % MAX] = frame(count_of(2048.0 + (410.0 * cos(angle)) + noise()),
-                                 count_of(2048.0 + (410.0 * cos(angle - (TURN_RAD / 3.0))) + noise()),
-                                 count_of(2822.0 + noise()), 0U, 0U);
+        entries[k % MAX] =
+            frame(count_of(2048.0 + (410.0 * cos(angle)) + noise()),
+                  count_of(2048.0 + (410.0 * cos(angle - (TURN_RAD / 3.0))) + noise()),
+                  count_of(2822.0 + noise()), 0U, 0U);
         if (((k + 1U) % MAX) == 0U) {
             length += round_trip(MAX);
         }
@@ -287,7 +288,8 @@ static void test_a_mode_that_there_is_not_and_a_value_of_17_bits_are_refused(voi
 {
     const uint8_t mode_46[] = {46U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
     /* 30 bits of modes, a 0, and 17 as the length of the first value */
-    const uint8_t bits_17[] = {0U, 0U, 0U, (uint8_t)(17U << 7U), (uint8_t)(17U >> 1U), 0U, 0U, 0U, 0U, 0U};
+    const uint8_t bits_17[] = {0U, 0U, 0U, (uint8_t)(17U << 7U), (uint8_t)(17U >> 1U), 0U, 0U,
+                               0U, 0U, 0U};
 
     for (uint32_t length = 1U; length <= sizeof mode_46; length++) {
         TEST_ASSERT_FALSE(decodes_alone(mode_46, length, 1U));

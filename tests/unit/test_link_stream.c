@@ -162,8 +162,8 @@ static void test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many(void
     ticks(20000U);
     TEST_ASSERT_GREATER_THAN_UINT32(1U, reader.gaps);
     TEST_ASSERT_GREATER_THAN_UINT32(0U, stream.lost);
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(reader.drive.tick - reader.first_tick - stream.lost, reader.ticks,
-                                     "each tick is sent or counted as lost");
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(reader.drive.tick - reader.first_tick - stream.lost,
+                                     reader.ticks, "each tick is sent or counted as lost");
 }
 
 static void test_a_line_that_was_blocked_goes_on_with_the_newest_segment(void)
