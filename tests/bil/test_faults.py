@@ -235,12 +235,12 @@ class Ticks(unittest.TestCase):
         nmi = functools.partial(made.core.handle, 2, instructions=1000)
         while not made.core.uc.mem_read(reading, 1)[0]:
             made.core.step(STRIDE)
-        made.chip.power.tear()
+        made.chip.power.flash.tear()
         self.assertTrue(nmi())
         self.assertEqual(made.chip.power.flash["ECCR"], 0)
         self.assertFalse(nmi())  # no word was torn
         made = running()
-        made.chip.power.tear()
+        made.chip.power.flash.tear()
         self.assertFalse(made.core.handle(2, instructions=1000))
         self.assertFalse(made.chip.timer.gates_on())
 
