@@ -140,7 +140,7 @@ LiveRun::LiveRun(Channel &channel, const LiveOptions &options)
       follower_(channel, outputs_,
                 {[this](const std::string &line) { say(line); },
                  [this](const std::string &text) { commands_.take_text(text); }},
-                follower_options(options)),
+                {options.timing, options.keep_s}),
       commands_(follower_, options.files,
                 {[this](const std::string &line) { say(line); },
                  [this](double seconds) { pass(seconds); },
@@ -180,7 +180,7 @@ void LiveRun::warn_of_a_slow_line()
 // A script's first command finds a drive that is known.
 void LiveRun::get_into_step()
 {
-    const double until_s = channel_.now_s() + IN_STEP_S * options_.patience;
+    const double until_s = channel_.now_s() + IN_STEP_S;
     while (!follower_.shadow().is_in_step() && channel_.now_s() < until_s && !is_over()) {
         step();
     }

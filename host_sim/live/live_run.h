@@ -22,7 +22,6 @@ struct LiveOptions {
     FileChoice files;
     double keep_s = 10;
     Timing timing;
-    double patience = 1; // times as long is waited for the board
     unsigned baud = 0; // of the port; 0: it has no rate
 };
 
