@@ -34,6 +34,7 @@ WATCHDOG_S = (8 * 4 + 1) / 29.5e3  # 8 counts of 4 cycles and one of uncertainty
 GIVING_UP_S = 0.1          # more than the image waits for a register and then says so
 HOT = 4000                # counts of the temperature, beyond every limit
 TEMPERATURE_TICKS = 1026  # from one conversion to the next, and to the frame
+GATES_TICKS = 150         # from FLYING_START on: the gates are on, and it is not too hot for long enough yet
 OVERTEMPERATURE_TICKS = round(0.11 * BOARD_FILE["board"]["pwm_frequency_hz"])  # for 0.1 s
 FULL_SCALE_A = BOARD_FILE["board"]["current_full_scale_a"]
 
@@ -318,8 +319,9 @@ class Console(unittest.TestCase):
             made.tick(20)
         made.said()
         made.type("run")
+        made.tick(board.SLOW_TICKS)
         self.assertCountEqual(console.lines(made.said()), ["ok", "FLYING_START"])
-        made.tick(2 * board.SLOW_TICKS)
+        made.tick(GATES_TICKS)
         self.assertTrue(made.chip.timer.gates_on())
 
 

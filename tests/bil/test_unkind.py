@@ -21,6 +21,7 @@ MIDDLE = 2048
 BUS = round(FILE["bus_nominal_v"] / FILE["bus_full_scale_v"] * 4096)
 CALIBRATION_TICKS = 260
 SEEDS = range(8)
+ALIGN_TICKS = 400  # from `run` on, to where ticks are as long as they will be for a while
 LATE_TICKS = 40  # every other one: more than the drive bears
 SLOW_ROUND = 40  # ticks in which each part of the slow schedule has its turn
 TYPING_S = 5e-3  # more than a short line takes
@@ -230,6 +231,7 @@ class Slow(unittest.TestCase):
 
     def late(self, share):
         made = running()
+        made.tick(ALIGN_TICKS)
         made.said()
         made.chip.usart.instant = True
         self.stretch(made, share)
