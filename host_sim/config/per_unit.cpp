@@ -805,6 +805,11 @@ double temperature_at(const BoardSettings &board, double count)
     return points[k - 1] + share * (points[k] - points[k - 1]);
 }
 
+static double speed_base(const Bases &b)
+{
+    return std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
+}
+
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
 {
     Bases b{};
@@ -817,9 +822,15 @@ Bases make_bases(const MotorSettings &motor, const BoardSettings &board)
     while (std::ldexp(Q15, b.speed_shift) <= b.speed_limit) {
         b.speed_shift++;
     }
-    b.speed_el_rad_s =
-        std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
+    b.speed_el_rad_s = speed_base(b);
     return b;
+}
+
+Bases rescaled(Bases bases, const drive_cfg_t &cfg)
+{
+    bases.speed_shift = static_cast<int>(cfg.speed_shift);
+    bases.speed_el_rad_s = speed_base(bases);
+    return bases;
 }
 
 namespace

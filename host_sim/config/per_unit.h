@@ -66,6 +66,9 @@ double temperature_at(const BoardSettings &board, double count);
 
 Bases make_bases(const MotorSettings &motor, const BoardSettings &board);
 
+// Those of a drive on the same motor and board that has this configuration: it chooses the scale of its speeds.
+Bases rescaled(Bases bases, const drive_cfg_t &cfg);
+
 // The tuning that acts: settings that are left to the motor (0) are filled in by rule, as far as the firmware's numbers
 // hold; with an angle sensor, what finds the angle is off. Throws SettingError naming the offending key.
 TuningSettings settled_tuning(const MotorSettings &motor, const BoardSettings &board,

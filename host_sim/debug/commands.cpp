@@ -241,7 +241,8 @@ std::string stages(const Session &session, const std::string &rest)
 std::string diff(const Session &session, const std::string &rest)
 {
     no_arguments(rest);
-    return diff_text(diff_tick(session.timeline.before(), session.timeline.tick(), session.built));
+    const Timeline &timeline = session.timeline;
+    return diff_text(diff_tick(timeline.before(), timeline.tick(), timeline.run().built()));
 }
 
 std::string list_edits(const Session &session)

@@ -25,13 +25,12 @@ class Session
 {
 public:
     // Throws ConfigError. The configuration must outlive it.
-    explicit Session(const Config &config)
-        : timeline(config), built(timeline.run().sim().cfg()), scenario(config.scenario.id)
+    explicit Session(const Config &config) : timeline(config), scenario(config.scenario.id)
     {
     }
     // Of a recording, which is called by this name.
     Session(const RecordedRun &recorded, const std::string &name)
-        : timeline(recorded), built(recorded.image.cfg), scenario(name)
+        : timeline(recorded), scenario(name)
     {
     }
 
@@ -45,7 +44,6 @@ public:
     std::string position_text() const;
 
     Timeline timeline;
-    drive_cfg_t built; // as the run began
     std::string scenario;
     std::vector<Break> breaks;
     std::vector<Named> watched;

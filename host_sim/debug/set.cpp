@@ -196,6 +196,13 @@ void check_mode(const SignalInfo &signal, const Tick &tick)
     }
 }
 
+// A configuration that the drive is given takes the place of all that was forced in the one before.
+int64_t last_tick(const SignalInfo &signal, const ScriptedRun &run)
+{
+    return signal.value == nullptr && signal.word.home == Word::Home::cfg ? run.built_until()
+                                                                          : Timeline::FOR_EVER;
+}
+
 } // namespace
 
 std::string set_signal(Timeline &timeline, const std::string &assignment, Span span)
@@ -211,9 +218,9 @@ std::string set_signal(Timeline &timeline, const std::string &assignment, Span s
     const char *const name = named.signal->name;
     const bool once = span == Span::once;
     const std::string text = fmt::format("{} {}", once ? "set" : "force", trimmed(assignment));
-    timeline.edit(name, text, once ? timeline.now() : Timeline::FOR_EVER, change.act, change.end);
-    return fmt::format("{} {} tick {}{}\n", text, once ? "at" : "from", timeline.now(),
-                       once ? "" : " on");
+    timeline.edit(name, text, once ? timeline.now() : last_tick(*named.signal, timeline.run()),
+                  change.act, change.end);
+    return timeline.edits().back() + '\n';
 }
 
 } // namespace nf::debug

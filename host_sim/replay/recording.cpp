@@ -12,7 +12,6 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <limits>
@@ -27,6 +26,10 @@ namespace
 constexpr std::size_t WORD_BYTES = sizeof(uint32_t);
 constexpr std::size_t CONFIG_WORDS = sizeof(drive_cfg_t) / WORD_BYTES;
 constexpr std::size_t ENTRY_WORDS = sizeof(recorder_entry_t) / WORD_BYTES;
+constexpr std::size_t CRC_WORD = 3; // of a change
+
+using Configurations = std::vector<drive_cfg_t>;
+
 // Of a scale, in its own unit. A board rounds its tick to its timer's counts: wider than the key's range.
 struct Scale {
     const char *name;
@@ -55,28 +58,17 @@ void check_sizes(const recorder_header_t &h, std::size_t words)
         refuse("of another firmware: its state has {} words, this one's {}", h.state_words,
                drive_words_count());
     }
-    const uint64_t expected = uint64_t{RECORDER_HEADER_WORDS} + CONFIG_WORDS + h.state_words +
+    if (h.further > 1) {
+        refuse("its header says {} further configurations, allowed are 0 and 1", h.further);
+    }
+    const uint64_t expected = uint64_t{RECORDER_HEADER_WORDS} +
+                              uint64_t{1 + h.further} * CONFIG_WORDS + h.state_words +
                               uint64_t{h.entries} * ENTRY_WORDS + 1;
     if (h.words != expected) {
         refuse("its header says {} words, its parts make {}", h.words, expected);
     }
     if (words != h.words) {
         refuse("{} of {} words: it is cut off", words, h.words);
-    }
-}
-
-void check_scales(const recorder_about_t &about)
-{
-    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
-    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
-    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
-                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
-                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
-                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
-        if (scale.value < scale.min || scale.value > scale.max) {
-            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
-                   scale.max);
-        }
     }
 }
 
@@ -96,18 +88,17 @@ recorder_header_t header_of(const std::vector<uint32_t> &words)
     return header;
 }
 
-drive_cfg_t configuration_of(const uint32_t *words)
+drive_cfg_t configuration_of(const uint32_t *words, const char *which)
 {
     drive_cfg_t cfg{};
     std::memcpy(&cfg, words, sizeof cfg);
     const uint32_t crc = config_guard_crc(&cfg);
     if (crc != cfg.crc) {
-        refuse("the drive's configuration was damaged: its CRC is 0x{:08x}, its bytes make "
-               "0x{:08x}",
+        refuse("the drive's {} was damaged: its CRC is 0x{:08x}, its bytes make 0x{:08x}", which,
                cfg.crc, crc);
     }
     if (const char *const bad = config_check(&cfg)) {
-        refuse("this firmware refuses the configuration: {}", bad);
+        refuse("this firmware refuses the {}: {}", which, bad);
     }
     return cfg;
 }
@@ -127,7 +118,23 @@ drive_t state_of(const uint32_t *words, const recorder_header_t &header, const d
     return state;
 }
 
-void take_frames(Recording &recording, const uint32_t *words)
+// Takes note of the configuration that the next frame has, when it is not the one in force.
+void take_change(RecordedRun &run, uint32_t entry, uint32_t crc, const Configurations &all)
+{
+    const drive_cfg_t &in_force = run.changes.empty() ? run.image.cfg : run.changes.back().cfg;
+    if (crc == in_force.crc) {
+        return;
+    }
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [crc](const drive_cfg_t &cfg) { return cfg.crc == crc; });
+    if (found == all.end()) {
+        refuse("its entry {} changes to the configuration 0x{:08x}, which it does not have", entry,
+               crc);
+    }
+    run.changes.push_back({run.frames.size(), *found});
+}
+
+void take_frames(Recording &recording, const uint32_t *words, const Configurations &all)
 {
     recorder_frame_t frame{};
     for (uint32_t k = 0; k < recording.header.entries; k++) {
@@ -140,6 +147,8 @@ void take_frames(Recording &recording, const uint32_t *words)
         if (complete) {
             recording.run.frames.push_back(frame.in);
             recording.run.outputs.push_back(frame.out);
+        } else {
+            take_change(recording.run, k, entry.word[CRC_WORD], all);
         }
     }
     const uint32_t ticks = recording.header.end_tick - recording.header.first_tick;
@@ -149,25 +158,34 @@ void take_frames(Recording &recording, const uint32_t *words)
     }
 }
 
+} // namespace
+
+void check_scales(const recorder_about_t &about)
+{
+    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
+    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
+    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
+                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
+                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
+                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
+        if (scale.value < scale.min || scale.value > scale.max) {
+            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
+                   scale.max);
+        }
+    }
+}
+
 Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
 {
     constexpr double PICO = 1e-12;
     constexpr double MICRO = 1e-6;
-    constexpr double Q15 = 32768.0;
-    constexpr double STEPS_PER_TURN = 4294967296.0;
-    constexpr double TWO_PI = 6.28318530717958647693;
     Bases b{};
     b.control_period_s = about.tick_ps * PICO;
     b.current_a = 2.0 * about.current_full_scale_ua * MICRO;
     b.voltage_v = about.bus_full_scale_uv * MICRO;
     b.pole_pairs = static_cast<int>(about.pole_pairs);
-    b.speed_shift = static_cast<int>(cfg.speed_shift);
-    b.speed_el_rad_s =
-        std::ldexp(Q15, b.speed_shift) / STEPS_PER_TURN * TWO_PI / b.control_period_s;
-    return b;
+    return rescaled(b, cfg);
 }
-
-} // namespace
 
 std::string Recording::name() const
 {
@@ -203,6 +221,9 @@ Recording parse(const std::vector<uint32_t> &words)
 {
     Recording recording{};
     recording.header = header_of(words);
+    if (recording.header.entries == 0) {
+        refuse("it has no frames: the configuration changed twice in its last segment");
+    }
     if (recording.header.fault_id >= FAULT_COUNT) {
         refuse("its fault is number {}, allowed are 0 to {}", recording.header.fault_id,
                FAULT_COUNT - 1);
@@ -211,10 +232,15 @@ Recording parse(const std::vector<uint32_t> &words)
     const uint32_t *const state = config + CONFIG_WORDS;
     const uint32_t *const entries = state + recording.header.state_words;
     DriveImage &image = recording.run.image;
-    image.cfg = configuration_of(config);
+    image.cfg = configuration_of(config, "configuration");
+    Configurations all = {image.cfg};
+    if (recording.header.further != 0) {
+        const std::size_t behind = std::size_t{recording.header.entries} * ENTRY_WORDS;
+        all.push_back(configuration_of(entries + behind, "further configuration"));
+    }
     image.state = state_of(state, recording.header, image.cfg);
     image.bases = bases_of(recording.header.about, image.cfg);
-    take_frames(recording, entries);
+    take_frames(recording, entries, all);
     return recording;
 }
 

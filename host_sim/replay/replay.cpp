@@ -79,6 +79,16 @@ std::string verdict(const Recording &recording, const Result &result)
                        hash ? fmt::format("{:08x}", d.computed) : std::to_string(d.computed));
 }
 
+std::string changes_text(const Recording &recording)
+{
+    std::string text;
+    for (const ConfigChange &change : recording.run.changes) {
+        text += fmt::format("  configuration {:08x} from tick {} on\n", change.cfg.crc,
+                            recording.run.first() + static_cast<int64_t>(change.frame));
+    }
+    return text;
+}
+
 } // namespace
 
 Result replay(const Recording &recording)
@@ -88,9 +98,13 @@ Result replay(const Recording &recording)
     drive.cfg = &image.cfg;
     Result result{};
     step_t speed = drive_speed(&drive);
+    auto change = recording.run.changes.begin();
     for (std::size_t k = 0; k < recording.run.outputs.size(); k++) {
         const int64_t tick = recording.run.first() + static_cast<int64_t>(k);
         drive_out_t out{};
+        for (; change != recording.run.changes.end() && change->frame == k; ++change) {
+            drive_change(&drive, &change->cfg);
+        }
         if (drive.state != DRIVE_STATE_FAULT) {
             speed = drive_speed(&drive);
         }
@@ -120,7 +134,7 @@ std::string summary(const Recording &recording, const Result &result)
                        recording.run.outputs.size(), period_s * 1e6,
                        static_cast<double>(recording.run.outputs.size()) * period_s) +
            (recording.remark.empty() ? "" : fmt::format("  {}\n", recording.remark)) +
-           end_text(recording, result) + verdict(recording, result);
+           changes_text(recording) + end_text(recording, result) + verdict(recording, result);
 }
 
 } // namespace nf::replay

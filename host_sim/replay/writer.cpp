@@ -14,8 +14,6 @@ namespace nf::replay
 namespace
 {
 
-constexpr uint32_t POST_TICKS = 64;
-
 uint32_t rounded(double value)
 {
     return static_cast<uint32_t>(std::llround(value));
@@ -51,9 +49,15 @@ Writer::Writer(const Config &config)
 void Writer::add(const Tick &tick)
 {
     const Simulation &sim = *tick.sim;
-    cfg_ = sim.cfg();
+    const bool changed = source_ != nullptr && sim.drive().cfg != source_;
+    source_ = sim.drive().cfg;
+    if (changed) {
+        recorder_change(&recorder_, &cfgs_[in_force_]);
+        in_force_ = 1 - in_force_;
+    }
+    cfgs_[in_force_] = sim.cfg();
     drive_ = sim.drive();
-    drive_.cfg = &cfg_;
+    drive_.cfg = &cfgs_[in_force_];
     in_ = sim.in();
     recorder_step(&recorder_, &drive_, &in_, &sim.out());
     recorder_service(&recorder_, &drive_);

@@ -9,11 +9,16 @@ extern "C" {
 #include "recorder_dump.h"
 }
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace nf::replay
 {
+
+// That a recorder goes on for after a fault, as on a board.
+constexpr uint32_t POST_TICKS = 64;
 
 // What a recording of this motor and board says of them, in the units of a board's firmware.
 recorder_about_t about(const Config &config);
@@ -37,7 +42,11 @@ private:
     recorder_about_t about_{};
     std::vector<recorder_entry_t> entries_;
     recorder_t recorder_{};
-    drive_cfg_t cfg_{}; // with the last tick, which the simulation does not outlive
+    // With the last tick, which the simulation does not outlive; a change puts the next one into the other.
+    std::array<drive_cfg_t, 2> cfgs_{};
+    std::size_t in_force_ = 0;
+    const drive_cfg_t *source_ =
+        nullptr; // where the simulation has it; another place: it has changed
     drive_t drive_{};
     drive_in_t in_{};
 };

@@ -8,6 +8,7 @@ extern "C" {
 #include "drive.h"
 }
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,10 +21,17 @@ struct DriveImage {
     Bases bases;
 };
 
+// The drive takes over another configuration before this frame.
+struct ConfigChange {
+    std::size_t frame;
+    drive_cfg_t cfg;
+};
+
 struct RecordedRun {
-    DriveImage image;
+    DriveImage image; // before the first frame, and before a change that comes there
     std::vector<drive_in_t> frames;
-    std::vector<drive_out_t> outputs; // one for each frame
+    std::vector<drive_out_t> outputs;  // one for each frame
+    std::vector<ConfigChange> changes; // in the order of their frames
 
     int64_t first() const
     {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scripted_run.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace nf
@@ -24,7 +26,7 @@ ScriptedRun::ScriptedRun(const Config &config) : ScriptedRun(config, config)
 }
 
 ScriptedRun::ScriptedRun(const Config &real, const Config &believed)
-    : mode_(real.scenario.mode), sim_(real, believed), first_(0),
+    : mode_(real.scenario.mode), sim_(real, believed), first_built_(sim_.cfg()), first_(0),
       zero_(ticks_in(real.scenario.prelude_s)), end_(zero_ + ticks_in(real.scenario.duration_s)),
       command_(real.scenario.command, sim_.bases().control_period_s, zero_),
       load_(scaled(real.scenario.load, real.scenario.load_scale), sim_.bases().control_period_s,
@@ -37,13 +39,14 @@ ScriptedRun::ScriptedRun(const Config &real, const Config &believed)
 
 ScriptedRun::ScriptedRun(const RecordedRun &recorded)
     : mode_(DriveMode::speed), frames_(recorded.frames), outputs_(recorded.outputs),
-      sim_(recorded.image), first_(recorded.first()), zero_(0),
-      end_(first_ + static_cast<int64_t>(frames_.size())),
+      changes_(recorded.changes), sim_(recorded.image), first_built_(sim_.cfg()),
+      first_(recorded.first()), zero_(0), end_(first_ + static_cast<int64_t>(frames_.size())),
       command_({}, sim_.bases().control_period_s, zero_),
       load_({}, sim_.bases().control_period_s, zero_),
       injection_({}, sim_.bases().control_period_s, zero_),
       operator_({}, sim_.bases().control_period_s, zero_), tick_(first_)
 {
+    change_configuration();
 }
 
 int64_t ScriptedRun::ticks_in(double seconds) const
@@ -58,6 +61,41 @@ void ScriptedRun::send_command()
     } else {
         sim_.command_speed_rpm(command_.value());
     }
+}
+
+void ScriptedRun::start(const drive_cfg_t &cfg)
+{
+    sim_.start(cfg);
+    send_command();
+}
+
+void ScriptedRun::change_configuration()
+{
+    for (const ConfigChange &change : changes_) {
+        if (change.frame == frame()) {
+            sim_.change(change.cfg);
+        }
+    }
+}
+
+std::vector<ConfigChange>::const_iterator ScriptedRun::next_change() const
+{
+    return std::upper_bound(
+        changes_.begin(), changes_.end(), frame(),
+        [](std::size_t frame, const ConfigChange &change) { return frame < change.frame; });
+}
+
+const drive_cfg_t &ScriptedRun::built() const
+{
+    const auto next = next_change();
+    return next == changes_.begin() ? first_built_ : std::prev(next)->cfg;
+}
+
+int64_t ScriptedRun::built_until() const
+{
+    const auto next = next_change();
+    return next == changes_.end() ? std::numeric_limits<int64_t>::max()
+                                  : first_ + static_cast<int64_t>(next->frame) - 1;
 }
 
 void ScriptedRun::set_command(double value)
@@ -103,11 +141,12 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     injection_ = snapshot.injection;
     operator_ = snapshot.user;
     forced_ = snapshot.forced;
+    is_commanded_ = snapshot.is_commanded;
 }
 
 void ScriptedRun::act()
 {
-    new_command_ = command_.advance(tick_);
+    new_command_ = is_commanded_ && command_.advance(tick_);
     if (new_command_) {
         send_command();
     }
@@ -118,44 +157,27 @@ void ScriptedRun::act()
     if (injection_.act(tick_, sim_)) {
         impose_forced();
     }
-    operator_.act(tick_, sim_);
-}
-
-void ScriptedRun::view_frame(Tick &tick) const
-{
-    constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
-    constexpr double Q16 = 65536.0;
-    constexpr double TWO_PI = 6.28318530717958647693;
-    const drive_command_t &command = frames_[frame()].command;
-    tick.truth = {
-        tick.time_s, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, {UNKNOWN, UNKNOWN, UNKNOWN},
-        UNKNOWN,     UNKNOWN};
-    tick.mode = command.mode == DRIVE_MODE_POSITION ? DriveMode::position : DriveMode::speed;
-    tick.command = tick.mode == DriveMode::position
-                       ? command.target / Q16 * TWO_PI / sim_.bases().pole_pairs
-                       : sim_.bases().rpm_from_step(command.target);
-    tick.load_nm = UNKNOWN;
-    tick.recorded = &outputs_[frame()];
+    if (is_commanded_) {
+        operator_.act(tick_, sim_);
+    }
 }
 
 Tick ScriptedRun::view() const
 {
-    Tick tick{};
-    tick.sim = &sim_;
-    tick.speed_estimate = drive_speed(&sim_.drive());
-    tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
-    tick.observer_speed = sim_.drive().observer.speed;
-    tick.ratio_acted = sim_.drive().ratio_acting;
-    tick.bus_before = sim_.drive().bus_before;
-    tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
+    const double time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
     if (is_recorded()) {
-        view_frame(tick);
-    } else {
-        plant_view(&sim_.plant(), &tick.truth);
+        Tick tick = tick_of_frame(sim_, frames_[frame()], time_s);
+        tick.recorded = &outputs_[frame()];
+        return tick;
+    }
+    Tick tick =
+        is_commanded_ ? believed_tick(sim_, time_s) : tick_of_frame(sim_, sim_.in(), time_s);
+    plant_view(&sim_.plant(), &tick.truth);
+    if (is_commanded_) {
         tick.mode = mode_;
         tick.command = command_.value();
-        tick.load_nm = load_.value();
     }
+    tick.load_nm = load_.value();
     return tick;
 }
 

@@ -37,21 +37,26 @@ public:
         Injection injection;
         Operator user;
         hal_host_faults_t forced;
+        bool is_commanded;
     };
     // Between advance() and control(), of this run and no other.
     Snapshot save() const
     {
-        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_};
+        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_, is_commanded_};
     }
     void restore(const Snapshot &snapshot);
 
+    // The drive begins anew with this configuration (sim.h). Before the first tick.
+    void start(const drive_cfg_t &cfg);
+
     // The script acts, then the control interrupt.
     Tick control();
-    // One PWM period goes by.
+    // One PWM period goes by. A configuration that the next tick has is in force then.
     void advance()
     {
         sim_.advance();
         tick_++;
+        change_configuration();
     }
 
     bool is_recorded() const
@@ -59,9 +64,24 @@ public:
         return !frames_.empty();
     }
 
+    // The configuration that the drive was given last, as it was made.
+    const drive_cfg_t &built() const;
+    // The last tick with it; the largest number when there is no change behind the present tick.
+    int64_t built_until() const;
+
     // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
     void set_load_nm(double torque_nm);
+
+    // From now on the script neither commands nor requests anything; its load and its faults go on. Not of a recording.
+    void leave_to_user()
+    {
+        is_commanded_ = false;
+    }
+    bool is_commanded() const
+    {
+        return is_commanded_;
+    }
 
     // What the converter or the angle sensor reads from the next control() on, whatever the script says, and the end of
     // it: the channel is the script's again.
@@ -113,6 +133,7 @@ public:
 private:
     int64_t ticks_in(double seconds) const;
     void send_command();
+    void change_configuration();
     void act();
     void impose_forced();
     Tick view() const;
@@ -120,12 +141,14 @@ private:
     {
         return static_cast<std::size_t>(tick_ - first_);
     }
-    void view_frame(Tick &tick) const;
+    std::vector<ConfigChange>::const_iterator next_change() const;
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
     std::vector<drive_out_t> outputs_;
+    std::vector<ConfigChange> changes_;
     Simulation sim_;
+    drive_cfg_t first_built_;
     int64_t first_;
     int64_t zero_;
     int64_t end_;
@@ -134,6 +157,7 @@ private:
     Injection injection_;
     Operator operator_;
     hal_host_faults_t forced_{}; // its channels
+    bool is_commanded_ = true;   // by the script
     int64_t tick_;
     bool new_command_ = false;
     bool new_load_ = false;

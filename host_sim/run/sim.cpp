@@ -28,36 +28,47 @@ Simulation::Simulation(const Config &config) : Simulation(config, config)
 }
 
 Simulation::Simulation(const Config &real, const Config &believed)
-    : cfg_(build(believed)), bases_(make_bases(believed.motor, believed.board))
+    : cfgs_{build(believed)}, bases_(make_bases(believed.motor, believed.board))
 {
-    const plant_cfg_t plant_cfg = make_plant_cfg(real, cfg_);
+    const plant_cfg_t plant_cfg = make_plant_cfg(real, cfgs_[0]);
     const char *bad = nullptr;
     if (!plant_init(&plant_, &plant_cfg, &bad)) {
         throw ConfigError(fmt::format("the simulated hardware cannot have this {}", bad));
     }
     hal_host_init(&hal_, &plant_);
-    bad = app_init(&app_, &hal_, &cfg_);
-    if (bad != nullptr) {
-        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
-    }
+    start(cfgs_[0]);
 }
 
-Simulation::Simulation(const DriveImage &image) : cfg_(image.cfg), bases_(image.bases)
+Simulation::Simulation(const DriveImage &image) : cfgs_{image.cfg}, bases_(image.bases)
 {
     hal_host_init(&hal_, nullptr);
-    if (const char *const bad = app_init(&app_, &hal_, &cfg_)) {
+    start(cfgs_[0]);
+    app_.drive = image.state;
+    app_.drive.cfg = cfgs_.data();
+}
+
+void Simulation::start(const drive_cfg_t &cfg)
+{
+    if (const char *const bad = app_init(&app_, &hal_, &cfg)) {
         throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
     }
-    app_.drive = image.state;
-    app_.drive.cfg = &cfg_;
 }
 
 void Simulation::restore(const State &state)
 {
-    cfg_ = state.cfg;
+    cfgs_ = state.cfgs;
     plant_ = state.plant;
     hal_ = state.hal;
     app_ = state.app;
+    bases_ = rescaled(bases_, cfg());
+}
+
+void Simulation::change(const drive_cfg_t &cfg)
+{
+    drive_cfg_t &other = cfgs_[1 - in_force()];
+    other = cfg;
+    drive_change(&app_.drive, &other);
+    bases_ = rescaled(bases_, other);
 }
 
 void Simulation::command(drive_mode_t mode, double target)

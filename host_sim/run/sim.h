@@ -14,6 +14,8 @@ extern "C" {
 #include "plant.h"
 }
 
+#include <array>
+
 namespace nf
 {
 
@@ -40,14 +42,14 @@ public:
 
     // All that changes while it runs, as plain values. A copy is good for the simulation it is from.
     struct State {
-        drive_cfg_t cfg;
+        std::array<drive_cfg_t, 2> cfgs;
         plant_t plant;
         hal_t hal;
         app_t app;
     };
     State save() const
     {
-        return {cfg_, plant_, hal_, app_};
+        return {cfgs_, plant_, hal_, app_};
     }
     void restore(const State &state);
 
@@ -56,6 +58,10 @@ public:
     {
         control_isr(&app_);
     }
+
+    // The drive takes over another configuration, as the control interrupt does it: before the next control(), which
+    // computes with it. config_check() accepts it.
+    void change(const drive_cfg_t &cfg);
 
     // Gives the power stage another demand than that of the last control().
     void apply(const drive_out_t &out)
@@ -91,7 +97,7 @@ public:
 
     Seam seam()
     {
-        return {plant_, hal_.faults, cfg_, app_.drive};
+        return {plant_, hal_.faults, const_cast<drive_cfg_t &>(cfg()), app_.drive};
     }
 
     // For the background that runs on it.
@@ -99,6 +105,14 @@ public:
     {
         return app_;
     }
+    hal_t &hal()
+    {
+        return hal_;
+    }
+
+    // Begins anew with another configuration, which outlives the simulation where it is; the background may put another one in
+    // its place. Throws ConfigError when the drive refuses it. What it is then cannot be saved.
+    void start(const drive_cfg_t &cfg);
 
     const drive_t &drive() const
     {
@@ -113,9 +127,10 @@ public:
     {
         return app_.out;
     }
+    // In force; a change puts the next one elsewhere, and this one stays until the change after it.
     const drive_cfg_t &cfg() const
     {
-        return cfg_;
+        return *app_.drive.cfg;
     }
     const Bases &bases() const
     {
@@ -128,8 +143,12 @@ public:
 
 private:
     void command(drive_mode_t mode, double target);
+    std::size_t in_force() const
+    {
+        return app_.drive.cfg == &cfgs_[1] ? 1 : 0;
+    }
 
-    drive_cfg_t cfg_;
+    std::array<drive_cfg_t, 2> cfgs_; // take turns
     Bases bases_;
     plant_t plant_{};
     hal_t hal_{};
