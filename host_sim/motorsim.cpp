@@ -12,6 +12,7 @@
 #include "extremes.h"
 #include "findings.h"
 #include "interrupt.h"
+#include "live_command.h"
 #include "measure.h"
 #include "measured_file.h"
 #include "peer.h"
@@ -64,6 +65,7 @@ constexpr const char *EXAMPLES = R"(Examples:
   motorsim debug s1_robust                   step through a run, forwards and backwards
   motorsim run s1 --record s1.log            with the flight recorder, as the firmware sends it
   motorsim replay field.log                  run a recording again, check each tick; --debug steps
+  motorsim live /dev/ttyACM0                 every signal of a running board, and commands to it
   motorsim bench                             simulation speed on this machine
   motorsim identify zoo:17:user -o mine.toml a simulated motor of which the drive knows the name plate
   motorsim identify --records console.log --motor plate.toml --board my_board.toml -o mine.toml
@@ -841,6 +843,7 @@ private:
     IdentifyArguments identify_;
     CertifyArguments certify_;
     BenchArguments bench_;
+    nf::live::LiveArguments live_;
     std::vector<std::pair<const CLI::App *, std::function<int()>>> actions_;
 };
 
@@ -864,6 +867,9 @@ Commands::Commands(CLI::App &app)
     describe_certify(add(app, "certify", "how sure a drive is, within all error bars",
                          [this] { return certify(certify_); }),
                      certify_);
+    nf::live::describe(add(app, "live", "follow a running board: all signals of every tick",
+                           [this] { return nf::live::live(live_) ? LIMITS_HOLD : LIMIT_BROKEN; }),
+                       live_);
     add(app, "list", "list scenarios and imperfections", list);
     add(app, "estimators", "what `run --estimator` knows, with its gains, as JSON", estimators);
     describe_bench(

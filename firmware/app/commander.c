@@ -3,6 +3,9 @@
 
 #include <stddef.h>
 
+#define LATCHED "a fault is latched; clear it first"
+#define NO_FAULT "there is no fault to clear"
+
 static void request(app_t *app, uint8_t what)
 {
     drive_command_t command = command_mailbox_take(&app->mailbox);
@@ -16,7 +19,7 @@ const char *commander_run(app_t *app)
     const char *why = NULL;
 
     if (app->drive.state == DRIVE_STATE_FAULT) {
-        why = "a fault is latched; clear it first";
+        why = LATCHED;
     } else {
         request(app, DRIVE_REQUEST_RUN);
     }
@@ -35,7 +38,7 @@ const char *commander_clear(app_t *app)
     if (app->drive.state == DRIVE_STATE_FAULT) {
         request(app, DRIVE_REQUEST_CLEAR);
     } else {
-        why = "there is no fault to clear";
+        why = NO_FAULT;
     }
     return why;
 }
@@ -46,6 +49,62 @@ void commander_set_speed(app_t *app, step_t speed)
 
     command.target = speed;
     command_mailbox_post(&app->mailbox, &command);
+}
+
+static bool is_too_fast(const drive_command_t *command, step_t speed_max)
+{
+    return (command->mode == (uint8_t)DRIVE_MODE_SPEED) &&
+           ((command->target > speed_max) || (command->target < -speed_max));
+}
+
+const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max)
+{
+    const bool failed = app->drive.state == DRIVE_STATE_FAULT;
+    const char *why = NULL;
+
+    if (command->mode > (uint8_t)DRIVE_MODE_POSITION) {
+        why = "the modes are 0, speed, and 1, position";
+    } else if (is_too_fast(command, speed_max)) {
+        why = "the speed is beyond that of the motor";
+    } else if (command->request == DRIVE_REQUEST_RUN) {
+        why = failed ? LATCHED : NULL;
+    } else if (command->request == DRIVE_REQUEST_CLEAR) {
+        why = failed ? NULL : NO_FAULT;
+    } else if (command->request != 0U) {
+        why = "the requests are 0, stop, 1, run, and 2, clear";
+    } else {
+        /* a stop is always taken */
+    }
+    if (why == NULL) {
+        command_mailbox_post(&app->mailbox, command);
+    }
+    return why;
+}
+
+void commander_limit_speed(app_t *app, step_t speed_max)
+{
+    const drive_command_t command = command_mailbox_take(&app->mailbox);
+
+    if (is_too_fast(&command, speed_max)) {
+        commander_set_speed(app, (command.target > 0) ? speed_max : -speed_max);
+    }
+}
+
+void commander_slow_down(app_t *app)
+{
+    drive_command_t command = command_mailbox_take(&app->mailbox);
+
+    command.target = 0;
+    command.mode = (uint8_t)DRIVE_MODE_SPEED;
+    command_mailbox_post(&app->mailbox, &command);
+}
+
+bool commander_is_at_rest(const app_t *app)
+{
+    const drive_state_t state = app->drive.state;
+    const bool calm = (state == DRIVE_STATE_READY) || (state == DRIVE_STATE_FAULT);
+
+    return calm && !app->out.gate_enable && (command_mailbox_take(&app->mailbox).request == 0U);
 }
 
 void commander_step(app_t *app)

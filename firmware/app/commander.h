@@ -11,6 +11,8 @@
 
 #include "app.h"
 
+#include <stdbool.h>
+
 /* Close the loop. Returns NULL, or why it is refused: a fault is latched. */
 const char *commander_run(app_t *app);
 
@@ -22,6 +24,21 @@ const char *commander_clear(app_t *app);
 
 /* The electrical speed from now on, also while the drive runs. The caller keeps to the motor's limit. */
 void commander_set_speed(app_t *app, step_t speed);
+
+/*
+ * A whole command. speed_max: of the motor, electrical, either way. Returns NULL, or why it is refused, and then the command in
+ * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max.
+ */
+const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max);
+
+/* In speed mode the target in force stays within ±speed_max from now on, electrical. */
+void commander_limit_speed(app_t *app, step_t speed_max);
+
+/* Speed 0, in speed mode, while the request stays. */
+void commander_slow_down(app_t *app);
+
+/* Whether the gates are open, and nothing in force closes them. */
+bool commander_is_at_rest(const app_t *app);
 
 /*
  * Takes a clear back once the fault is left: kept, it would clear the next fault unseen. Call once per pass of the

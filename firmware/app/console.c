@@ -7,7 +7,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#define MEASURING "the motor is being measured; stop ends that"
 #define DUMPING "a dump is under way"
 
 void console_say(console_t *console, const char *line)
@@ -47,7 +46,7 @@ static void set_speed(console_t *console, const char *argument)
     const bool good = text_to_number(argument, &rpm);
 
     if (identify_is_busy(&console->identify)) {
-        answer(console, MEASURING); /* the command's target is a word of the probe */
+        answer(console, CONSOLE_MEASURING); /* the command's target is a word of the probe */
     } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
         commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
         answer(console, NULL);
@@ -90,7 +89,7 @@ static const char *ask_for_dump(console_t *console)
     if (why != NULL) {
         /* that is the answer */
     } else if (identify_is_busy(&console->identify)) {
-        why = MEASURING; /* its records would wait for the end of the dump, with current */
+        why = CONSOLE_MEASURING; /* its records would wait for the end of the dump, with current */
     } else if (never_freezes(console)) {
         why = "the control tick does not run, nothing is recorded";
     } else {
@@ -163,7 +162,7 @@ static bool same(const char *line, const char *command)
 
 static const char *run(console_t *console)
 {
-    return identify_is_busy(&console->identify) ? MEASURING : commander_run(console->app);
+    return identify_is_busy(&console->identify) ? CONSOLE_MEASURING : commander_run(console->app);
 }
 
 static const char *identify(console_t *console)
@@ -206,8 +205,7 @@ static void do_line(console_t *console)
     }
 }
 
-/* A line ends with CR, LF or both; an empty one is none. */
-static void take(console_t *console, uint8_t byte)
+void console_take(console_t *console, uint8_t byte)
 {
     const bool ends = (byte == (uint8_t)'\r') || (byte == (uint8_t)'\n');
 
@@ -225,6 +223,11 @@ static void take(console_t *console, uint8_t byte)
     }
 }
 
+void console_forget(console_t *console)
+{
+    console->length = 0U;
+}
+
 static void announce(console_t *console)
 {
     const drive_state_t state = console->app->drive.state;
@@ -232,20 +235,6 @@ static void announce(console_t *console)
     if (state != console->announced) {
         console->announced = state;
         show_status(console);
-    }
-}
-
-static void send(console_t *console)
-{
-    text_t *const out = &console->out;
-
-    while ((console->sent < out->length) &&
-           hal_send(console->hal, (uint8_t)out->characters[console->sent])) {
-        console->sent++;
-    }
-    if (console->sent == out->length) {
-        console->sent = 0U;
-        out->length = 0U;
     }
 }
 
@@ -257,14 +246,8 @@ void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *abo
 
 void console_step(console_t *console)
 {
-    uint8_t byte = 0U;
-
-    while (hal_receive(console->hal, &byte)) {
-        take(console, byte);
-    }
     commander_step(console->app);
     announce(console);
     go_on_dumping(console);
     identify_step(&console->identify, &console->out);
-    send(console);
 }

@@ -36,8 +36,11 @@ typedef enum {
     LINK_APPLY, /* crc u32 of the block that is prepared: it becomes the one in force. Answer: verdict */
     LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
     LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
-    LINK_STREAM, /* on u8: 1 starts the stream with the newest segment, 0 ends it. Answer: verdict */
-    LINK_STATE, /* segment u32, first word u16: of its state. Answer: segment u32, first u16, words u8, words u32 each */
+    /* on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes what fits into it; more: at most so
+     * many entries, for a line that spoils long messages. Answer: verdict */
+    LINK_STREAM,
+    /* segment u32, first word u16, words u8: of its state. Answer: segment u32, first u16, words u8, words u32 each */
+    LINK_STATE,
     LINK_AGAIN /* segment u32, first entry u16, entries u8: answer: as LINK_FRAMES, those or fewer */
 } link_question_t;
 

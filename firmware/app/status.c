@@ -4,6 +4,8 @@
 #include "barrier.h"
 #include "fault_text.h"
 
+#include <stddef.h>
+
 #define Q14_ONE (16384)
 #define Q15_ONE (32768)
 #define HEAT_BASE (1000000U)    /* makes units_thousandths() give tenths of a per cent */
@@ -142,8 +144,10 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
 static void add_speed(text_t *text, const app_t *app, const about_t *about)
 {
     const drive_command_t command = command_mailbox_take(&app->mailbox);
+    const bool has_begun = app->drive.cfg != NULL; /* not where the configuration is refused */
+    const step_t speed = has_begun ? drive_speed(&app->drive) : 0;
 
-    add_rpm(text, ", speed ", about, drive_speed(&app->drive));
+    add_rpm(text, ", speed ", about, speed);
     if (command.request == DRIVE_REQUEST_PROBE) {
         text_add(text, " rpm, measuring the motor");
     } else {

@@ -1,12 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "stored_config.h"
 
+#include "commander.h"
+
 #include <stddef.h>
 
 static bool is_good(stored_config_t *stored, const config_identity_t *identity)
 {
     stored->verdict = config_block_check(&stored->block, identity);
     return stored->verdict.fault == CONFIG_BLOCK_GOOD;
+}
+
+void stored_config_of_image(config_block_t *block, const about_t *about, const drive_cfg_t *cfg)
+{
+    config_about_t facts = {.pole_pairs = about->rotation.pole_pairs,
+                            .speed_max_rpm = about->speed_max_rpm};
+
+    config_block_name(facts.name, about->name);
+    config_block_make(block, &about->identity, &facts, cfg);
+}
+
+void stored_config_about(const config_block_t *block, about_t *about)
+{
+    about->name = block->about.name;
+    about->rotation.pole_pairs = block->about.pole_pairs;
+    about->speed_max_rpm = block->about.speed_max_rpm;
 }
 
 void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *cfg, about_t *about)
@@ -16,19 +34,12 @@ void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *
     stored->is_stored =
         store_read(&stored->store, &stored->block) && is_good(stored, &about->identity);
     if (!stored->is_stored) {
-        config_about_t of_image = {.pole_pairs = about->rotation.pole_pairs,
-                                   .speed_max_rpm = about->speed_max_rpm};
-
-        config_block_name(of_image.name, about->name);
-        config_block_make(&stored->block, &about->identity, &of_image, cfg);
+        stored_config_of_image(&stored->block, about, cfg);
     }
-    about->name = stored->block.about.name;
-    about->rotation.pole_pairs = stored->block.about.pole_pairs;
-    about->speed_max_rpm = stored->block.about.speed_max_rpm;
+    stored_config_about(&stored->block, about);
 }
 
-/* Why an image does not take a block. */
-static const char *reason(config_block_fault_t fault)
+const char *stored_config_reason(config_block_fault_t fault)
 {
     const char *text = NULL;
 
@@ -64,7 +75,7 @@ void stored_config_tell(text_t *text, const stored_config_t *stored)
         text_add(text, "configuration: that of the image, none is stored");
     } else {
         text_add(text, "configuration: that of the image, not the stored one: ");
-        text_add(text, reason(verdict->fault));
+        text_add(text, stored_config_reason(verdict->fault));
     }
     if (verdict->setting != NULL) {
         text_add(text, ": ");
@@ -72,22 +83,13 @@ void stored_config_tell(text_t *text, const stored_config_t *stored)
     }
 }
 
-/* With open gates, and nothing in force that closes them. */
-static bool rests(const app_t *app)
-{
-    const drive_state_t state = app->drive.state;
-    const bool calm = (state == DRIVE_STATE_READY) || (state == DRIVE_STATE_FAULT);
-
-    return calm && !app->out.gate_enable && (command_mailbox_take(&app->mailbox).request == 0U);
-}
-
 const char *stored_config_save(stored_config_t *stored, const app_t *app,
                                const config_identity_t *identity, const config_block_t *block)
 {
     const char *why;
 
-    if (rests(app)) {
-        why = reason(config_block_check(block, identity).fault);
+    if (commander_is_at_rest(app)) {
+        why = stored_config_reason(config_block_check(block, identity).fault);
     } else {
         why = "the drive does not rest with open gates; stop it first";
     }

@@ -18,7 +18,7 @@
 
 typedef struct {
     store_t store;
-    config_block_t block;           /* what the drive runs with */
+    config_block_t block;           /* what the drive is started with */
     bool is_stored;                 /* it is the stored one */
     config_block_verdict_t verdict; /* of the stored one, where there is one */
 } stored_config_t;
@@ -30,6 +30,15 @@ typedef struct {
  */
 void stored_config_load(stored_config_t *stored, hal_t *hal, const drive_cfg_t *cfg,
                         about_t *about);
+
+/* Makes the block of the configuration of an image. Context: background. */
+void stored_config_of_image(config_block_t *block, const about_t *about, const drive_cfg_t *cfg);
+
+/* Sets the name and the facts of the motor of `about` to those of a block, which outlives it. Context: background. */
+void stored_config_about(const config_block_t *block, about_t *about);
+
+/* Why an image does not take a block, as a constant text; NULL for CONFIG_BLOCK_GOOD. */
+const char *stored_config_reason(config_block_fault_t fault);
 
 /* Adds what was chosen, and why the stored block was not, as one line without its end. Context: background. */
 void stored_config_tell(text_t *text, const stored_config_t *stored);

@@ -8,6 +8,8 @@
 #define MINUTE (3662109375LL)
 #define TURN (262144LL)
 
+#define PS_OF_A_US (1000000U)
+
 static int64_t clamped(int64_t value, int64_t end)
 {
     int64_t result = value;
@@ -64,4 +66,11 @@ int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
     const int64_t product = (int64_t)value * (int64_t)base_millionths;
 
     return (int32_t)clamped(product / ((int64_t)one * 1000), INT32_MAX);
+}
+
+uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us)
+{
+    const uint64_t ticks = ((uint64_t)us * PS_OF_A_US) / rotation->tick_ps;
+
+    return (ticks == 0U) ? 1U : (uint32_t)ticks;
 }

@@ -34,6 +34,9 @@ step_t units_step(const units_rotation_t *rotation, int32_t rpm);
  */
 int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks);
 
+/* Ticks in so many µs, rounded down, and at least 1. us: 1…10^7. */
+uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us);
+
 /*
  * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one: the value that stands
  * for the base, 1…2^15. base_millionths: the base in millionths of its unit.

@@ -297,7 +297,7 @@ static bool attend(drive_t *drive, const drive_in_t *in)
 }
 
 /* INIT with this configuration. Nothing is known. */
-static void begin(drive_t *drive, const drive_cfg_t *cfg)
+static void initialise(drive_t *drive, const drive_cfg_t *cfg)
 {
     model_nominal_t nominal;
 
@@ -317,7 +317,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 {
     const char *bad;
 
-    begin(drive, cfg);
+    initialise(drive, cfg);
     bad = config_check(cfg);
     if ((bad == NULL) && (config_guard_crc(cfg) != cfg->crc)) {
         bad = "crc";
@@ -329,7 +329,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
  * Words of the state mean something else from now on, so the drive begins anew and calibrates. What remains is the clock, a
  * latched fault, and the heat as a share of its limit. The slow period goes on: this tick has read its slow inputs.
  */
-static void begin_anew(drive_t *drive, const drive_cfg_t *cfg)
+static void restart(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_state_t state = drive->state;
     const fault_t fault = drive->fault;
@@ -337,7 +337,7 @@ static void begin_anew(drive_t *drive, const drive_cfg_t *cfg)
     const uint32_t left = drive->slow_count;
     const int32_t heat_q24 = drive->derating.heat_q24;
 
-    begin(drive, cfg);
+    initialise(drive, cfg);
     drive->fault = fault;
     drive->tick = tick;
     drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
@@ -375,12 +375,29 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
     model_change(&drive->model, &cfg->model, &nominal);
     nn_observer_change(&drive->observer, &observer, &drive->model.observer, angle_before(drive));
     modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
+    derating_change(&drive->derating, &before->derating, &cfg->derating);
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
     config_guard_reset(&drive->guard);
+}
+
+/* A measurement whose pulses or times may be others now begins again, at the present vector. */
+static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
+{
+    align_t *const align = &drive->align;
+
+    if (drive->cfg->crc == cfg->crc) {
+        /* nothing is another */
+    } else if (drive->state == DRIVE_STATE_FLYING_START) {
+        flying_start_reset(&drive->flying_start);
+    } else if ((drive->state == DRIVE_STATE_ALIGN) && (align->phase != ALIGN_PULL)) {
+        align_reset_held(align, &cfg->startup.align, align->current_ref);
+    } else {
+        /* no measurement is under way */
+    }
 }
 
 /* The voltage that the old model gave and the new one does not, or the other way round, goes to the integrals. */
@@ -396,6 +413,7 @@ static void adopt_controlled(drive_t *drive, const drive_cfg_t *cfg)
 
 static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 {
+    measure_again_with(drive, cfg);
     if ((drive->state == DRIVE_STATE_RUN) && drive->voltage_drive.active) {
         /* Nothing limits the current there. It comes back by itself when all is calm. */
         adopt_parts(drive, cfg);
@@ -416,7 +434,7 @@ INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *c
     if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);
     } else {
-        begin_anew(drive, cfg);
+        restart(drive, cfg);
     }
 }
 

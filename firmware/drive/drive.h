@@ -44,7 +44,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
  *
  * Of what config_change_refused() allows the drive keeps its state. What was measured of the motor stays as a ratio to the
  * values of the new configuration, and so does the voltage of the current control: what the model gives otherwise goes to
- * the integrals. A voltage drive goes back to current control. What a slot of the slow schedule computes follows in
+ * the integrals. A voltage drive goes back to current control. A measurement of a start that is under way begins again. What a slot of the slow schedule computes follows in
  * its slot, within a slow period.
  *
  * Of anything else the drive begins anew: it opens the gates, goes to INIT and calibrates; nothing that was measured is known.

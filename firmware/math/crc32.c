@@ -14,12 +14,17 @@ static uint32_t nibble(uint32_t crc)
     return (crc >> 4U) ^ table[crc & 0xFU];
 }
 
+uint32_t crc32_byte(uint32_t before, uint8_t byte)
+{
+    return nibble(nibble(before ^ byte));
+}
+
 uint32_t crc32_step(uint32_t before, const uint8_t *bytes)
 {
     uint32_t crc = before;
 
     for (uint32_t k = 0U; k < BYTES_AT_ONCE; k++) {
-        crc = nibble(nibble(crc ^ bytes[k]));
+        crc = crc32_byte(crc, bytes[k]);
     }
     return crc;
 }

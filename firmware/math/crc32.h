@@ -15,4 +15,7 @@
 /* Returns the sum after the four bytes at `bytes`; before: the sum so far. */
 uint32_t crc32_step(uint32_t before, const uint8_t *bytes);
 
+/* Returns the sum after one more byte. */
+uint32_t crc32_byte(uint32_t before, uint8_t byte);
+
 #endif

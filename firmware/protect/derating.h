@@ -82,6 +82,9 @@ typedef struct {
 /* Heat 0, no derating. */
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
+/* Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`. */
+void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
+
 /* Returns the share at x, Q15, 0…32767. |zero − x| ≤ 65535. */
 int32_t derating_share(const fade_t *fade, int32_t x);
 

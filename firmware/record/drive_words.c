@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #define WORD_BYTES (4U)
-#define FNV_BASIS (2166136261U)
 #define FNV_PRIME (16777619U)
 
 /* A part of drive_t without padding: whole words, or one byte that becomes a word. */
@@ -123,17 +122,45 @@ static uint32_t mix(uint32_t before, uint32_t word)
     return hash;
 }
 
-uint32_t drive_words_hash(const drive_t *drive)
+/* Words of a piece, from one to before another. */
+static uint32_t hash_words(uint32_t before, const drive_t *drive, const piece_t *piece,
+                           uint32_t first, uint32_t end)
 {
     const uint8_t *const bytes = (const uint8_t *)drive;
-    uint32_t hash = FNV_BASIS;
+    uint32_t hash = before;
+
+    for (uint32_t at = first; at < end; at++) {
+        hash = mix(hash, load(&bytes[piece->offset + (at * WORD_BYTES)], bytes_of(piece)));
+    }
+    return hash;
+}
+
+uint32_t drive_words_hash_part(uint32_t before, const drive_t *drive, uint32_t *at, uint32_t count)
+{
+    uint32_t hash = before;
+    uint32_t left = count;
+    uint32_t first = *at;
+    const piece_t *piece = find(&first);
+
+    while ((piece != NULL) && (left > 0U)) {
+        const uint32_t there = words_of(piece) - first;
+        const uint32_t taken = (there < left) ? there : left;
+
+        hash = hash_words(hash, drive, piece, first, first + taken);
+        left -= taken;
+        *at += taken;
+        first = *at;
+        piece = find(&first);
+    }
+    return hash;
+}
+
+uint32_t drive_words_hash(const drive_t *drive)
+{
+    uint32_t hash = DRIVE_WORDS_HASH_START;
 
     for (uint32_t k = 0U; k < PIECES; k++) {
-        const piece_t *const piece = &pieces[k];
-
-        for (uint32_t at = 0U; at < piece->bytes; at += WORD_BYTES) {
-            hash = mix(hash, load(&bytes[piece->offset + at], bytes_of(piece)));
-        }
+        hash = hash_words(hash, drive, &pieces[k], 0U, words_of(&pieces[k]));
     }
     return hash;
 }

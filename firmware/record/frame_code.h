@@ -4,8 +4,9 @@
  * the inputs computes them.
  *
  * A code stands for itself: it begins with whole values and needs no code before it. What follows is coded as the
- * difference from a prediction, for each channel by the one of two that fits these entries better: the value before, or the line
- * through the two before. The differences are Rice codes, with the parameter that fits.
+ * difference from a prediction, for each channel by the one of three that fits these entries best: the value before, or a line,
+ * steep or smooth, through those before. The differences are Rice codes, with the parameter that fits. A channel that is
+ * constant takes 6 bits.
  */
 #ifndef FRAME_CODE_H
 #define FRAME_CODE_H

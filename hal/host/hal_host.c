@@ -13,6 +13,9 @@ void hal_host_step(hal_t *hal)
     if (hal->plant != NULL) {
         plant_step(hal->plant);
     }
+    if (hal->line != NULL) {
+        hal_host_line_step(hal->line);
+    }
     hal->ticks++;
 }
 
@@ -61,6 +64,8 @@ void hal_sample(hal_t *hal, drive_in_t *in)
     in->adc_temperature = read_channel(&faults->temperature, in->adc_temperature);
     in->angle = read_channel(&faults->angle, (uint16_t)(in->angle + faults->angle_offset));
     in->flags = (uint16_t)(in->flags | late | broken);
+    hal->seen_ia = in->adc_ia;
+    hal->seen_ib = in->adc_ib;
 }
 
 static void drive_plant(hal_t *hal, const drive_out_t *out)
@@ -80,6 +85,7 @@ static void drive_plant(hal_t *hal, const drive_out_t *out)
 void hal_apply(hal_t *hal, const drive_out_t *out)
 {
     hal->late = hal->faults.late;
+    hal->late_ticks += hal->late ? 1U : 0U;
     if (hal->plant != NULL) {
         drive_plant(hal, out);
     }

@@ -8,11 +8,16 @@
  *
  * What can go wrong between the plant and the control interrupt is put into hal_t.faults, before the
  * tick that shall see it; a field stays in force until it is changed.
+ *
+ * A serial line and the flash of the store are there once they are attached to hal_t. A line has its time from
+ * hal_host_step().
  */
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
 
 #include "hal.h"
+#include "hal_host_flash.h"
+#include "hal_host_line.h"
 #include "plant.h"
 
 #include <stdbool.h>
@@ -41,10 +46,15 @@ struct hal {
     drive_in_t fed;
     hal_host_faults_t faults; /* all 0: none */
     bool late;                /* the last tick was */
-    uint32_t ticks;           /* PWM periods since the binding */
+    uint32_t late_ticks;
+    uint16_t seen_ia; /* by the last tick */
+    uint16_t seen_ib;
+    hal_host_line_t *line;   /* NULL: none */
+    hal_host_flash_t *flash; /* NULL: no store */
+    uint32_t ticks;          /* PWM periods since the binding */
 };
 
-/* Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL. */
+/* Bind to a plant that plant_init() has accepted and that outlives the binding; or to none, NULL. Without line and store. */
 void hal_host_init(hal_t *hal, plant_t *plant);
 
 /* Without a plant: what the next hal_sample() gives. */

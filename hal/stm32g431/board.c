@@ -12,6 +12,9 @@ _Static_assert(HAL_DEAD_TIME_TICKS <= 1008U,
 _Static_assert(HAL_ADC_SAMPLING_NS <= 1100U,
                "hal.adc_sampling_ns: 47.5 converter cycles at most, as long as the bus is sampled");
 
+_Static_assert((HAL_BAUD >= 2594U) && (HAL_BAUD <= 10625000U),
+               "board.baud: this chip's USART divides 170000000 Hz by 16 to 65535");
+
 const board_t BOARD = {
     .timer_counts = HAL_TIMER_COUNTS,
     .dead_time_ticks = HAL_DEAD_TIME_TICKS,
@@ -21,4 +24,5 @@ const board_t BOARD = {
     .pga_gain = HAL_PGA_GAIN,
     .trip_count = HAL_TRIP_COUNT,
     .trip_below = HAL_TRIP_BELOW,
+    .baud = HAL_BAUD,
 };

@@ -23,6 +23,7 @@ typedef struct {
     uint32_t pga_gain;        /* of the operational amplifiers: 1, 2, 4, 8, 16, 32, 64 */
     uint32_t trip_count;      /* of 4096 of the reference, at the comparators' input */
     bool trip_below;          /* over-current is below that level, not above */
+    uint32_t baud;            /* of the serial line */
 } board_t;
 
 extern const board_t BOARD;

@@ -1,22 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The image for the B-G431B-ESC1: brings the chip up, then lets the control interrupt work while the
- * background serves console, LED and watchdog, once a tick.
+ * background serves the serial line, LED and watchdog, once a tick.
  */
 #include "app.h"
 #include "board.h"
 #include "clock.h"
-#include "console.h"
 #include "cpu.h"
 #include "drive_config.h"
 #include "flash.h"
 #include "guard.h"
 #include "hal_g431.h"
 #include "led.h"
+#include "link.h"
 #include "pwm.h"
 #include "reset.h"
 #include "sensing.h"
-#include "stored_config.h"
 #include "uart.h"
 #include "vectors.h"
 
@@ -24,10 +23,9 @@
 
 static app_t app;
 static hal_t hardware;
-static console_t console;
+static link_t serial;
 static recorder_t recorder;
-static stored_config_t stored;
-static about_t about;
+static live_config_t live;
 
 void board_safe_state(void)
 {
@@ -66,7 +64,7 @@ static void background(void)
             led_show(app.drive.state, tick);
         }
         recorder_service(&recorder, &app.drive);
-        console_step(&console);
+        link_step(&serial);
         cpu_wait();
     }
 }
@@ -77,7 +75,7 @@ static const char *bring_up(void)
     const char *why = hal_g431_init(&hardware);
 
     if (why == NULL) {
-        why = app_init(&app, &hardware, &stored.block.cfg);
+        why = app_init(&app, &hardware, &live.in_force->cfg);
     }
     if (why == NULL) {
         why = recorder_init(&recorder, ring, DRIVE_RECORDER_ENTRIES, BOARD_RECORDER_POST_TICKS);
@@ -92,22 +90,22 @@ static const char *bring_up(void)
 /* The gates are open, no interrupt runs, the watchdog may or may not. The console tells why. */
 static void stay(const char *why)
 {
-    console_say(&console, "cannot start:");
-    console_say(&console, why);
+    link_say(&serial, "cannot start:");
+    link_say(&serial, why);
     for (;;) {
         led_show(DRIVE_STATE_FAULT, 0U);
-        console_step(&console);
+        link_step(&serial);
     }
 }
 
 /* Whose numbers they are, and where they come from. */
 static void greet(void)
 {
-    console_say(&console, about.name);
-    stored_config_tell(&console.out, &stored);
-    console_say(&console, "");
+    link_say(&serial, live.about.name);
+    stored_config_tell(&serial.console.out, &live.stored);
+    link_say(&serial, "");
     if (guard_has_bitten()) {
-        console_say(&console, "the watchdog made the last reset");
+        link_say(&serial, "the watchdog made the last reset");
     }
 }
 
@@ -122,9 +120,8 @@ int main(void)
     }
     clock_pins();
     uart_init();
-    about = of_image;
-    stored_config_load(&stored, &hardware, &DRIVE_CONFIG, &about);
-    console_init(&console, &app, &hardware, &about);
+    live_config_init(&live, &app, &hardware, &of_image, &DRIVE_CONFIG);
+    link_init(&serial, &live);
     greet();
     if (why == NULL) {
         why = bring_up();

@@ -5,11 +5,9 @@
 #include "reg.h"
 #include "stm32g431.h"
 
-#define BAUD (115200U)
-
 void uart_init(void)
 {
-    reg_write(USART2_BRR, (BOARD_CLOCK_HZ + (BAUD / 2U)) / BAUD);
+    reg_write(USART2_BRR, (BOARD_CLOCK_HZ + (BOARD.baud / 2U)) / BOARD.baud);
     reg_write(USART2_CR1, USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_RE | USART_CR1_UE);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * USART2 with its FIFOs, polled by the background: 115200 baud, 8 data bits, no parity, 1 stop bit.
+ * USART2 with its FIFOs, polled by the background: board.baud bits a second, 8 data bits, no parity, 1 stop bit.
  * It goes through the ST-LINK of the board. Nothing here waits, and nothing runs in an interrupt. hal_receive() and hal_send() are these two.
  */
 #ifndef UART_H

@@ -449,6 +449,15 @@ Config load_motor(const std::string &motor, const std::vector<std::string> &set)
     return config;
 }
 
+BoardSettings load_board(const std::string &board)
+{
+    const Layer home = read_reference(FileKind::board, {board, COMMAND_LINE, ""}, "board");
+    Config config;
+    take(home, config);
+    check_complete(FileKind::board, home, config);
+    return config.board;
+}
+
 void check_output(const Config &config, const std::string &option, const fs::path &path)
 {
     for (const fs::path &read : config.sources.read) {

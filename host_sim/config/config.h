@@ -172,6 +172,9 @@ Config load_plate(const std::string &motor, const std::string &board,
 // A motor alone, by name or path, with overrides "motor.key=value"; the rest is at its defaults.
 Config load_motor(const std::string &motor, const std::vector<std::string> &set = {});
 
+// A board alone, by name or path.
+BoardSettings load_board(const std::string &board);
+
 // Refuses to write over a file that the configuration was read from. `option` is for the message.
 void check_output(const Config &config, const std::string &option,
                   const std::filesystem::path &path);

@@ -27,6 +27,11 @@ constexpr double G431_CLOCK_HZ = 170e6;
 constexpr int G431_ADC_BITS = 12;
 constexpr double G431_DEAD_TIME_TICKS = 1008;
 constexpr double G431_SAMPLING_NS = 1100;
+// Its oscillator may be off by 1 % (hal/stm32g431/clock.h), and both sides of a line understand each other within 2 %.
+constexpr double G431_BAUD_ERROR = 0.01;
+// Bytes that its receiver holds. The background takes them once a tick.
+constexpr double G431_FIFO_BYTES = 8;
+constexpr double LINE_BITS = 10; // of a byte
 
 // Half of the shortest time for which a low side is commanded on, around the instant of sampling: the
 // largest duty is 1 − margin/2.
@@ -105,6 +110,28 @@ void check_chip(const Config &config)
     need(std::ceil(hal.adc_sampling_ns) <= G431_SAMPLING_NS, config, "hal.adc_sampling_ns",
          hal.adc_sampling_ns, "is longer than this chip samples",
          fmt::format("at most {:g} ns, 47.5 cycles of its converters", G431_SAMPLING_NS));
+}
+
+// The rate of a whole number of the chip's cycles per bit, over the rate that is asked for, less one.
+double baud_error(double baud)
+{
+    return G431_CLOCK_HZ / std::round(G431_CLOCK_HZ / baud) / baud - 1;
+}
+
+void check_line(const Config &config)
+{
+    const double baud = config.board.baud;
+    const double most = G431_FIFO_BYTES * LINE_BITS * config.board.pwm_frequency_hz;
+    if (config.hal.chip == Chip::other) {
+        return;
+    }
+    need(std::fabs(baud_error(baud)) <= G431_BAUD_ERROR, config, "board.baud", baud,
+         fmt::format("is missed by {:.2g} % by this chip's divider", 100 * baud_error(baud)),
+         fmt::format("170e6/n bit/s, within {:g} %", 100 * G431_BAUD_ERROR));
+    need(baud <= most, config, "board.baud", baud,
+         "brings more bytes in a control tick than the receiver of this chip holds",
+         fmt::format("at most {:.0f} bit/s at board.pwm_frequency_hz = {:g}", most,
+                     config.board.pwm_frequency_hz));
 }
 
 void check_timing(const Config &config)
@@ -268,9 +295,15 @@ std::string trip_lines(const Config &config)
                 "hal.break_polarity");
 }
 
-std::string all_lines(const Config &config)
+// What a configuration has to fit.
+std::string power_stage_lines(const Config &config)
 {
     return timer_lines(config) + sensing_lines(config) + trip_lines(config);
+}
+
+std::string line_lines(const Config &config)
+{
+    return define("BAUD", config.board.baud, "U", "board.baud");
 }
 
 } // namespace
@@ -279,7 +312,7 @@ std::string hal_facts(const Config &config)
 {
     std::string facts;
     if (config.origins.count("hal.shunt_ohm") != 0) {
-        std::istringstream lines(all_lines(config));
+        std::istringstream lines(power_stage_lines(config));
         for (std::string line; std::getline(lines, line);) {
             facts += line.substr(0, line.find(" /*")) + '\n';
         }
@@ -293,6 +326,7 @@ std::string make_hal_header(const Config &config)
     check_gains(config);
     check_timing(config);
     check_chip(config);
+    check_line(config);
     check_scales(config);
     check_trip(config);
     check_early_trip(config);
@@ -301,9 +335,9 @@ std::string make_hal_header(const Config &config)
         "/* Made by nfconfig from motor, board and tuning file. Change those and make it "
         "again. */\n"
         "#ifndef HAL_CONFIG_H\n#define HAL_CONFIG_H\n\n"
-        "{}"
+        "{}{}"
         "\n#endif\n",
-        all_lines(config));
+        power_stage_lines(config), line_lines(config));
 }
 
 } // namespace nf

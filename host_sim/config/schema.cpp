@@ -119,6 +119,7 @@ const std::vector<Field> FIELDS = {
     {"board", "temperature_warn_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_warn_c>, "torque is derated above, down to nothing at the maximum; 0: 20 °C below it"},
     {"board", "temperature_max_c", "°C", 0, 200, OPTIONAL, board<&B::temperature_max_c>, "the drive stops above it"},
     {"board", "recorder_entries", "", RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN, 65536, OPTIONAL, board<&B::recorder_entries>, "ring of the flight recorder, 16 bytes an entry, about one a tick"},
+    {"board", "baud", "bit/s", 9600, 4000000, OPTIONAL, board<&B::baud>, "of the serial line, 10 bits a byte; the sampled currents of all ticks need some 2 bytes a tick"},
 
     {"hal", "chip", "", 0, 0, OPTIONAL, hal<&H::chip>, "whose timer and converters a binding has: stm32g431; with other nothing is checked against them"},
     {"hal", "adc_settling_ns", "ns", 0, 100000, OPTIONAL, hal<&H::adc_settling_ns>, "low side on before its shunt can be sampled"},

@@ -98,6 +98,7 @@ struct BoardSettings {
     double temperature_warn_c = 0;  // derating begins; 0: 20 °C below the maximum
     double temperature_max_c = 100; // the drive stops above it
     int recorder_entries = 1408;    // ring of the flight recorder, 16 bytes each
+    int baud = 115200;              // bits a second of the serial line, 10 a byte
 };
 
 // What controls the motor in RUN.

@@ -72,21 +72,6 @@ void check_sizes(const recorder_header_t &h, std::size_t words)
     }
 }
 
-void check_scales(const recorder_about_t &about)
-{
-    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
-    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
-    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
-                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
-                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
-                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
-        if (scale.value < scale.min || scale.value > scale.max) {
-            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
-                   scale.max);
-        }
-    }
-}
-
 recorder_header_t header_of(const std::vector<uint32_t> &words)
 {
     recorder_header_t header{};
@@ -173,6 +158,23 @@ void take_frames(Recording &recording, const uint32_t *words, const Configuratio
     }
 }
 
+} // namespace
+
+void check_scales(const recorder_about_t &about)
+{
+    constexpr uint32_t ANY = std::numeric_limits<uint32_t>::max();
+    const auto pairs = static_cast<uint32_t>(find_field("motor.pole_pairs")->max);
+    for (const Scale &scale : {Scale{"tick in ps", about.tick_ps, 1000000, 1000000000},
+                               Scale{"current scale in uA", about.current_full_scale_ua, 1, ANY},
+                               Scale{"bus scale in uV", about.bus_full_scale_uv, 1, ANY},
+                               Scale{"number of pole pairs", about.pole_pairs, 1, pairs}}) {
+        if (scale.value < scale.min || scale.value > scale.max) {
+            refuse("its {} is {}, allowed are {} to {}", scale.name, scale.value, scale.min,
+                   scale.max);
+        }
+    }
+}
+
 Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
 {
     constexpr double PICO = 1e-12;
@@ -184,8 +186,6 @@ Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg)
     b.pole_pairs = static_cast<int>(about.pole_pairs);
     return rescaled(b, cfg);
 }
-
-} // namespace
 
 std::string Recording::name() const
 {

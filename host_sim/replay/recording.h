@@ -36,6 +36,12 @@ struct Recording {
     fault_t fault() const;
 };
 
+// The scales of the firmware's integers. `about`: each value within its range.
+Bases bases_of(const recorder_about_t &about, const drive_cfg_t &cfg);
+
+// Refuses scales that no motor and board have. Throws RecordingError.
+void check_scales(const recorder_about_t &about);
+
 // Words of a recording. Throws RecordingError, and nothing else, for whatever they are.
 Recording parse(const std::vector<uint32_t> &words);
 

@@ -14,8 +14,6 @@ namespace nf::replay
 namespace
 {
 
-constexpr uint32_t POST_TICKS = 64;
-
 uint32_t rounded(double value)
 {
     return static_cast<uint32_t>(std::llround(value));

@@ -17,6 +17,9 @@ extern "C" {
 namespace nf::replay
 {
 
+// That a recorder goes on for after a fault, as on a board.
+constexpr uint32_t POST_TICKS = 64;
+
 // What a recording of this motor and board says of them, in the units of a board's firmware.
 recorder_about_t about(const Config &config);
 

@@ -63,6 +63,12 @@ void ScriptedRun::send_command()
     }
 }
 
+void ScriptedRun::start(const drive_cfg_t &cfg)
+{
+    sim_.start(cfg);
+    send_command();
+}
+
 void ScriptedRun::change_configuration()
 {
     for (const ConfigChange &change : changes_) {
@@ -135,11 +141,12 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     injection_ = snapshot.injection;
     operator_ = snapshot.user;
     forced_ = snapshot.forced;
+    is_commanded_ = snapshot.is_commanded;
 }
 
 void ScriptedRun::act()
 {
-    new_command_ = command_.advance(tick_);
+    new_command_ = is_commanded_ && command_.advance(tick_);
     if (new_command_) {
         send_command();
     }
@@ -150,44 +157,27 @@ void ScriptedRun::act()
     if (injection_.act(tick_, sim_)) {
         impose_forced();
     }
-    operator_.act(tick_, sim_);
-}
-
-void ScriptedRun::view_frame(Tick &tick) const
-{
-    constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
-    constexpr double Q16 = 65536.0;
-    constexpr double TWO_PI = 6.28318530717958647693;
-    const drive_command_t &command = frames_[frame()].command;
-    tick.truth = {
-        tick.time_s, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, {UNKNOWN, UNKNOWN, UNKNOWN},
-        UNKNOWN,     UNKNOWN};
-    tick.mode = command.mode == DRIVE_MODE_POSITION ? DriveMode::position : DriveMode::speed;
-    tick.command = tick.mode == DriveMode::position
-                       ? command.target / Q16 * TWO_PI / sim_.bases().pole_pairs
-                       : sim_.bases().rpm_from_step(command.target);
-    tick.load_nm = UNKNOWN;
-    tick.recorded = &outputs_[frame()];
+    if (is_commanded_) {
+        operator_.act(tick_, sim_);
+    }
 }
 
 Tick ScriptedRun::view() const
 {
-    Tick tick{};
-    tick.sim = &sim_;
-    tick.speed_estimate = drive_speed(&sim_.drive());
-    tick.position_estimate_q32 = drive_position_q32(&sim_.drive());
-    tick.observer_speed = sim_.drive().observer.speed;
-    tick.ratio_acted = sim_.drive().ratio_acting;
-    tick.bus_before = sim_.drive().bus_before;
-    tick.time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
+    const double time_s = static_cast<double>(tick_ - zero_) * sim_.bases().control_period_s;
     if (is_recorded()) {
-        view_frame(tick);
-    } else {
-        plant_view(&sim_.plant(), &tick.truth);
+        Tick tick = tick_of_frame(sim_, frames_[frame()], time_s);
+        tick.recorded = &outputs_[frame()];
+        return tick;
+    }
+    Tick tick =
+        is_commanded_ ? believed_tick(sim_, time_s) : tick_of_frame(sim_, sim_.in(), time_s);
+    plant_view(&sim_.plant(), &tick.truth);
+    if (is_commanded_) {
         tick.mode = mode_;
         tick.command = command_.value();
-        tick.load_nm = load_.value();
     }
+    tick.load_nm = load_.value();
     return tick;
 }
 

@@ -37,13 +37,17 @@ public:
         Injection injection;
         Operator user;
         hal_host_faults_t forced;
+        bool is_commanded;
     };
     // Between advance() and control(), of this run and no other.
     Snapshot save() const
     {
-        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_};
+        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_, is_commanded_};
     }
     void restore(const Snapshot &snapshot);
+
+    // The drive begins anew with this configuration (sim.h). Before the first tick.
+    void start(const drive_cfg_t &cfg);
 
     // The script acts, then the control interrupt.
     Tick control();
@@ -68,6 +72,16 @@ public:
     // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
     void set_load_nm(double torque_nm);
+
+    // From now on the script neither commands nor requests anything; its load and its faults go on. Not of a recording.
+    void leave_to_user()
+    {
+        is_commanded_ = false;
+    }
+    bool is_commanded() const
+    {
+        return is_commanded_;
+    }
 
     // What the converter or the angle sensor reads from the next control() on, whatever the script says, and the end of
     // it: the channel is the script's again.
@@ -128,7 +142,6 @@ private:
         return static_cast<std::size_t>(tick_ - first_);
     }
     std::vector<ConfigChange>::const_iterator next_change() const;
-    void view_frame(Tick &tick) const;
 
     DriveMode mode_;
     std::vector<drive_in_t> frames_; // of a recording
@@ -144,6 +157,7 @@ private:
     Injection injection_;
     Operator operator_;
     hal_host_faults_t forced_{}; // its channels
+    bool is_commanded_ = true;   // by the script
     int64_t tick_;
     bool new_command_ = false;
     bool new_load_ = false;

@@ -36,20 +36,22 @@ Simulation::Simulation(const Config &real, const Config &believed)
         throw ConfigError(fmt::format("the simulated hardware cannot have this {}", bad));
     }
     hal_host_init(&hal_, &plant_);
-    bad = app_init(&app_, &hal_, cfgs_.data());
-    if (bad != nullptr) {
-        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
-    }
+    start(cfgs_[0]);
 }
 
 Simulation::Simulation(const DriveImage &image) : cfgs_{image.cfg}, bases_(image.bases)
 {
     hal_host_init(&hal_, nullptr);
-    if (const char *const bad = app_init(&app_, &hal_, cfgs_.data())) {
-        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
-    }
+    start(cfgs_[0]);
     app_.drive = image.state;
     app_.drive.cfg = cfgs_.data();
+}
+
+void Simulation::start(const drive_cfg_t &cfg)
+{
+    if (const char *const bad = app_init(&app_, &hal_, &cfg)) {
+        throw ConfigError(fmt::format("the drive refuses its setting {}", bad));
+    }
 }
 
 void Simulation::restore(const State &state)

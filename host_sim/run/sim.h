@@ -97,7 +97,7 @@ public:
 
     Seam seam()
     {
-        return {plant_, hal_.faults, cfgs_[in_force()], app_.drive};
+        return {plant_, hal_.faults, const_cast<drive_cfg_t &>(cfg()), app_.drive};
     }
 
     // For the background that runs on it.
@@ -105,6 +105,14 @@ public:
     {
         return app_;
     }
+    hal_t &hal()
+    {
+        return hal_;
+    }
+
+    // Begins anew with another configuration, which outlives the simulation where it is; the background may put another one in
+    // its place. Throws ConfigError when the drive refuses it. What it is then cannot be saved.
+    void start(const drive_cfg_t &cfg);
 
     const drive_t &drive() const
     {

@@ -22,7 +22,7 @@ COLD_ROOM_COUNT = 4096 * 4.7 / (4.7 + 10)  # 25 °C: an NTC of 10 kΩ above 4.7 
 class Chip:
     """All that the core sees beside its memories. `parts` are what this one of many has for tolerances."""
 
-    def __init__(self, reset_flags, parts):
+    def __init__(self, reset_flags, parts, baud):
         self.clock = Clock()
         self.held = NEVER  # what is due then or later has to wait
         self.pins = {"PA1": 0.0, "PA7": 0.0, "PB0": 0.0, "PA0": 0.0, "PB14": COLD_ROOM_COUNT}
@@ -37,7 +37,7 @@ class Chip:
             "C": digital.Port("C", 0x48000800, 0xFFFFFFFF, 0, 0, power.enabled("AHB2ENR", 2)),
         }
         self.timer = digital.Timer(self, power.enabled("APB2ENR", 11))
-        self.usart = digital.Usart(self, power.enabled("APB1ENR1", 17))
+        self.usart = digital.Usart(self, baud, power.enabled("APB1ENR1", 17))
         self.watchdog = digital.Watchdog(self)
         self.system = digital.System(self)
         self.level = analogue.Level(self, power.enabled("AHB2ENR", 18))
@@ -143,7 +143,7 @@ class Board:
         self.gain = hal["pga_gain"]
         self.trip_a = board["board"]["trip_a"]
         self.parts = analogue.Parts(choose)
-        self.chip = Chip(reset_flags, self.parts)
+        self.chip = Chip(reset_flags, self.parts, board["board"]["baud"])
         self.core = Core(image, self.chip, clock_library, flashed)
         self._stays = False  # the background, where it is
 

@@ -296,8 +296,9 @@ class Usart(Block):
     BITS = 10
     PAUSE = cycles(300e-6)  # silence: the background has come by twice and more
 
-    def __init__(self, chip, clocked):
+    def __init__(self, chip, baud, clocked):
         self.chip = chip
+        self.baud = baud
         self.instant = False
         self.starts = collections.deque()  # when each byte that still waits to be sent leaves the FIFO
         self.silent = -self.PAUSE          # when the last byte will have been sent
@@ -339,7 +340,7 @@ class Usart(Block):
 
     def _enable(self, value):
         baud = CLOCK_HZ / self["BRR"]
-        need(abs(baud / 115200 - 1) < 0.02, f"the console has {baud:g} baud")
+        need(abs(baud / self.baud - 1) < 0.01, f"the console has {baud:g} baud")
         self["CR1"] = value
 
     def _has_room(self):

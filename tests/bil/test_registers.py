@@ -100,7 +100,7 @@ def expected():
         "GPIOB_AFRL": placed(0, 4, {3: 7, 4: 7}),
         "GPIOB_AFRH": placed(0, 4, {7: 4}),
         "GPIOC_AFRH": placed(0, 4, {5: 4}),
-        "USART2_BRR": round(CLOCK_HZ / 115200),
+        "USART2_BRR": round(CLOCK_HZ / STAGE["baud"]),
         "USART2_CR1": 1 | 1 << 2 | 1 << 3 | 1 << 29,
         "SYSTEM_SYST_RVR": 3 * HALF_PERIOD - 1,
         "SYSTEM_SYST_CSR": 7,

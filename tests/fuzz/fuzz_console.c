@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Any bytes from the serial line to the console, while the drive runs, and whatever it does.
+ * Any bytes that are typed at the console, while the drive runs, and whatever it does.
  *
  * The input is steps of two bytes and what belongs to them: see step().
  */
@@ -25,12 +25,12 @@ struct hal {
     hal_health_t health;
 };
 
-/* The serial line: what is to be received, how much may be sent, what was sent last. */
+/* The serial line: what is to be received, how much may be sent, how much of the console's text was. */
 typedef struct {
     const uint8_t *in;
     size_t in_left;
     size_t room;
-    uint8_t last;
+    uint32_t sent;
 } line_t;
 
 typedef struct {
@@ -46,34 +46,6 @@ static hal_t hardware;
 static console_t console;
 static recorder_t recorder;
 static recorder_entry_t entries[ENTRIES];
-
-bool hal_receive(hal_t *hal, uint8_t *byte)
-{
-    (void)hal;
-    const bool there = line.in_left > 0U;
-
-    if (there) {
-        *byte = line.in[0];
-        line.in++;
-        line.in_left--;
-    }
-    return there;
-}
-
-/* Text for a person: nothing but what can be read, in lines that end with both. */
-bool hal_send(hal_t *hal, uint8_t byte)
-{
-    (void)hal;
-    const bool room = line.room > 0U;
-
-    if (room) {
-        HOLDS(((byte >= 0x20U) && (byte < 0x7FU)) || (byte == '\r') || (byte == '\n'),
-              "the console sends text");
-        line.last = byte;
-        line.room--;
-    }
-    return room;
-}
 
 void hal_sample(hal_t *hal, drive_in_t *in)
 {
@@ -148,11 +120,41 @@ static void receive(input_t *input, size_t count)
     input->left -= line.in_left;
 }
 
+static void type(void)
+{
+    while (line.in_left > 0U) {
+        console_take(&console, line.in[0]);
+        line.in++;
+        line.in_left--;
+    }
+}
+
+/* Text for a person: nothing but what can be read, in lines that end with both. */
+static void send(void)
+{
+    text_t *const out = &console.out;
+
+    while ((line.sent < out->length) && (line.room > 0U)) {
+        const char said = out->characters[line.sent];
+
+        HOLDS(((said >= 0x20) && (said < 0x7F)) || (said == '\r') || (said == '\n'),
+              "the console sends text");
+        line.sent++;
+        line.room--;
+    }
+    if (line.sent == out->length) {
+        line.sent = 0U;
+        out->length = 0U;
+    }
+}
+
 static void tick(void)
 {
     control_isr(&app);
     recorder_service(&recorder, &app.drive);
+    type();
     console_step(&console);
+    send();
 }
 
 static void console_holds(void)
@@ -166,7 +168,7 @@ static void console_holds(void)
     HOLDS((request == 0U) || (request == DRIVE_REQUEST_RUN) || (request == DRIVE_REQUEST_CLEAR),
           "a request is one of those there are");
     HOLDS(console.length <= CONSOLE_LINE_MAX, "a line stays within its buffer");
-    HOLDS((console.out.length <= TEXT_MAX) && (console.sent <= console.out.length),
+    HOLDS((console.out.length <= TEXT_MAX) && (line.sent <= console.out.length),
           "the answer stays within its buffer");
 }
 

@@ -90,7 +90,7 @@ static void power_on(void)
     TEST_ASSERT_NULL(app_init(&app, &hardware, &cfg));
 }
 
-static void calibrate(void)
+static inline void calibrate(void)
 {
     tick(EXAMPLE_CALIBRATION_TICKS);
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);

@@ -11,36 +11,30 @@
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
-    const char *in;
     size_t room;
     char said[SAID_MAX];
     size_t length;
+    uint32_t sent; /* of the console's text */
 } line;
 static console_t console;
 static recorder_t recorder;
 static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
 
-bool hal_receive(hal_t *hal, uint8_t *byte)
+/* What the line has room for is taken from the console's text, as link.h does it. */
+static void send(void)
 {
-    const bool there = (hal == &hardware) && *line.in != '\0';
+    text_t *const out = &console.out;
 
-    if (there) {
-        *byte = (uint8_t)*line.in;
-        line.in++;
-    }
-    return there;
-}
-
-bool hal_send(hal_t *hal, uint8_t byte)
-{
-    const bool room = (hal == &hardware) && (line.room > 0U) && (line.length < (SAID_MAX - 1U));
-
-    if (room) {
-        line.said[line.length] = (char)byte;
+    while ((line.sent < out->length) && (line.room > 0U) && (line.length < (SAID_MAX - 1U))) {
+        line.said[line.length] = out->characters[line.sent];
         line.length++;
+        line.sent++;
         line.room--;
     }
-    return room;
+    if (line.sent == out->length) {
+        line.sent = 0U;
+        out->length = 0U;
+    }
 }
 
 /* What the console says to this, with nothing said before. */
@@ -48,8 +42,11 @@ static const char *said_to(const char *typed)
 {
     memset(line.said, 0, sizeof line.said);
     line.length = 0U;
-    line.in = typed;
+    for (const char *at = typed; *at != '\0'; at++) {
+        console_take(&console, (uint8_t)*at);
+    }
     console_step(&console);
+    send();
     return line.said;
 }
 
@@ -85,7 +82,6 @@ static uint8_t request_taken(void)
 void setUp(void)
 {
     memset(&line, 0, sizeof line);
-    line.in = "";
     line.room = SIZE_MAX;
     power_on();
     TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 8U));

@@ -132,6 +132,96 @@ static void test_command_of_the_background_is_taken_in_one_tick_of_each_slow_per
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, app.in.command.request);
 }
 
+/* A faster ramp, and no other difference. */
+static drive_cfg_t with_ramp(step_t ramp)
+{
+    drive_cfg_t other = cfg;
+
+    other.speed_loop.ramp = ramp;
+    other.crc = config_guard_crc(&other);
+    return other;
+}
+
+static void test_a_configuration_is_taken_with_the_command_and_not_in_another_tick(void)
+{
+    const drive_cfg_t other = with_ramp(cfg.speed_loop.ramp + 1);
+
+    TEST_ASSERT_FALSE(app_changes(&app));
+    app_change(&app, &other);
+    for (uint32_t k = 0U; k < cfg.slow_ticks; k++) {
+        const bool takes = drive_reads_slow_inputs(&app.drive);
+        const bool before = app_changes(&app);
+
+        control_isr(&app);
+        TEST_ASSERT_EQUAL(before && !takes, app_changes(&app));
+        TEST_ASSERT_EQUAL_PTR(app_changes(&app) ? &cfg : &other, app.drive.cfg);
+    }
+    TEST_ASSERT_FALSE(app_changes(&app));
+}
+
+static void test_of_two_configurations_the_later_one_counts(void)
+{
+    const drive_cfg_t first = with_ramp(cfg.speed_loop.ramp + 1);
+    const drive_cfg_t second = with_ramp(cfg.speed_loop.ramp + 2);
+
+    app_change(&app, &first);
+    app_change(&app, &second);
+    for (uint32_t k = 0U; k < cfg.slow_ticks; k++) {
+        control_isr(&app);
+    }
+    TEST_ASSERT_EQUAL_PTR(&second, app.drive.cfg);
+}
+
+/* The tick in which it is taken runs with it already. */
+static void test_a_change_is_in_front_of_the_step_of_its_tick(void)
+{
+    const drive_cfg_t other = with_ramp(cfg.speed_loop.ramp + 1);
+    drive_t alone;
+    drive_out_t out = {0};
+
+    TEST_ASSERT_NULL(drive_init(&alone, &cfg));
+    post(10000000, DRIVE_MODE_SPEED, DRIVE_REQUEST_RUN);
+    for (uint32_t k = 0U; k < 400U; k++) {
+        const bool takes = (k >= 350U) && drive_reads_slow_inputs(&alone) && (alone.cfg == &cfg);
+
+        if (k == 350U) {
+            app_change(&app, &other);
+        }
+        if (takes) {
+            drive_change(&alone, &other);
+        }
+        control_isr(&app);
+        drive_step(&alone, &app.in, &out);
+        TEST_ASSERT_EQUAL_MEMORY(&alone, &app.drive, sizeof alone);
+    }
+    TEST_ASSERT_EQUAL_PTR(&other, app.drive.cfg);
+}
+
+#define CHANGE_MARK (0x8000U) /* bit 15 of the third word of an entry: recorder.h */
+#define ENTRIES (4U * RECORDER_ENTRIES_MIN)
+
+static void test_a_change_is_recorded_in_front_of_its_frame(void)
+{
+    static recorder_t recorder;
+    static recorder_entry_t entries[ENTRIES];
+    const drive_cfg_t other = with_ramp(cfg.speed_loop.ramp + 1);
+    uint32_t found = 0U;
+
+    TEST_ASSERT_NULL(recorder_init(&recorder, entries, ENTRIES / RECORDER_SEGMENTS, 0U));
+    app_record(&app, &recorder);
+    app_change(&app, &other);
+    for (uint32_t k = 0U; k < (2U * cfg.slow_ticks); k++) {
+        recorder_service(&recorder, &app.drive);
+        control_isr(&app);
+    }
+    for (uint32_t k = 0U; k < (3U * cfg.slow_ticks); k++) {
+        const bool is_change = (entries[k].word[2] & CHANGE_MARK) != 0U;
+
+        found += (is_change && (entries[k].word[3] == other.crc)) ? 1U : 0U;
+    }
+    TEST_ASSERT_EQUAL_UINT32(1U, found);
+}
+
 static void test_interrupt_does_what_the_same_frames_do_to_a_drive_alone(void)
 {
     drive_t alone;
@@ -198,6 +288,10 @@ int main(void)
     RUN_TEST(test_interrupt_samples_then_steps_then_applies_once_each);
     RUN_TEST(test_step_gets_the_sampled_frame);
     RUN_TEST(test_command_of_the_background_is_taken_in_one_tick_of_each_slow_period);
+    RUN_TEST(test_a_configuration_is_taken_with_the_command_and_not_in_another_tick);
+    RUN_TEST(test_of_two_configurations_the_later_one_counts);
+    RUN_TEST(test_a_change_is_in_front_of_the_step_of_its_tick);
+    RUN_TEST(test_a_change_is_recorded_in_front_of_its_frame);
     RUN_TEST(test_interrupt_does_what_the_same_frames_do_to_a_drive_alone);
     RUN_TEST(test_fault_in_a_frame_reaches_the_gates_in_the_same_interrupt);
     RUN_TEST(test_interrupt_records_each_tick_after_it_was_applied);

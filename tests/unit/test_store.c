@@ -8,6 +8,7 @@
 #include "unity.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #define STAMP_UNITS (HAL_STORE_UNITS - STORE_BLOCK_UNITS)
 #define STORES 4U  /* of a sequence in which each step is cut */
@@ -62,7 +63,7 @@ static uint32_t start(void)
 {
     uint32_t number = NONE;
 
-    flash.left = FLASH_NEVER;
+    flash.left = HAL_HOST_FLASH_NEVER;
     store_find(&store, &hal);
     if (store_read(&store, &found)) {
         number =
@@ -79,11 +80,11 @@ static bool write_cut(uint32_t number, uint32_t step)
     volatile bool done = false;
 
     flash.left = step;
-    if (setjmp(flash.power_fails) == 0) {
+    if (setjmp(power_off) == 0) {
         TEST_ASSERT_NULL(write(number));
         done = true;
     }
-    flash.left = FLASH_NEVER;
+    flash.left = HAL_HOST_FLASH_NEVER;
     return done;
 }
 
@@ -182,7 +183,7 @@ static void test_a_unit_that_does_not_keep_what_is_written_is_said_and_keeps_the
     flash.dead_last = 7U;
     TEST_ASSERT_EQUAL_STRING(expected, write(2U));
     TEST_ASSERT_EQUAL_UINT32(1U, start());
-    flash.dead = FLASH_NEVER;
+    flash.dead = HAL_HOST_FLASH_NEVER;
     flash.refuses_program = true;
     TEST_ASSERT_EQUAL_STRING(expected, write(2U));
     flash.refuses_program = false;
@@ -230,7 +231,7 @@ static void test_a_kept_block_that_cannot_be_read_any_more_does_not_end_the_stor
 {
     TEST_ASSERT_NULL(write(1U));
     flash.units[0][3].half_done = true;
-    flash.units[0][3].half = FLASH_UNREADABLE;
+    flash.units[0][3].half = HAL_HOST_FLASH_UNREADABLE;
     TEST_ASSERT_NULL(write(2U));
     TEST_ASSERT_EQUAL_UINT32(2U, start());
 }
@@ -265,10 +266,10 @@ static void test_a_block_with_an_unreadable_unit_is_not_found(void)
     TEST_ASSERT_NULL(write(1U));
     TEST_ASSERT_NULL(write(2U));
     for (uint32_t unit = 0U; unit < BLOCK_UNITS; unit++) {
-        const flash_unit_t good = flash.units[1][unit];
+        const hal_host_flash_unit_t good = flash.units[1][unit];
 
         flash.units[1][unit].half_done = true;
-        flash.units[1][unit].half = FLASH_UNREADABLE;
+        flash.units[1][unit].half = HAL_HOST_FLASH_UNREADABLE;
         TEST_ASSERT_EQUAL_UINT32(1U, start());
         flash.units[1][unit] = good;
     }
@@ -283,9 +284,9 @@ static void test_a_block_whose_stamp_is_changed_or_unreadable_is_not_found(void)
     TEST_ASSERT_EQUAL_UINT32(1U, start());
     flash.units[0][STORE_BLOCK_UNITS].half_done =
         true; /* with the right value: it is corrected, or it is not */
-    flash.units[0][STORE_BLOCK_UNITS].half = FLASH_AFTER;
+    flash.units[0][STORE_BLOCK_UNITS].half = HAL_HOST_FLASH_AFTER;
     TEST_ASSERT_EQUAL_UINT32(1U, start());
-    flash.units[0][STORE_BLOCK_UNITS].half = FLASH_UNREADABLE;
+    flash.units[0][STORE_BLOCK_UNITS].half = HAL_HOST_FLASH_UNREADABLE;
     TEST_ASSERT_EQUAL_UINT32(NONE, start());
 }
 
@@ -300,7 +301,7 @@ static void write_words(const uint32_t *words, uint32_t count)
     }
     for (uint32_t k = 0U; k < count; k++) {
         const uint64_t word = (k == (count - 1U)) ? (uint32_t)~crc : words[k];
-        flash_unit_t *const unit = &flash.units[0][k / 2U];
+        hal_host_flash_unit_t *const unit = &flash.units[0][k / 2U];
 
         unit->after &= ~((uint64_t)UINT32_MAX << (32U * (k % 2U)));
         unit->after |= word << (32U * (k % 2U));
@@ -431,7 +432,7 @@ static uint32_t bit_of(uint32_t number)
 /* One store, cut in a step by chance, most often where the block changes hands; what starts may find from then on. */
 static uint32_t cut_by_chance(uint32_t number, uint32_t allowed)
 {
-    const uint32_t near = seeded_u32(&flash.chance) % 5U;
+    const uint32_t near = (uint32_t)(plant_random_bits(&flash.chance) % 5U);
     const uint32_t step = (near < 2U) ? near : ((near < 4U) ? (STEPS - near + 1U) : 60U);
     const uint32_t kept = start();
 

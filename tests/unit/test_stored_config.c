@@ -169,7 +169,7 @@ static void test_a_block_that_cannot_be_read_any_more_is_not_taken(void)
 {
     store_unchecked();
     flash.units[0][3].half_done = true;
-    flash.units[0][3].half = FLASH_UNREADABLE;
+    flash.units[0][3].half = HAL_HOST_FLASH_UNREADABLE;
     load();
     assert_image_is_taken("configuration: that of the image, none is stored");
 }

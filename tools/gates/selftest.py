@@ -59,7 +59,7 @@ CIRCLES = {
 DRIVE = {
     "firmware/drive/state.h": "typedef struct {\n    int state;\n    int tick;\n} drive_t;\n",
     "firmware/drive/drive.c": '#include "state.h"\nstatic void enter(drive_t *drive) { drive->state = 1; }\n'
-                              "void drive_init(drive_t *drive)\n{\n    *drive = (drive_t){.state = 2};\n"
+                              "void initialise(drive_t *drive)\n{\n    *drive = (drive_t){.state = 2};\n"
                               "    enter(drive);\n}\n",
 }
 
@@ -252,7 +252,7 @@ class GatesCanFail(unittest.TestCase):
         for path, text in DRIVE.items():
             self.write(path, text.replace("drive_t", "machine_t"))
         self.assert_fails("floors", "enter of firmware/drive/drive.c does not write drive_t.state",
-                          "drive_init of firmware/drive/drive.c does not write drive_t", "2 finding(s)")
+                          "initialise of firmware/drive/drive.c does not write drive_t", "2 finding(s)")
 
     def test_registers_are_touched_in_target_bindings_only(self):
         lines = ("*(volatile uint32_t *)place = 1U;", "*(const volatile uint32_t *)0x40010300U;",

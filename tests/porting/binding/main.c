@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "app.h"
-#include "console.h"
 #include "drive_config.h"
 #include "hal_mine.h"
+#include "link.h"
 
 #include <stddef.h>
 
@@ -10,7 +10,8 @@ static const about_t ABOUT = {DRIVE_ABOUT};
 
 static hal_t hardware;
 static app_t app;
-static console_t console;
+static live_config_t live;
+static link_t serial;
 
 /* The interrupt at the end of the conversions of t_k. */
 void mine_conversions_complete(void)
@@ -22,16 +23,17 @@ int main(void)
 {
     const char *bad_field;
 
-    console_init(&console, &app, &hardware, &ABOUT);
-    console_say(&console, ABOUT.name);
-    bad_field = app_init(&app, &hardware, &DRIVE_CONFIG);
+    live_config_init(&live, &app, &hardware, &ABOUT, &DRIVE_CONFIG);
+    link_init(&serial, &live);
+    link_say(&serial, live.about.name);
+    bad_field = app_init(&app, &hardware, &live.in_force->cfg);
     if (bad_field == NULL) {
         hal_mine_start(&hardware);
     } else {
-        console_say(&console, bad_field);
+        link_say(&serial, bad_field);
     }
     for (;;) {
-        console_step(&console);
+        link_step(&serial);
         mine_wait();
     }
 }

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+#include "link.h"
+
+#include "link_answers.h"
+
+#include <stddef.h>
+
+#define PAUSE_US (LINK_PAUSE_MS * 1000U)
+#define ALONE_US (100000U) /* a frame that goes no further for so long was none */
+
+#define STOPS "the link is silent: the drive stops"
+
+void link_init(link_t *link, live_config_t *live)
+{
+    *link = (link_t){.live = live};
+    console_init(&link->console, live->app, live->hal, &live->about);
+    link_in_start(&link->in);
+    link_out_start(&link->out);
+    link_stream_init(&link->stream, &live->about.rotation);
+}
+
+void link_say(link_t *link, const char *line)
+{
+    console_say(&link->console, line);
+}
+
+static uint32_t now(const link_t *link)
+{
+    return hal_ticks(link->live->hal);
+}
+
+/* The line is a person's again. */
+static void give_back(link_t *link)
+{
+    link_stream_end(&link->stream);
+    live_config_forget(link->live);
+    link->is_linked = false;
+    link->is_framing = false;
+}
+
+/* A message that came in whole: of the PC's, or the hello that makes the line the PC's. */
+static void take_message(link_t *link, uint32_t length)
+{
+    if (link->is_linked || (link->in.bytes[0] == (uint8_t)LINK_HELLO)) {
+        link->question = length;
+    }
+}
+
+static void take_framed(link_t *link, uint8_t byte)
+{
+    const bool was_open = link_in_is_open(&link->in);
+    uint32_t length = 0U;
+
+    link->byte_tick = now(link);
+    if (link_in_take(&link->in, byte, &length)) {
+        take_message(link, length);
+    }
+    link->is_framing = (byte != LINK_FRAME_DELIMITER) || !was_open;
+}
+
+static void take_byte(link_t *link, uint8_t byte)
+{
+    if (link->is_linked || link->is_framing || (byte == LINK_FRAME_DELIMITER)) {
+        take_framed(link, byte);
+    } else {
+        console_take(&link->console, byte);
+    }
+}
+
+/* A 0x00 that no frame follows, as a cable makes it that is plugged in, does not keep a person away. */
+static void give_up_frame(link_t *link)
+{
+    const uint32_t alone = units_ticks(&link->live->about.rotation, ALONE_US);
+
+    if (link->is_framing && !link->is_linked && ((now(link) - link->byte_tick) > alone)) {
+        link_in_start(&link->in);
+        link->is_framing = false;
+    }
+}
+
+/* Up to a question: its bytes stay in the buffer until it is answered. */
+static void link_receive(link_t *link)
+{
+    uint8_t byte = 0U;
+
+    give_up_frame(link);
+    while ((link->question == 0U) && hal_receive(link->live->hal, &byte)) {
+        take_byte(link, byte);
+    }
+}
+
+static void become_linked(link_t *link)
+{
+    link_stream_end(&link->stream);
+    live_config_forget(link->live);
+    console_forget(&link->console);
+    link->is_linked = true;
+}
+
+static void answer_waiting(link_t *link)
+{
+    if ((link->question != 0U) && link_out_is_free(&link->out)) {
+        const uint8_t type = link_answer(link, link->question);
+
+        link->question = 0U;
+        link_guard_heard(&link->guard, now(link));
+        if (type == (uint8_t)LINK_HELLO) {
+            become_linked(link);
+        } else if (type == (uint8_t)LINK_BYE) {
+            link_guard_leave(&link->guard);
+            give_back(link);
+        } else {
+            /* the line stays whose it is */
+        }
+    }
+}
+
+static void watch(link_t *link)
+{
+    const live_config_t *const live = link->live;
+    const uint32_t pause = units_ticks(&live->about.rotation, PAUSE_US);
+    const uint32_t timeout = live->in_force->cfg.link.timeout_ticks;
+
+    if (link->is_linked && link_guard_is_silent(&link->guard, now(link), pause)) {
+        give_back(link);
+    }
+    if (link_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
+        link_say(link, STOPS);
+    }
+}
+
+static void text_is_sent(link_t *link, uint32_t count)
+{
+    text_t *const text = &link->console.out;
+
+    link->said += count;
+    if (link->said >= text->length) {
+        link->said = 0U;
+        text->length = 0U;
+    }
+}
+
+/* Text in a message of its own. */
+static void frame_text(link_t *link)
+{
+    const text_t *const text = &link->console.out;
+    const uint32_t left = text->length - link->said;
+    const uint32_t count = (left < LINK_TEXT_MAX) ? left : LINK_TEXT_MAX;
+
+    link_out_begin(&link->out, (uint8_t)LINK_TEXT, 0U);
+    for (uint32_t k = 0U; k < count; k++) {
+        link_out_byte(&link->out, (uint8_t)text->characters[link->said + k]);
+    }
+    link_out_end(&link->out);
+    text_is_sent(link, count);
+}
+
+/* What the board says unasked: text before frames of the stream. */
+static void speak(link_t *link)
+{
+    if (!link->is_linked || !link_out_is_free(&link->out)) {
+        /* the line is a person's, or has something to send */
+    } else if (link->console.out.length > 0U) {
+        frame_text(link);
+    } else {
+        link_stream_step(&link->stream, &link->out, now(link));
+    }
+}
+
+static void send_frame(link_t *link)
+{
+    uint8_t byte = 0U;
+    bool goes_on = link_out_next(&link->out, &byte);
+
+    while (goes_on && hal_send(link->live->hal, byte)) {
+        link_out_sent(&link->out);
+        goes_on = link_out_next(&link->out, &byte);
+    }
+}
+
+static void send_text(link_t *link)
+{
+    const text_t *const text = &link->console.out;
+
+    while ((text->length > 0U) &&
+           hal_send(link->live->hal, (uint8_t)text->characters[link->said])) {
+        text_is_sent(link, 1U);
+    }
+}
+
+/* A frame is sent to its end, whoever has the line by then. */
+static void link_send(link_t *link)
+{
+    send_frame(link);
+    if (!link->is_linked && link_out_is_free(&link->out)) {
+        send_text(link);
+    }
+}
+
+void link_step(link_t *link)
+{
+    link_receive(link);
+    answer_waiting(link);
+    live_config_step(link->live);
+    watch(link);
+    console_step(&link->console);
+    speak(link);
+    link_send(link);
+}

@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: MIT */
+#include "link_answers.h"
+
+#include "commander.h"
+#include "drive_words.h"
+#include "frame_code.h"
+#include "words.h"
+
+#include <stddef.h>
+
+#define LOAD_MAX (100U)
+#define TAKES_WORDS (3U) /* bytes before the words of LINK_WRITE */
+
+/* A question in the buffer of what comes in. */
+typedef struct {
+    uint8_t type;
+    uint8_t tag;
+    const uint8_t *body;
+    uint32_t length; /* of the body */
+} question_t;
+
+static uint32_t half_at(const uint8_t *bytes)
+{
+    return bytes[0] | ((uint32_t)bytes[1] << 8U);
+}
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return (a < b) ? a : b;
+}
+
+/* The length that the body of this question has to have; of LINK_WRITE it says so itself, and a line has any. */
+static uint32_t length_of(const question_t *question)
+{
+    uint32_t length = 0U; /* BYE, PING, STORE, DEFAULTS */
+
+    switch (question->type) {
+    case LINK_HELLO:
+    case LINK_STREAM:
+        length = 1U;
+        break;
+    case LINK_READ:
+        length = 3U;
+        break;
+    case LINK_APPLY:
+        length = 4U;
+        break;
+    case LINK_COMMAND:
+        length = 6U;
+        break;
+    case LINK_STATE:
+    case LINK_AGAIN:
+        length = 7U;
+        break;
+    case LINK_LINE:
+        length = question->length;
+        break;
+    case LINK_WRITE:
+        length = TAKES_WORDS;
+        if (question->length >= TAKES_WORDS) {
+            length += WORDS_BYTES * question->body[2];
+        }
+        break;
+    default:
+        break;
+    }
+    return length;
+}
+
+static bool is_question(const question_t *question)
+{
+    return (question->type >= (uint8_t)LINK_HELLO) && (question->type <= (uint8_t)LINK_AGAIN) &&
+           (question->length == length_of(question));
+}
+
+static void put_verdict(link_out_t *out, const live_config_verdict_t *verdict)
+{
+    if (verdict->path != NULL) {
+        link_out_text(out, verdict->path);
+        link_out_text(out, " ");
+    }
+    if (verdict->why != NULL) {
+        link_out_text(out, verdict->why);
+    }
+}
+
+static void put_why(link_out_t *out, const char *why)
+{
+    if (why != NULL) {
+        link_out_text(out, why);
+    }
+}
+
+static void put_identity(link_t *link)
+{
+    const about_t *const about = &link->live->about;
+    const recorder_t *const recorder = link->live->app->recorder;
+    link_out_t *const out = &link->out;
+    const uint32_t stream = (recorder == NULL) ? 0U : LINK_CAN_STREAM;
+
+    link_out_byte(out, LINK_VERSION);
+    link_out_byte(out, stream | (live_config_can_store(link->live) ? LINK_CAN_STORE : 0U));
+    link_out_half(out, drive_words_count());
+    link_out_half(out, CONFIG_BLOCK_WORDS);
+    link_out_half(out, (recorder == NULL) ? 0U : recorder->segment_entries);
+    link_out_word(out, about->identity.schema);
+    link_out_word(out, about->identity.board);
+    link_out_word(out, about->rotation.tick_ps);
+    link_out_word(out, about->baud);
+    link_out_word(out, about->current_full_scale_ua);
+    link_out_word(out, about->bus_full_scale_uv);
+    for (uint32_t k = 0U; k < RECORDER_BUILD_WORDS; k++) {
+        link_out_word(out, (about->build == NULL) ? 0U : about->build[k]);
+    }
+}
+
+static void put_health(link_t *link)
+{
+    const hal_health_t health = hal_health(link->live->hal);
+    link_out_t *const out = &link->out;
+
+    link_out_byte(out, smaller(health.load_pct, LOAD_MAX));
+    link_out_byte(out, health.tick_lost ? 1U : 0U);
+    link_out_half(out, health.adc_ic);
+    link_out_word(out, health.late_ticks);
+    link_out_word(out, link->stream.lost);
+}
+
+/* A stop ends a measurement of the motor; while it is measured nothing else is taken: the command's target is a word of the probe. */
+static const char *do_command(link_t *link, const uint8_t *body)
+{
+    const drive_command_t command = {
+        .target = (int32_t)words_get(&body[2]), .mode = body[1], .request = body[0]};
+    const about_t *const about = &link->live->about;
+    identify_t *const identify = &link->console.identify;
+    const char *why = NULL;
+
+    if (identify_is_busy(identify) && (command.request != 0U)) {
+        why = CONSOLE_MEASURING;
+    } else {
+        identify_stop(identify);
+        why = commander_command(link->live->app, &command,
+                                units_step(&about->rotation, about->speed_max_rpm));
+    }
+    if (why == NULL) {
+        link_guard_commanded(&link->guard);
+    }
+    return why;
+}
+
+static void do_line(link_t *link, const question_t *question)
+{
+    console_forget(&link->console);
+    for (uint32_t k = 0U; k < question->length; k++) {
+        console_take(&link->console, question->body[k]);
+    }
+    console_take(&link->console, (uint8_t)'\n');
+    link_guard_commanded(&link->guard);
+}
+
+/* As many words as there are from `first` on, and `count` at most. */
+static uint32_t words_there(uint32_t first, uint32_t count, uint32_t all)
+{
+    const uint32_t left = (first < all) ? (all - first) : 0U;
+
+    return smaller(smaller(count, LINK_READ_WORDS_MAX), left);
+}
+
+static void put_block(link_t *link, const uint8_t *body)
+{
+    const uint32_t first = half_at(body);
+    const uint32_t count = words_there(first, body[2], CONFIG_BLOCK_WORDS);
+
+    link_out_half(&link->out, first);
+    link_out_byte(&link->out, count);
+    for (uint32_t k = 0U; k < count; k++) {
+        link_out_word(&link->out, config_block_word(link->live->in_force, first + k));
+    }
+}
+
+static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
+{
+    const uint32_t first = half_at(body);
+    const uint32_t count = body[2];
+    live_config_verdict_t verdict = {NULL, NULL};
+
+    for (uint32_t k = 0U; (k < count) && (verdict.why == NULL); k++) {
+        const uint32_t at = TAKES_WORDS + (WORDS_BYTES * k);
+
+        verdict = live_config_write(link->live, first + k, words_get(&body[at]));
+    }
+    return verdict;
+}
+
+/* Of the state before a segment; none when the segment is not there. */
+static void put_state(link_t *link, const uint8_t *body)
+{
+    const recorder_t *const recorder = link->live->app->recorder;
+    const uint32_t segment = words_get(body);
+    const uint32_t first = half_at(&body[4]);
+    recorder_view_t view = {0};
+    uint32_t count = 0U;
+
+    if ((recorder != NULL) && recorder_find(recorder, segment, &view)) {
+        count = words_there(first, body[6], drive_words_count());
+    }
+    link_out_word(&link->out, segment);
+    link_out_half(&link->out, first);
+    link_out_byte(&link->out, count);
+    for (uint32_t k = 0U; k < count; k++) {
+        link_out_word(&link->out, drive_words_get(view.state, first + k));
+    }
+}
+
+/* on: as in link_messages.h. */
+static const char *turn_stream(link_t *link, uint32_t on)
+{
+    recorder_t *const recorder = link->live->app->recorder;
+    const char *why = NULL;
+
+    link_stream_end(&link->stream);
+    if (on == 0U) {
+        /* that was all */
+    } else if (recorder == NULL) {
+        why = "there is no recorder";
+    } else if (link->console.dump_phase != CONSOLE_DUMP_NONE) {
+        why = "a dump is under way; ask again when it has ended";
+    } else if (recorder->frozen && recorder->held) {
+        why = "the recording of a fault is kept; dump it, or begin anew with record";
+    } else {
+        link_stream_begin(&link->stream, recorder);
+        link_stream_limit(&link->stream, (on == 1U) ? FRAME_CODE_ENTRIES_MAX : on);
+    }
+    return why;
+}
+
+/* The questions about the block. */
+static void answer_block(link_t *link, const question_t *question)
+{
+    live_config_verdict_t verdict = {NULL, NULL};
+
+    switch (question->type) {
+    case LINK_WRITE:
+        verdict = write_block(link, question->body);
+        break;
+    case LINK_APPLY:
+        verdict = live_config_apply(link->live, words_get(question->body));
+        break;
+    case LINK_STORE:
+        verdict = live_config_store(link->live);
+        break;
+    default: /* LINK_DEFAULTS */
+        verdict = live_config_restore(link->live);
+        break;
+    }
+    put_verdict(&link->out, &verdict);
+}
+
+static void answer_question(link_t *link, const question_t *question)
+{
+    const uint8_t *const body = question->body;
+
+    switch (question->type) {
+    case LINK_HELLO:
+        put_identity(link);
+        break;
+    case LINK_BYE:
+        break;
+    case LINK_PING:
+        put_health(link);
+        break;
+    case LINK_COMMAND:
+        put_why(&link->out, do_command(link, body));
+        break;
+    case LINK_LINE:
+        do_line(link, question);
+        break;
+    case LINK_READ:
+        put_block(link, body);
+        break;
+    case LINK_STREAM:
+        put_why(&link->out, turn_stream(link, body[0]));
+        break;
+    case LINK_STATE:
+        put_state(link, body);
+        break;
+    case LINK_AGAIN:
+        (void)link_stream_put_entries(link->live->app->recorder, &link->out, words_get(body),
+                                      half_at(&body[4]), body[6]);
+        break;
+    default:
+        answer_block(link, question);
+        break;
+    }
+}
+
+uint8_t link_answer(link_t *link, uint32_t length)
+{
+    const uint8_t *const bytes = link->in.bytes;
+    const question_t question = {.type = bytes[0],
+                                 .tag = bytes[1],
+                                 .body = &bytes[LINK_FRAME_HEAD_BYTES],
+                                 .length = length - LINK_FRAME_HEAD_BYTES};
+    const bool good = is_question(&question);
+
+    if (good) {
+        link_out_begin(&link->out, (uint8_t)(question.type + LINK_ANSWER), question.tag);
+        answer_question(link, &question);
+    } else {
+        link_out_begin(&link->out, (uint8_t)LINK_REFUSED, question.tag);
+        link_out_byte(&link->out, question.type);
+    }
+    link_out_end(&link->out);
+    return good ? question.type : (uint8_t)LINK_REFUSED;
+}

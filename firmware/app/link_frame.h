@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Frames of the link: COBS and CRC-32 around a message (link_messages.h), one frame in and one frame out.
+ *
+ * Context: background.
+ */
+#ifndef LINK_FRAME_H
+#define LINK_FRAME_H
+
+#include "cobs.h"
+#include "link_messages.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define LINK_FRAME_DELIMITER (0U)
+#define LINK_FRAME_HEAD_BYTES (2U) /* type and tag */
+#define LINK_FRAME_BODY_MAX (LINK_MESSAGE_BYTES_MAX - LINK_FRAME_HEAD_BYTES)
+#define LINK_FRAME_BYTES_MAX (LINK_MESSAGE_BYTES_MAX + LINK_CRC_BYTES)
+
+/* A frame that comes in. */
+typedef struct {
+    cobs_decoder_t cobs;
+    uint32_t
+        length;   /* of the message and its CRC so far; more than LINK_FRAME_BYTES_MAX: too long */
+    bool is_open; /* a byte has come since the last delimiter */
+    uint8_t bytes[LINK_FRAME_BYTES_MAX];
+} link_in_t;
+
+/* Waits for a frame. */
+void link_in_start(link_in_t *in);
+
+/*
+ * Takes the next byte of the line. True when it ends a frame whose CRC is right: then message is in->bytes, type and tag at
+ * least, and *length its bytes. It stays there until the next byte. What is between two frames and is none is dropped.
+ */
+bool link_in_take(link_in_t *in, uint8_t byte, uint32_t *length);
+
+/* Whether a frame has begun and not ended. */
+bool link_in_is_open(const link_in_t *in);
+
+/* A frame that goes out. */
+typedef struct {
+    uint32_t length; /* of the message; from link_out_end() on with its CRC. 0: there is none */
+    uint32_t sent;   /* bytes of the frame that are on the line */
+    bool ready;      /* it is whole and may be sent */
+    uint8_t bytes[LINK_FRAME_BYTES_MAX];
+} link_out_t;
+
+/* No frame. */
+void link_out_start(link_out_t *out);
+
+/* Whether a message can be written. */
+bool link_out_is_free(const link_out_t *out);
+
+/* Begins a message. The frame before must be sent. */
+void link_out_begin(link_out_t *out, uint8_t type, uint8_t tag);
+
+/* Append to the message, the lowest byte first. What does not fit is left out. */
+void link_out_byte(link_out_t *out, uint32_t value);
+void link_out_half(link_out_t *out, uint32_t value);
+void link_out_word(link_out_t *out, uint32_t value);
+void link_out_text(link_out_t *out, const char *text);
+
+/* Where the body goes on, and how many bytes fit there; link_out_add() says that `count` of them were written. */
+uint8_t *link_out_room(link_out_t *out, uint32_t *room);
+void link_out_add(link_out_t *out, uint32_t count);
+
+/* The message is whole: its CRC is appended, and it may be sent. */
+void link_out_end(link_out_t *out);
+
+/* The next byte for the line; false when there is none. link_out_sent(): the line has taken it. */
+bool link_out_next(const link_out_t *out, uint8_t *byte);
+void link_out_sent(link_out_t *out);
+
+#endif

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+#include "live_config.h"
+
+#include "commander.h"
+#include "config_change.h"
+
+#include <stddef.h>
+
+#define NO_TICK "the control tick does not run"
+
+static const live_config_verdict_t DONE = {NULL, NULL};
+
+void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t *about,
+                      const drive_cfg_t *cfg)
+{
+    live->app = app;
+    live->hal = hal;
+    live->cfg_of_image = cfg;
+    live->about_of_image = about;
+    live->about = *about;
+    stored_config_load(&live->stored, hal, cfg, &live->about);
+    live->in_force = &live->stored.block;
+    live->prepared = &live->other;
+    live->applied = (live_config_verdict_t){NULL, "no block was prepared"};
+    live->preparing = false;
+    live->pending = false;
+}
+
+/* Then no change would ever be taken. */
+static bool lacks_ticks(const live_config_t *live)
+{
+    return (hal_ticks(live->hal) == 0U) || hal_health(live->hal).tick_lost;
+}
+
+/* Why no other block can be prepared now. */
+static live_config_verdict_t pending_verdict(const live_config_t *live)
+{
+    live_config_verdict_t verdict = DONE;
+
+    if (live->pending) {
+        verdict.why = lacks_ticks(live)
+                          ? "the change before waits for the control tick, which does not run"
+                          : "the change before has not been taken yet; ask again";
+    }
+    return verdict;
+}
+
+static void begin_preparing(live_config_t *live)
+{
+    if (!live->preparing) {
+        *live->prepared = *live->in_force;
+        live->preparing = true;
+    }
+}
+
+live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32_t word)
+{
+    live_config_verdict_t verdict = pending_verdict(live);
+
+    if (verdict.why != NULL) {
+        /* that is the answer */
+    } else if (at >= CONFIG_BLOCK_WORDS) {
+        verdict.why = "the block has no such word";
+    } else {
+        begin_preparing(live);
+        config_block_set_word(live->prepared, at, word);
+    }
+    return verdict;
+}
+
+void live_config_forget(live_config_t *live)
+{
+    live->preparing = false;
+}
+
+/* Whether this image may run with the prepared block. */
+static live_config_verdict_t block_verdict(const live_config_t *live)
+{
+    const config_block_verdict_t found =
+        config_block_check(live->prepared, &live->about_of_image->identity);
+
+    return (live_config_verdict_t){.path = found.setting, .why = stored_config_reason(found.fault)};
+}
+
+/* Whether the drive may change to the prepared block as it is now. */
+static live_config_verdict_t change_verdict(const live_config_t *live)
+{
+    live_config_verdict_t verdict = DONE;
+
+    if (!commander_is_at_rest(live->app)) {
+        verdict.path = config_change_refused(&live->in_force->cfg, &live->prepared->cfg);
+        verdict.why = (verdict.path == NULL)
+                          ? NULL
+                          : "cannot change while the drive runs; stop the drive first";
+    }
+    return verdict;
+}
+
+/* Checks the prepared block, and hands it to the control interrupt. */
+static live_config_verdict_t change_to_prepared(live_config_t *live)
+{
+    live_config_verdict_t verdict = block_verdict(live);
+
+    if (verdict.why == NULL) {
+        verdict = change_verdict(live);
+    }
+    if ((verdict.why == NULL) && lacks_ticks(live)) {
+        verdict.why = NO_TICK;
+    }
+    if (verdict.why == NULL) {
+        app_change(live->app, &live->prepared->cfg);
+        live->pending = true;
+    }
+    return verdict;
+}
+
+live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
+{
+    live_config_verdict_t verdict = pending_verdict(live);
+
+    if (verdict.why == NULL) {
+        if (live->preparing) {
+            live->preparing = false;
+            live->applied =
+                (live->prepared->crc == crc)
+                    ? change_to_prepared(live)
+                    : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
+        }
+        verdict = live->applied;
+    }
+    return verdict;
+}
+
+/* The CRC of a configuration is behind it in the block, and so that of the block does not depend on it: both have to agree. */
+static bool is_same(const config_block_t *one, const config_block_t *other)
+{
+    return (one->crc == other->crc) && (one->cfg.crc == other->cfg.crc);
+}
+
+live_config_verdict_t live_config_restore(live_config_t *live)
+{
+    live_config_verdict_t verdict = pending_verdict(live);
+
+    if (verdict.why == NULL) {
+        live->preparing = false;
+        stored_config_of_image(live->prepared, live->about_of_image, live->cfg_of_image);
+        if (!is_same(live->prepared, live->in_force)) {
+            verdict = change_to_prepared(live);
+        }
+    }
+    return verdict;
+}
+
+bool live_config_can_store(const live_config_t *live)
+{
+    uint8_t bytes[HAL_STORE_UNIT_BYTES];
+    bool can = false;
+
+    for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
+        for (uint32_t unit = 0U; (unit < HAL_STORE_UNITS) && !can; unit++) {
+            can = hal_store_read(live->hal, slot, unit, bytes);
+        }
+    }
+    return can;
+}
+
+live_config_verdict_t live_config_store(live_config_t *live)
+{
+    live_config_verdict_t verdict = pending_verdict(live);
+
+    if (verdict.why == NULL) {
+        verdict.why = stored_config_save(&live->stored, live->app, &live->about_of_image->identity,
+                                         live->in_force);
+    }
+    return verdict;
+}
+
+void live_config_step(live_config_t *live)
+{
+    if (live->pending && !app_changes(live->app)) {
+        config_block_t *const before = live->in_force;
+
+        live->in_force = live->prepared;
+        live->prepared = before;
+        live->pending = false;
+        stored_config_about(live->in_force, &live->about);
+        commander_limit_speed(live->app,
+                              units_step(&live->about.rotation, live->about.speed_max_rpm));
+    }
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The functions of hal.h for the background. On their own, so that a program which has them of its own links the rest of the
+ * binding.
+ */
+#include "hal_host.h"
+
+#include <stddef.h>
+
+bool hal_receive(hal_t *hal, uint8_t *byte)
+{
+    return (hal->line != NULL) && hal_host_line_receive(hal->line, byte);
+}
+
+bool hal_send(hal_t *hal, uint8_t byte)
+{
+    return (hal->line != NULL) && hal_host_line_send(hal->line, byte);
+}
+
+/* The currents add up to zero; in counts, each has the middle as its zero. Without a plant the middle is not known. */
+hal_health_t hal_health(const hal_t *hal)
+{
+    const plant_t *const plant = hal->plant;
+    const uint32_t half = (plant != NULL) ? (((uint32_t)plant->sensors.count_max + 1U) / 2U) : 0U;
+
+    return (hal_health_t){
+        .adc_ic = (uint16_t)((3U * half) - hal->seen_ia - hal->seen_ib),
+        .late_ticks = hal->late_ticks,
+    };
+}
+
+bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    return (hal->flash != NULL) && hal_host_flash_read(hal->flash, slot, unit, bytes);
+}
+
+bool hal_store_erase(hal_t *hal, uint32_t slot)
+{
+    hal_open_gates(hal);
+    return (hal->flash != NULL) && hal_host_flash_erase(hal->flash, slot);
+}
+
+bool hal_store_program(hal_t *hal, uint32_t slot, uint32_t unit,
+                       const uint8_t bytes[HAL_STORE_UNIT_BYTES])
+{
+    hal_open_gates(hal);
+    return (hal->flash != NULL) && hal_host_flash_program(hal->flash, slot, unit, bytes);
+}

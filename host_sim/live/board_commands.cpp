@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: MIT
+#include "board_commands.h"
+
+#include "fault_line.h"
+#include "found_fault.h"
+#include "names.h"
+#include "output_file.h"
+#include "reader.h"
+#include "trimmed.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+using debug::Answer;
+using debug::Outcome;
+
+constexpr double TWO_PI = 6.28318530717958647693;
+constexpr double Q16 = 65536.0;
+constexpr int DUMP_TRIES = 5;
+constexpr double DUMP_S = 120;       // of all its lines at 9600 baud and less
+constexpr double DUMP_SILENT_S = 2;  // the line that says its end is lost
+constexpr double PASS_S = 0.02;      // between two looks at what has come
+constexpr double WAIT_MAX_S = 86400; // a day
+constexpr std::size_t DIFFERENCES_SHOWN = 3;
+
+Answer done(const std::string &text = "")
+{
+    return {Outcome::done, text};
+}
+
+Answer refused(const std::string &why)
+{
+    return {Outcome::refused, why};
+}
+
+// Of the board: empty when it is done.
+Answer of_verdict(const std::string &why)
+{
+    return why.empty() ? done("ok") : refused("the board refuses: " + why);
+}
+
+// The whole text as a finite number; nothing where it is none.
+std::optional<double> number(const std::string &text)
+{
+    char *end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    const bool good = !text.empty() && *end == '\0' && std::isfinite(value);
+    return good ? std::optional<double>(value) : std::nullopt;
+}
+
+bool ends_with(const std::string &text, const std::string &end)
+{
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+} // namespace
+
+BoardCommands::BoardCommands(Follower &follower, const FileChoice &files, Surroundings surroundings)
+    : follower_(follower), files_(files), surroundings_(std::move(surroundings))
+{
+}
+
+std::string BoardCommands::help()
+{
+    return "run, stop, clear        as on the board's console\n"
+           "speed RPM               of the shaft\n"
+           "position 1.5 | 540deg   of the shaft, in turns or degrees\n"
+           "set KEY=VALUE           any key of motor, board or tuning file; acts from one tick on\n"
+           "adopt                   the configuration of the files becomes the one in force\n"
+           "defaults                the image's own configuration becomes the one in force\n"
+           "store                   the configuration in force survives the next start\n"
+           "status                  what the drive does\n"
+           "record FILE             the flight recorder's recording, for `motorsim replay`\n"
+           "debug [SECONDS]         step through the last seconds, forwards and backwards\n"
+           "identify                the drive measures its motor\n"
+           "wait SECONDS            before the next command\n"
+           "quit";
+}
+
+// The last one of this session; before, the one that the board has.
+drive_command_t BoardCommands::in_force() const
+{
+    if (commanded_) {
+        return *commanded_;
+    }
+    const bool known = follower_.shadow().is_in_step();
+    return known ? follower_.shadow().sim().in().command : drive_command_t{};
+}
+
+Answer BoardCommands::command(const drive_command_t &command)
+{
+    const std::string why = follower_.client().command(command);
+    if (why.empty()) {
+        commanded_ = command;
+        commanded_->request = command.request & static_cast<uint8_t>(~DRIVE_REQUEST_CLEAR);
+    }
+    return of_verdict(why);
+}
+
+Answer BoardCommands::run()
+{
+    drive_command_t wanted = in_force();
+    wanted.request = DRIVE_REQUEST_RUN;
+    return command(wanted);
+}
+
+Answer BoardCommands::stop()
+{
+    drive_command_t wanted = in_force();
+    wanted.request = 0;
+    return command(wanted);
+}
+
+Answer BoardCommands::clear()
+{
+    drive_command_t wanted = in_force();
+    wanted.request = DRIVE_REQUEST_CLEAR;
+    return command(wanted);
+}
+
+Answer BoardCommands::speed(const std::string &value)
+{
+    const std::optional<double> rpm = number(value);
+    const int32_t most = follower_.about().speed_max_rpm;
+    if (!rpm || std::abs(*rpm) > most) {
+        return refused(
+            fmt::format("speed takes rpm, at most {} either way, found \"{}\"", most, value));
+    }
+    drive_command_t wanted = in_force();
+    wanted.mode = DRIVE_MODE_SPEED;
+    wanted.target = static_cast<int32_t>(std::lround(follower_.bases().step_from_rpm(*rpm)));
+    return command(wanted);
+}
+
+Answer BoardCommands::position(const std::string &value)
+{
+    const bool degrees = ends_with(value, "deg");
+    const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
+    const double rad = found ? *found * TWO_PI / (degrees ? 360.0 : 1.0) : 0;
+    const double target = follower_.bases().turns_from_mech_rad(rad) * Q16;
+    if (!found || std::abs(target) > INT32_MAX) {
+        return refused(
+            fmt::format("position takes turns, or degrees as 90deg, at most {:.0f} turns "
+                        "either way, found \"{}\"",
+                        INT32_MAX / Q16 / follower_.bases().pole_pairs, value));
+    }
+    drive_command_t wanted = in_force();
+    wanted.mode = DRIVE_MODE_POSITION;
+    wanted.target = static_cast<int32_t>(std::lround(target));
+    return command(wanted);
+}
+
+// The board goes on with what it has where the configuration in force is not that of the files: a `set` would change more
+// than it says.
+Answer BoardCommands::set(const std::string &assignment)
+{
+    const config_block_t now = follower_.block_in_force();
+    FileChoice wanted = choice_of(now.about.name, files_);
+    const drive_cfg_t of_files = build(load(wanted));
+    if (of_files.crc != now.cfg.crc) {
+        return refused(fmt::format(
+            "the configuration in force is not that of {}, {}, {}: {}. Give its files with --motor, "
+            "--board and --tuning, or `adopt` theirs first",
+            wanted.motor, wanted.board, wanted.tuning,
+            fmt::join(differences(of_files, now.cfg, DIFFERENCES_SHOWN), ", ")));
+    }
+    wanted.set.push_back(assignment);
+    const Config config = load(wanted);
+    if (build(config).crc == now.cfg.crc) {
+        return done("ok, and no number of the drive is another one");
+    }
+    Answer answer = apply(config);
+    if (answer.outcome == Outcome::done) {
+        files_ = wanted;
+        answer.text = fmt::format(
+            "ok: {}", fmt::join(differences(now.cfg, build(config), DIFFERENCES_SHOWN), ", "));
+    }
+    return answer;
+}
+
+Answer BoardCommands::adopt()
+{
+    return apply(load(choice_of(follower_.block_in_force().about.name, files_)));
+}
+
+Answer BoardCommands::apply(const Config &config)
+{
+    return of_verdict(follower_.change(make_block(config)));
+}
+
+Answer BoardCommands::defaults()
+{
+    const Answer answer = of_verdict(follower_.defaults());
+    if (answer.outcome == Outcome::done) {
+        files_.set.clear();
+    }
+    return answer;
+}
+
+void BoardCommands::take_text(const std::string &characters)
+{
+    for (const char c : characters) {
+        if (c != '\r' && c != '\n') {
+            line_ += c;
+        } else if (!line_.empty()) {
+            take_line(std::exchange(line_, ""));
+        }
+    }
+}
+
+void BoardCommands::take_line(const std::string &line)
+{
+    const bool recorded = dumping_ && line.front() == RECORDER_LINE_MARK;
+    if (recorded) {
+        dump_ += line + '\n';
+    } else if (dumping_ && line == "dump ends") {
+        dump_ended_ = true;
+    } else {
+        surroundings_.say("board: " + line);
+    }
+}
+
+// Until its end, or until nothing comes any more.
+bool BoardCommands::dump_once()
+{
+    dump_.clear();
+    dump_ended_ = false;
+    if (const std::string why = follower_.client().line("dump"); !why.empty()) {
+        surroundings_.say("board: " + why);
+        return false;
+    }
+    double silent_s = 0;
+    for (double all_s = 0; !dump_ended_ && silent_s < DUMP_SILENT_S && all_s < DUMP_S;
+         all_s += PASS_S) {
+        const std::size_t had = dump_.size();
+        surroundings_.pass(PASS_S);
+        silent_s = dump_.size() == had ? silent_s + PASS_S : 0;
+    }
+    return true;
+}
+
+// A line that is lost or damaged is not sent again: the whole dump is.
+Answer BoardCommands::record(const std::string &path)
+{
+    if (path.empty()) {
+        return refused("record takes the name of a file");
+    }
+    std::string problem = "the board does not send it";
+    OutputFile file(path);
+    dumping_ = true;
+    for (int k = 0; k < DUMP_TRIES && !problem.empty(); k++) {
+        try {
+            if (dump_once()) {
+                (void)replay::read(dump_);
+                problem.clear();
+            }
+        } catch (const replay::RecordingError &error) {
+            problem = error.what();
+        }
+    }
+    dumping_ = false;
+    if (!problem.empty()) {
+        return refused("no recording: " + problem);
+    }
+    file.write(dump_);
+    file.close();
+    return done(fmt::format("ok: `motorsim replay {}`", path));
+}
+
+Answer BoardCommands::wait(const std::string &seconds)
+{
+    const std::optional<double> time_s = number(seconds);
+    if (!time_s || *time_s < 0 || *time_s > WAIT_MAX_S) {
+        return refused(
+            fmt::format("wait takes seconds, 0 to {:g}, found \"{}\"", WAIT_MAX_S, seconds));
+    }
+    surroundings_.pass(*time_s);
+    return done();
+}
+
+Answer BoardCommands::step_through(const std::string &seconds)
+{
+    const std::optional<double> time_s = seconds.empty() ? follower_.kept_s() : number(seconds);
+    if (!time_s || *time_s <= 0) {
+        return refused(fmt::format("debug takes seconds, found \"{}\"", seconds));
+    }
+    const std::optional<RecordedRun> run = follower_.shadow().run(*time_s);
+    if (!run) {
+        return refused("nothing to step through yet: not in step, or only just");
+    }
+    return surroundings_.stepper(*run) ? done() : refused("a command of the stepper was refused");
+}
+
+Answer BoardCommands::status() const
+{
+    return done(status_text(follower_));
+}
+
+Answer BoardCommands::execute(const std::string &line)
+{
+    const std::string text = debug::trimmed(line);
+    const std::size_t blank = text.find(' ');
+    const std::string word = text.substr(0, blank);
+    const std::string rest = blank == std::string::npos ? "" : debug::trimmed(text.substr(blank));
+    const std::vector<std::pair<const char *, std::function<Answer()>>> table = {
+        {"run", [this] { return run(); }},
+        {"stop", [this] { return stop(); }},
+        {"clear", [this] { return clear(); }},
+        {"speed", [&] { return speed(rest); }},
+        {"position", [&] { return position(rest); }},
+        {"set", [&] { return set(rest); }},
+        {"adopt", [this] { return adopt(); }},
+        {"defaults", [this] { return defaults(); }},
+        {"store", [this] { return of_verdict(follower_.client().store()); }},
+        {"status", [this] { return status(); }},
+        {"record", [&] { return record(rest); }},
+        {"debug", [&] { return step_through(rest); }},
+        {"identify", [this] { return of_verdict(follower_.client().line("identify")); }},
+        {"wait", [&] { return wait(rest); }},
+        {"help", [] { return done(help()); }},
+        {"quit", [] { return Answer{Outcome::quit, ""}; }},
+    };
+    if (word.empty() || word[0] == '#') {
+        return done();
+    }
+    for (const auto &[name, action] : table) {
+        if (word == name) {
+            try {
+                return action();
+            } catch (const ConfigError &error) {
+                return refused(error.what());
+            } catch (const OutputError &error) {
+                return refused(error.what());
+            }
+        }
+    }
+    return refused(fmt::format("no command \"{}\"; `help` lists them", word));
+}
+
+namespace
+{
+
+std::string speed_text(const Simulation &sim)
+{
+    const double rpm = sim.bases().rpm_from_step(drive_speed(&sim.drive()));
+    const double wanted = sim.bases().rpm_from_step(sim.drive().speed_reference);
+    return fmt::format("speed {:.0f} of {:.0f} rpm", rpm, wanted);
+}
+
+std::string drive_text(const Simulation &sim)
+{
+    constexpr double Q15 = 32768.0;
+    const drive_signals_t &signals = sim.drive().signals;
+    return fmt::format(
+        "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_name(sim.drive().state),
+        speed_text(sim), signals.current.q / Q15 * sim.bases().current_a,
+        signals.current.d / Q15 * sim.bases().current_a, signals.bus / Q15 * sim.bases().voltage_v);
+}
+
+std::string fault_advice(const Simulation &sim)
+{
+    if (sim.drive().state != DRIVE_STATE_FAULT) {
+        return "";
+    }
+    const FoundFault fault = found_fault(sim.drive(), sim.bases());
+    return fmt::format("; {}: {}", fault_measure(fault, sim.bases()), fault_text(fault.id)->advice);
+}
+
+} // namespace
+
+std::string status_text(const Follower &follower)
+{
+    const Health &health = follower.health();
+    const std::string drive =
+        follower.shadow().is_in_step()
+            ? drive_text(follower.shadow().sim()) + fault_advice(follower.shadow().sim())
+            : "not in step";
+    return fmt::format("{}, load {} %, late {}, gaps {}{}", drive, health.load_pct,
+                       health.late_ticks, follower.gaps().size(),
+                       health.tick_lost ? ", THE CONTROL TICK STAYS AWAY" : "");
+}
+
+} // namespace nf::live

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+// What a person or a script tells a running board, a line each.
+#pragma once
+
+#include "board_files.h"
+#include "commands.h"
+#include "follower.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf::live
+{
+
+// What a line needs of whoever reads the lines.
+struct Surroundings {
+    std::function<void(const std::string &)> say;     // a line
+    std::function<void(double)> pass;                 // follow the board for so long
+    std::function<bool(const RecordedRun &)> stepper; // false: a command there was refused
+};
+
+class BoardCommands
+{
+public:
+    // The follower is connected and outlives it.
+    BoardCommands(Follower &follower, const FileChoice &files, Surroundings surroundings);
+
+    // What the console says in frames, whatever pieces they are.
+    void take_text(const std::string &characters);
+
+    // A line. Throws LinkError when the board does not answer.
+    debug::Answer execute(const std::string &line);
+
+    static std::string help();
+
+private:
+    debug::Answer command(const drive_command_t &command);
+    debug::Answer run();
+    debug::Answer stop();
+    debug::Answer clear();
+    debug::Answer speed(const std::string &value);
+    debug::Answer position(const std::string &value);
+    debug::Answer set(const std::string &assignment);
+    debug::Answer adopt();
+    debug::Answer apply(const Config &config);
+    debug::Answer defaults();
+    debug::Answer record(const std::string &path);
+    debug::Answer wait(const std::string &seconds);
+    debug::Answer step_through(const std::string &seconds);
+    debug::Answer status() const;
+    drive_command_t in_force() const;
+    void take_line(const std::string &line);
+    bool dump_once();
+
+    Follower &follower_;
+    FileChoice files_;
+    Surroundings surroundings_;
+    std::optional<drive_command_t> commanded_; // by this session
+    std::string line_;                         // of the console, so far
+    bool dumping_ = false;
+    std::string dump_;
+    bool dump_ended_ = false;
+};
+
+// "RUN, speed 1500 of 1500 rpm, i_q 1.2 A, bus 24.0 V, load 42 %": what is verified, and what the board says of itself.
+std::string status_text(const Follower &follower);
+
+} // namespace nf::live

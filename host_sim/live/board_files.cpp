@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "board_files.h"
+
+#include "about_text.h"
+#include "cfg_rows.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+// What is given is the only candidate.
+std::vector<std::string> candidates(const std::string &given, const std::vector<std::string> &all)
+{
+    return given.empty() ? all : std::vector<std::string>{given};
+}
+
+// As a block has it, which cuts off what is too long.
+std::string name_in_block(const Config &config)
+{
+    return about_name(config).substr(0, CONFIG_BLOCK_NAME_BYTES - 1);
+}
+
+bool has_name(const FileChoice &choice, const std::string &name)
+{
+    try {
+        return name_in_block(load(choice)) == name;
+    } catch (const ConfigError &) {
+        return false; // files that do not go together are not those of a block
+    }
+}
+
+std::optional<FileChoice> search(const std::string &block_name, const FileChoice &given)
+{
+    FileChoice choice = given;
+    for (const std::string &motor : candidates(given.motor, list_motors())) {
+        for (const std::string &board : candidates(given.board, list_boards())) {
+            for (const std::string &tuning : candidates(given.tuning, list_tunings())) {
+                choice.motor = motor;
+                choice.board = board;
+                choice.tuning = tuning;
+                if (has_name(choice, block_name)) {
+                    return choice;
+                }
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+FileChoice choice_of(const std::string &block_name, const FileChoice &given)
+{
+    if (!given.motor.empty() && !given.board.empty() && !given.tuning.empty()) {
+        return given;
+    }
+    if (const std::optional<FileChoice> found = search(block_name, given)) {
+        return *found;
+    }
+    throw ConfigError(fmt::format("no shipped files make the board's \"{}\": give its own with "
+                                  "--motor, --board and --tuning",
+                                  block_name));
+}
+
+Config load(const FileChoice &choice)
+{
+    return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);
+}
+
+std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t &to,
+                                     std::size_t most)
+{
+    std::vector<std::string> lines;
+    for (const CfgRow &row : cfg_rows()) {
+        if (raw_value(row, from) != raw_value(row, to) && lines.size() < most) {
+            lines.push_back(
+                fmt::format("{} {} to {}", row.path, raw_value(row, from), raw_value(row, to)));
+        }
+    }
+    return lines;
+}
+
+} // namespace nf::live

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+// The motor, board and tuning files of a running drive: what its numbers were made of, and what a person sets in them.
+#pragma once
+
+#include "block.h"
+#include "config.h"
+
+#include <string>
+#include <vector>
+
+namespace nf::live
+{
+
+// By name or path; empty: the shipped file that the board's name says.
+struct FileChoice {
+    std::string motor;
+    std::string board;
+    std::string tuning;
+    std::vector<std::string> set; // KEY=VALUE, each over those before
+};
+
+// Fills in what is empty from the name of a block, `neurofoc: MOTOR, BOARD, TUNING`. Throws ConfigError with the option to
+// give when no shipped files have these names.
+FileChoice choice_of(const std::string &block_name, const FileChoice &given);
+
+// Throws ConfigError.
+Config load(const FileChoice &choice);
+
+// The settings that differ, "observer.kappa 4 to 5", a line each; at most `most` of them.
+std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t &to,
+                                     std::size_t most);
+
+} // namespace nf::live

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT
+#include "client.h"
+
+#include <algorithm>
+#include <utility>
+
+extern "C" {
+#include "frame_code.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+constexpr uint8_t TAG_UNASKED = 0;
+constexpr uint8_t TAG_MAX = 255;
+constexpr uint8_t AGAIN_ANSWER = LINK_AGAIN + LINK_ANSWER;
+
+const char *name_of(link_question_t type)
+{
+    switch (type) {
+    case LINK_HELLO:
+        return "hello";
+    case LINK_BYE:
+        return "bye";
+    case LINK_PING:
+        return "ping";
+    case LINK_COMMAND:
+        return "command";
+    case LINK_LINE:
+        return "line";
+    case LINK_READ:
+        return "read";
+    case LINK_WRITE:
+        return "write";
+    case LINK_APPLY:
+        return "apply";
+    case LINK_STORE:
+        return "store";
+    case LINK_DEFAULTS:
+        return "defaults";
+    case LINK_STREAM:
+        return "stream";
+    case LINK_STATE:
+        return "state";
+    case LINK_AGAIN:
+        return "again";
+    }
+    return "question";
+}
+
+[[noreturn]] void refuse_answer(link_question_t type)
+{
+    throw LinkError(fmt::format(
+        "the board's answer to `{}` is none of this link: another firmware?", name_of(type)));
+}
+
+Words words_of(BodyReader &reader, link_question_t type)
+{
+    Words words{reader.u16(), {}};
+    const uint8_t count = reader.u8();
+    for (unsigned k = 0; k < count && reader.is_good(); k++) {
+        words.words.push_back(reader.u32());
+    }
+    if (!reader.is_done()) {
+        refuse_answer(type);
+    }
+    return words;
+}
+
+} // namespace
+
+Client::Client(Channel &channel, const Timing &timing, Listener listener)
+    : channel_(channel), timing_(timing), listener_(std::move(listener))
+{
+}
+
+void Client::poll(double wait_s)
+{
+    const Bytes bytes = channel_.read(wait_s);
+    bytes_in_ += bytes.size();
+    for (const Message &message : reader_.add(bytes)) {
+        take(message);
+    }
+}
+
+void Client::take(const Message &message)
+{
+    const bool asked = !answered_ && message.tag == awaited_.tag && message.tag != TAG_UNASKED;
+    if (message.type == AGAIN_ANSWER || message.type == LINK_FRAMES) {
+        take_frames(message.body);
+    }
+    if (message.type == LINK_TEXT) {
+        listener_.text(text_of(message.body));
+    } else if (message.type == LINK_SEGMENT) {
+        take_segment(message.body);
+    } else if (asked && (message.type == awaited_.type || message.type == LINK_REFUSED)) {
+        refused_ = message.type == LINK_REFUSED;
+        awaited_.body = message.body;
+        answered_ = true;
+    }
+}
+
+void Client::take_segment(const Bytes &body)
+{
+    BodyReader reader(body);
+    const SegmentInfo info = {reader.u32(), reader.u32(), reader.u32(),
+                              reader.u32(), reader.u16(), reader.u8() != 0};
+    if (reader.is_done()) {
+        listener_.segment(info);
+    }
+}
+
+void Client::take_frames(const Bytes &body)
+{
+    BodyReader reader(body);
+    Entries frames{reader.u32(), reader.u16(), {}};
+    const uint8_t count = reader.u8();
+    if (!reader.is_good() || count == 0 || count > FRAME_CODE_ENTRIES_MAX) {
+        return;
+    }
+    const Bytes code = reader.rest();
+    frames.entries.resize(count);
+    if (frame_code_decode(code.data(), static_cast<uint32_t>(code.size()), frames.entries.data(),
+                          count)) {
+        listener_.entries(frames);
+    }
+}
+
+void Client::wait_for_answer(const Question &question)
+{
+    const double until_s = channel_.now_s() + question.answer_s;
+    const uint64_t broken = reader_.broken();
+    while (!answered_ && channel_.now_s() < until_s &&
+           !(question.impatient && reader_.broken() != broken)) {
+        poll(until_s - channel_.now_s());
+    }
+}
+
+// Asked again it has the same tag: the board may know that it has done it already.
+Bytes Client::ask(const Question &question)
+{
+    const auto tag = static_cast<uint8_t>(awaited_.tag % TAG_MAX + 1);
+    const Bytes frame = frame_of({static_cast<uint8_t>(question.type), tag, question.body});
+    awaited_ = {static_cast<uint8_t>(uint32_t{question.type} + LINK_ANSWER), tag, {}};
+    answered_ = false;
+    refused_ = false;
+    for (unsigned k = 0; k < question.tries && !answered_; k++) {
+        repeats_ += k == 0 ? 0 : 1;
+        channel_.write(frame);
+        wait_for_answer(question);
+    }
+    if (!answered_) {
+        throw LinkError(fmt::format(
+            "the board does not answer: `{}` was asked {} times in {:.1f} s",
+            name_of(question.type), question.tries, question.tries * question.answer_s));
+    }
+    if (refused_) {
+        throw LinkError(
+            fmt::format("the board does not know `{}`: another firmware?", name_of(question.type)));
+    }
+    return awaited_.body;
+}
+
+std::string Client::verdict(link_question_t type, const Bytes &body)
+{
+    return text_of(ask(patient(type, body)));
+}
+
+Identity Client::hello()
+{
+    const Bytes body = ask(patient(LINK_HELLO, BodyWriter().u8(LINK_VERSION).body()));
+    BodyReader reader(body);
+    Identity identity{};
+    identity.version = reader.u8();
+    identity.capabilities = reader.u8();
+    identity.state_words = reader.u16();
+    identity.block_words = reader.u16();
+    identity.segment_entries = reader.u16();
+    identity.config = {reader.u32(), reader.u32()};
+    identity.tick_ps = reader.u32();
+    identity.baud = reader.u32();
+    identity.current_full_scale_ua = reader.u32();
+    identity.bus_full_scale_uv = reader.u32();
+    std::generate(identity.build.begin(), identity.build.end(), [&] { return reader.u8(); });
+    // Another version may have more or less in it: the caller says so.
+    if (body.empty() || (identity.version == LINK_VERSION && !reader.is_done())) {
+        refuse_answer(LINK_HELLO);
+    }
+    return identity;
+}
+
+void Client::bye()
+{
+    (void)ask(patient(LINK_BYE));
+}
+
+std::optional<Health> Client::ping()
+{
+    const std::optional<Bytes> body = ask_once(LINK_PING, {});
+    if (!body) {
+        return std::nullopt;
+    }
+    BodyReader reader(*body);
+    const Health health = {reader.u8(), reader.u8() != 0, reader.u16(), reader.u32(), reader.u32()};
+    if (!reader.is_done()) {
+        refuse_answer(LINK_PING);
+    }
+    return health;
+}
+
+std::string Client::command(const drive_command_t &command)
+{
+    return verdict(LINK_COMMAND, BodyWriter()
+                                     .u8(command.request)
+                                     .u8(command.mode)
+                                     .u32(static_cast<uint32_t>(command.target))
+                                     .body());
+}
+
+std::string Client::line(const std::string &text)
+{
+    return verdict(LINK_LINE, BodyWriter().text(text).body());
+}
+
+Words Client::read(uint16_t first, uint8_t words)
+{
+    const Bytes body = ask(patient(LINK_READ, BodyWriter().u16(first).u8(words).body()));
+    BodyReader reader(body);
+    const Words found = words_of(reader, LINK_READ);
+    if (found.first != first || found.words.size() != words) {
+        refuse_answer(LINK_READ);
+    }
+    return found;
+}
+
+std::string Client::write(uint16_t first, const std::vector<uint32_t> &words)
+{
+    BodyWriter writer;
+    writer.u16(first).u8(static_cast<uint32_t>(words.size()));
+    for (const uint32_t word : words) {
+        writer.u32(word);
+    }
+    return verdict(LINK_WRITE, writer.body());
+}
+
+std::string Client::apply(uint32_t crc)
+{
+    return verdict(LINK_APPLY, BodyWriter().u32(crc).body());
+}
+
+std::string Client::store()
+{
+    return verdict(LINK_STORE);
+}
+
+std::string Client::defaults()
+{
+    return verdict(LINK_DEFAULTS);
+}
+
+std::string Client::stream(uint8_t entries)
+{
+    return verdict(LINK_STREAM, BodyWriter().u8(entries).body());
+}
+
+std::optional<Bytes> Client::ask_once(link_question_t type, const Bytes &body)
+{
+    try {
+        return ask(quick(type, body));
+    } catch (const LinkError &) {
+        return std::nullopt;
+    }
+}
+
+Client::Piece Client::state(uint32_t segment, uint16_t first, uint8_t words)
+{
+    const std::optional<Bytes> body =
+        ask_once(LINK_STATE, BodyWriter().u32(segment).u16(first).u8(words).body());
+    if (!body) {
+        return {refused_, {}};
+    }
+    BodyReader reader(*body);
+    const uint32_t number = reader.u32();
+    const Words found = words_of(reader, LINK_STATE);
+    const bool is_it = number == segment && found.first == first;
+    return {true, is_it ? found : Words{}};
+}
+
+Client::Again Client::again(uint32_t segment, uint16_t first, uint8_t entries)
+{
+    constexpr std::size_t HEAD = 7; // segment, first entry, entries
+    const std::optional<Bytes> body =
+        ask_once(LINK_AGAIN, BodyWriter().u32(segment).u16(first).u8(entries).body());
+    if (!body) {
+        return refused_ ? Again::nothing : Again::silence;
+    }
+    return body->size() > HEAD ? Again::entries : Again::nothing;
+}
+
+config_block_t Client::read_block()
+{
+    config_block_t block{};
+    for (uint32_t at = 0; at < CONFIG_BLOCK_WORDS; at += LINK_READ_WORDS_MAX) {
+        const uint32_t count = std::min<uint32_t>(LINK_READ_WORDS_MAX, CONFIG_BLOCK_WORDS - at);
+        const Words part = read(static_cast<uint16_t>(at), static_cast<uint8_t>(count));
+        for (uint32_t k = 0; k < count; k++) {
+            config_block_set_word(&block, at + k, part.words[k]);
+        }
+    }
+    return block;
+}
+
+std::string Client::write_block(const config_block_t &block)
+{
+    std::string why;
+    for (uint32_t at = 0; at < CONFIG_BLOCK_WORDS && why.empty(); at += LINK_READ_WORDS_MAX) {
+        std::vector<uint32_t> words;
+        const uint32_t end = std::min<uint32_t>(CONFIG_BLOCK_WORDS, at + LINK_READ_WORDS_MAX);
+        for (uint32_t k = at; k < end; k++) {
+            words.push_back(config_block_word(&block, k));
+        }
+        why = write(static_cast<uint16_t>(at), words);
+    }
+    return why.empty() ? apply(block.crc) : why;
+}
+
+} // namespace nf::live

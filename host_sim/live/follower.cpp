@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: MIT
+#include "follower.h"
+
+#include "identity.h"
+#include "recording.h"
+
+#include <algorithm>
+#include <utility>
+
+extern "C" {
+#include "drive_words.h"
+}
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+// How long messages are: on a line that spoils one in ten they are short, until it spoils less than one in fifty.
+constexpr uint8_t STREAM_FULL = 1; // as many entries as fit
+constexpr uint8_t STREAM_SHORT = 16;
+constexpr uint8_t STATE_SHORT = 8; // words
+constexpr double JUDGED_S = 0.25;
+constexpr uint64_t BAD_ONE_IN = 10;
+constexpr uint64_t GOOD_ONE_IN = 50;
+
+constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
+
+// The board's verdict on a change that is asked for again before a tick has taken it.
+constexpr const char *ASK_AGAIN = "ask again";
+
+bool ends_with(const std::string &text, const std::string &end)
+{
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+} // namespace
+
+std::string gap_text(const Gap &gap)
+{
+    if (gap.until == 0) {
+        return fmt::format("ticks from {} on are missing: {}", gap.from, gap.why);
+    }
+    return fmt::format("ticks {} to {} are missing, in step again at {}: {}", gap.from,
+                       gap.until - 1, gap.until, gap.why);
+}
+
+Follower::Follower(Channel &channel, TickSink &sink, Reporter reporter,
+                   const FollowerOptions &options)
+    : reporter_(std::move(reporter)), options_(options), sink_(sink),
+      client_(channel, options.timing,
+              {reporter_.text, [this](const SegmentInfo &info) { hear(info); },
+               [this](const Entries &entries) {
+                   if (stream_) {
+                       stream_->add(entries);
+                   }
+               }}),
+      shadow_(
+          [this](uint32_t crc) {
+              const auto found = known_.find(crc);
+              return found == known_.end() ? nullptr : &found->second;
+          },
+          options.keep_s)
+{
+}
+
+void Follower::refuse_others() const
+{
+    const auto differs = [](const char *what, uint64_t board, uint64_t here, const char *form) {
+        if (board != here) {
+            throw LinkError(fmt::format(
+                "the board's firmware is another one than this program's: {} {}, here {}. Build "
+                "and flash the image of this version, or take the motorsim of the board's",
+                what, fmt::format(fmt::runtime(form), board),
+                fmt::format(fmt::runtime(form), here)));
+        }
+    };
+    differs("version of the link", identity_.version, LINK_VERSION, "{}");
+    differs("schema of the settings", identity_.config.schema, schema_hash(), "{:08x}");
+    differs("words of the state", identity_.state_words, drive_words_count(), "{}");
+    differs("words of a configuration block", identity_.block_words, CONFIG_BLOCK_WORDS, "{}");
+}
+
+void Follower::connect()
+{
+    identity_ = client_.hello();
+    refuse_others();
+    (void)block_in_force();
+    stream_ = std::make_unique<Stream>(identity_.segment_entries);
+    candidate_.reset();
+    tried_ = 0;
+    if ((identity_.capabilities & LINK_CAN_STREAM) == 0) {
+        throw LinkError("the board has no flight recorder: there is nothing to stream");
+    }
+    begin_stream();
+    heard_s_ = client_.now_s();
+}
+
+// A recording that is kept holds the stream up: it begins when somebody has taken the recording.
+void Follower::begin_stream()
+{
+    const std::string why = client_.stream(careful_ ? STREAM_SHORT : STREAM_FULL);
+    if (!why.empty() && why != no_stream_) {
+        reporter_.say("no stream: " + why);
+    }
+    no_stream_ = why;
+}
+
+void Follower::judge_line()
+{
+    const double now_s = client_.now_s();
+    if (now_s - judged_s_ < JUDGED_S) {
+        return;
+    }
+    const uint64_t broken = client_.broken() - judged_broken_;
+    const uint64_t all = client_.whole() - judged_whole_ + broken;
+    judged_s_ = now_s;
+    judged_whole_ = client_.whole();
+    judged_broken_ = client_.broken();
+    const bool was_careful = careful_;
+    careful_ = broken * (careful_ ? GOOD_ONE_IN : BAD_ONE_IN) > all;
+    if (careful_ != was_careful || !no_stream_.empty()) {
+        begin_stream();
+    }
+}
+
+void Follower::leave()
+{
+    (void)client_.stream(0);
+    client_.bye();
+}
+
+void Follower::learn(const config_block_t &block)
+{
+    recorder_about_t about{};
+    about.tick_ps = identity_.tick_ps;
+    about.current_full_scale_ua = identity_.current_full_scale_ua;
+    about.bus_full_scale_uv = identity_.bus_full_scale_uv;
+    about.pole_pairs = block.about.pole_pairs;
+    try {
+        replay::check_scales(about);
+    } catch (const replay::RecordingError &error) {
+        throw LinkError(fmt::format("the board says of itself what no board can be: {}",
+                                    error.what()));
+    }
+    known_.insert({block.cfg.crc, {block.cfg, replay::bases_of(about, block.cfg)}});
+}
+
+config_block_t Follower::block_in_force()
+{
+    const config_identity_t expected = {schema_hash(), identity_.config.board};
+    for (int k = 0; k < BLOCK_TRIES; k++) {
+        const config_block_t block = client_.read_block();
+        if (config_block_check(&block, &expected).fault == CONFIG_BLOCK_GOOD) {
+            learn(block);
+            take_over(block);
+            return block;
+        }
+    }
+    throw LinkError("the configuration block in force is not whole, or no block of this firmware");
+}
+
+void Follower::take_over(const config_block_t &block)
+{
+    about_ = block.about;
+    bases_ = known_.at(block.cfg.crc).bases;
+}
+
+// Asks the board where it has to.
+bool Follower::know(uint32_t crc)
+{
+    if (known_.count(crc) == 0) {
+        (void)block_in_force();
+    }
+    return known_.count(crc) != 0;
+}
+
+std::string Follower::change(const config_block_t &block)
+{
+    learn(block);
+    std::string why = client_.write_block(block);
+    for (int k = 0; k < BLOCK_TRIES && ends_with(why, ASK_AGAIN); k++) {
+        client_.poll(options_.timing.ring_s);
+        why = client_.apply(block.crc);
+    }
+    if (why.empty()) {
+        take_over(block);
+    }
+    return why;
+}
+
+std::string Follower::defaults()
+{
+    const std::string why = client_.defaults();
+    if (why.empty()) {
+        (void)block_in_force();
+    }
+    return why;
+}
+
+void Follower::hear(const SegmentInfo &info)
+{
+    if (!stream_) {
+        return;
+    }
+    if (info.number + RECORDER_SEGMENTS <= stream_->newest()) {
+        stream_ = std::make_unique<Stream>(identity_.segment_entries); // the board counts anew
+        candidate_.reset();
+        tried_ = 0;
+        if (shadow_.is_in_step()) {
+            lose("the board's recorder has begun anew");
+        }
+    }
+    stream_->add(info);
+}
+
+void Follower::lose(const std::string &why)
+{
+    if (gaps_.empty() || gaps_.back().until != 0) {
+        gaps_.push_back({shadow_.next(), 0, why});
+        reporter_.say(gap_text(gaps_.back()));
+    }
+    shadow_.lose_step();
+    candidate_.reset();
+}
+
+void Follower::keep_alive()
+{
+    const double now_s = client_.now_s();
+    if (now_s - pinged_s_ < options_.ping_s) {
+        return;
+    }
+    pinged_s_ = now_s;
+    if (const std::optional<Health> health = client_.ping()) {
+        health_ = *health;
+    }
+    if (client_.whole() != heard_) {
+        heard_ = client_.whole();
+        heard_s_ = now_s;
+    } else if (now_s - heard_s_ > options_.silent_s) {
+        reporter_.say("the board does not answer, it is asked who it is");
+        if (shadow_.is_in_step()) {
+            lose("the board did not answer");
+        }
+        connect();
+    }
+}
+
+// Word by word of a segment that the ring still has: the newest when the one before is gone.
+void Follower::ask_for_state()
+{
+    const bool gone =
+        candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
+    if (!candidate_ || gone) {
+        tried_ = candidate_ ? candidate_->number : tried_;
+        candidate_ = stream_->newest_after(tried_);
+        state_.clear();
+        if (candidate_) {
+            stream_->forget_before(candidate_->number);
+        }
+    }
+    if (!candidate_) {
+        return;
+    }
+    const Client::Piece piece =
+        client_.state(candidate_->number, static_cast<uint16_t>(state_.size()),
+                      careful_ ? STATE_SHORT : LINK_READ_WORDS_MAX);
+    const bool refused = piece.answered && piece.words.words.empty();
+    state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
+    if (refused) {
+        tried_ = candidate_->number;
+        candidate_.reset();
+    } else if (state_.size() >= identity_.state_words) {
+        begin();
+    }
+}
+
+void Follower::begin()
+{
+    const SegmentInfo info = *candidate_;
+    const std::string why = know(info.config_crc)
+                                ? shadow_.begin(info, state_)
+                                : "its configuration is not in force any more";
+    tried_ = info.number;
+    candidate_.reset();
+    if (!why.empty()) {
+        reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
+        stream_->forget_before(info.number + 1);
+        return;
+    }
+    at_ = info.number;
+}
+
+// Not before something is shown again.
+void Follower::close_gap(int64_t tick)
+{
+    if (!gaps_.empty() && gaps_.back().until == 0) {
+        gaps_.back().until = tick;
+        reporter_.say(gap_text(gaps_.back()));
+    }
+}
+
+bool Follower::ask_for_missing()
+{
+    const std::optional<Missing> missing = stream_->missing();
+    if (!missing) {
+        return false;
+    }
+    const Client::Again again = client_.again(missing->segment, missing->first, missing->count);
+    if (again == Client::Again::nothing) {
+        stream_->ends_before(*missing);
+    }
+    return true;
+}
+
+void Follower::compute()
+{
+    while (const std::optional<Stretch> stretch = stream_->take(at_)) {
+        const std::optional<uint32_t> unknown = shadow_.unknown_config(*stretch);
+        if (unknown && !know(*unknown)) {
+            lose(fmt::format("the configuration {:08x} was not in force long enough to be read",
+                             *unknown));
+            return;
+        }
+        const int64_t first = shadow_.next();
+        const Shadow::Advance advance = shadow_.advance(*stretch, sink_);
+        if (advance.verdict != Shadow::Verdict::right) {
+            departures_ += advance.verdict == Shadow::Verdict::departs ? 1 : 0;
+            lose(advance.why);
+            return;
+        }
+        close_gap(first);
+        at_ = stretch->end.number;
+    }
+    if (stream_->is_lost(at_)) {
+        lose("the line was too slow or too bad");
+    }
+}
+
+void Follower::step(double wait_s)
+{
+    keep_alive();
+    judge_line();
+    bool asked = false;
+    if (shadow_.is_in_step()) {
+        asked = ask_for_missing();
+    } else {
+        ask_for_state();
+    }
+    client_.poll(asked || candidate_ ? 0 : wait_s);
+    if (shadow_.is_in_step()) {
+        compute();
+    }
+}
+
+} // namespace nf::live

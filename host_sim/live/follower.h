@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+// Follows a running board: keeps the line alive, asks for what is missing, and gets into step again after a gap.
+#pragma once
+
+#include "client.h"
+#include "shadow.h"
+#include "stream.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nf::live
+{
+
+// Ticks that are not known: those before `from` were shown, from `until` on they are again.
+struct Gap {
+    int64_t from;
+    int64_t until; // still open: 0
+    std::string why;
+};
+
+std::string gap_text(const Gap &gap);
+
+// What a person is to know, a line each.
+struct Reporter {
+    std::function<void(const std::string &)> say = [](const std::string &) {};
+    std::function<void(const std::string &)> text = [](const std::string &) {}; // of the console
+};
+
+struct FollowerOptions {
+    Timing timing;
+    double keep_s = 10;   // for the stepper
+    double ping_s = 0.2;  // how often the board hears that somebody is there
+    double silent_s = 1;  // without a frame of it: it is asked anew who it is
+};
+
+class Follower
+{
+public:
+    // Channel and sink outlive it.
+    Follower(Channel &channel, TickSink &sink, Reporter reporter, const FollowerOptions &options);
+
+    // Throws LinkError: no answer; or another schema, version or state, with what to do.
+    void connect();
+
+    // One pass: what has come in, one or two questions, what can be computed. Throws LinkError when the board has gone.
+    void step(double wait_s);
+
+    // The stream ends, and the line is the console's again.
+    void leave();
+
+    // Writes a block, which acts from one tick on. Empty, or why not.
+    std::string change(const config_block_t &block);
+    // The block in force, whole and good. Throws LinkError.
+    config_block_t block_in_force();
+    // What acts is the board's own again.
+    std::string defaults();
+
+    Client &client()
+    {
+        return client_;
+    }
+    // Of the newest block that was read or written.
+    const config_about_t &about() const
+    {
+        return about_;
+    }
+    const Bases &bases() const
+    {
+        return bases_;
+    }
+    double kept_s() const
+    {
+        return options_.keep_s;
+    }
+    const Identity &identity() const
+    {
+        return identity_;
+    }
+    const Shadow &shadow() const
+    {
+        return shadow_;
+    }
+    const std::vector<Gap> &gaps() const
+    {
+        return gaps_;
+    }
+    double now_s() const
+    {
+        return client_.now_s();
+    }
+    uint64_t bytes_in() const
+    {
+        return client_.bytes_in();
+    }
+    // Frames that came damaged.
+    uint64_t broken() const
+    {
+        return client_.broken();
+    }
+    const Health &health() const
+    {
+        return health_;
+    }
+    // How often the board's state was not that of the same inputs here.
+    uint64_t departures() const
+    {
+        return departures_;
+    }
+
+private:
+    void refuse_others() const;
+    void learn(const config_block_t &block);
+    void take_over(const config_block_t &block);
+    bool know(uint32_t crc);
+    void keep_alive();
+    void begin_stream();
+    void judge_line();
+    void hear(const SegmentInfo &info);
+    void ask_for_state();
+    void begin();
+    bool ask_for_missing();
+    void compute();
+    void close_gap(int64_t tick);
+    void lose(const std::string &why);
+
+    Reporter reporter_;
+    FollowerOptions options_;
+    TickSink &sink_;
+    Client client_;
+    Identity identity_{};
+    std::map<uint32_t, DriveSettings> known_; // by crc
+    config_about_t about_{};
+    Bases bases_{};
+    Shadow shadow_;
+    std::unique_ptr<Stream> stream_;
+    uint32_t at_ = 0; // segment, when in step: the next one to be computed
+    std::optional<SegmentInfo> candidate_;
+    uint32_t tried_ = 0; // candidates up to this one were none
+    std::vector<uint32_t> state_; // of the candidate, so far
+    std::vector<Gap> gaps_;
+    Health health_{};
+    double pinged_s_ = 0;
+    double heard_s_ = 0; // when a frame came in last
+    uint64_t heard_ = 0; // and how many by then
+    bool careful_ = false; // the line spoils long messages
+    std::string no_stream_; // why there is none
+    double judged_s_ = 0;
+    uint64_t judged_whole_ = 0; // by then
+    uint64_t judged_broken_ = 0;
+    uint64_t departures_ = 0;
+};
+
+} // namespace nf::live

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "live_command.h"
+
+#include "serial_port.h"
+
+namespace nf::live
+{
+namespace
+{
+
+constexpr const char *LIVE_HELP =
+    R"(Every signal of every control tick of a running board: the board sends what it measures, and the same firmware
+computes here what it computes there. What is written is checked against the board's state.
+
+Examples:
+  motorsim live /dev/ttyACM0                      a view, and a line for commands: `help` lists them
+  motorsim live /dev/ttyACM0 --trace run.csv --for 10   the signals of 10 s, for plots
+  motorsim live /dev/ttyACM0 --udp localhost:9870 for PlotJuggler: UDP server, JSON
+  motorsim live /dev/ttyACM0 --script tune.txt    commands from a file
+  motorsim live --simulate s1 --link board        a simulated board on a port: try `motorsim live board` beside it
+
+Exit status: 0 done, 1 the board's state departed from the one here or a command of a script was refused, 2 wrong usage,
+no board, or another firmware.)";
+
+// Reading the board file is left to where it is needed: the rate of the port.
+unsigned rate_of(const LiveArguments &arguments)
+{
+    if (arguments.rate != 0) {
+        return arguments.rate;
+    }
+    const BoardSettings board =
+        arguments.files.board.empty() ? BoardSettings{} : load_board(arguments.files.board);
+    return static_cast<unsigned>(board.baud);
+}
+
+std::string not_empty(const std::string &name)
+{
+    return name.empty() ? "needs a name" : "";
+}
+
+void describe_outputs(CLI::App &command, LiveArguments &arguments)
+{
+    command.add_option("--trace", arguments.trace, "write all signals of every tick as CSV")
+        ->check(not_empty, "")
+        ->type_name("FILE");
+    command.add_option("--vcd", arguments.vcd, "write states, signals and gate edges as VCD")
+        ->check(not_empty, "")
+        ->type_name("FILE");
+    command.add_option("--udp", arguments.udp, "send signals as JSON datagrams, for PlotJuggler")
+        ->check(not_empty, "")
+        ->type_name("HOST:PORT");
+    command.add_option("--udp-every", arguments.udp_every, "send each so many-th tick only")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000000));
+    command.add_option("--for", arguments.for_s, "end after so much time of the board, s")
+        ->check(CLI::Range(0.0, 1e9))
+        ->type_name("SECONDS");
+}
+
+} // namespace
+
+void describe(CLI::App &command, LiveArguments &arguments)
+{
+    command.footer(LIVE_HELP);
+    command.add_option("port", arguments.port, "serial port of the board");
+    describe(command, arguments.serve);
+    command.add_option("--baud", arguments.rate, "of the port; else board.baud of --board")
+        ->check(CLI::Range(1200, 12000000));
+    describe_outputs(command, arguments);
+    command
+        .add_option("--script", arguments.script,
+                    "commands from a file; - is standard input; status 1 when one is refused")
+        ->check(not_empty, "")
+        ->type_name("FILE");
+    command.add_option("--motor", arguments.files.motor,
+                       "the board's motor file for `set`; else the shipped one of its name");
+    command.add_option("--board", arguments.files.board, "likewise the board file");
+    command.add_option("--tuning", arguments.files.tuning, "likewise the tuning");
+    command
+        .add_option("--set", arguments.files.set,
+                    "what the board's configuration has been set to, over the files; repeatable")
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+    command.add_option("--keep", arguments.keep_s, "so many seconds for `debug`")
+        ->capture_default_str()
+        ->check(CLI::Range(0.1, 600.0));
+}
+
+bool live(LiveArguments arguments)
+{
+    const FileChoice &files = arguments.files;
+    if (arguments.port.empty() == arguments.serve.scenario.empty()) {
+        throw ChannelError("name a port, or --simulate SCENARIO");
+    }
+    if (arguments.port.empty()) {
+        serve(arguments.serve, {files.motor, files.board, files.set});
+        return true;
+    }
+    arguments.baud = rate_of(arguments);
+    SerialPort port(arguments.port, arguments.baud);
+    return follow(port, arguments);
+}
+
+} // namespace nf::live

@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: MIT
+#include "live_run.h"
+
+#include "board_commands.h"
+#include "command_source.h"
+#include "console.h"
+#include "follower.h"
+#include "interrupt.h"
+#include "line_rate.h"
+#include "live_view.h"
+#include "trace.h"
+#include "udp_sink.h"
+#include "vcd.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+constexpr double PASS_S = 0.02; // between two looks at keys and lines
+constexpr double IN_STEP_S = 5; // until then a script waits for the first state
+constexpr double LATE_S = 10;   // behind --for: the board's time does not go on
+constexpr double PS_PER_S = 1e12;
+
+// What is written of each tick that is verified.
+class LiveOutputs : public TickSink
+{
+public:
+    explicit LiveOutputs(const LiveOptions &options) : for_s_(options.for_s)
+    {
+        if (!options.trace.empty()) {
+            trace_ = std::make_unique<Trace>(options.trace, false);
+        }
+        if (!options.vcd.empty()) {
+            vcd_ = std::make_unique<Vcd>(options.vcd,
+                                         TimeWindow{0, std::numeric_limits<double>::infinity()});
+        }
+        if (!options.udp.empty()) {
+            udp_ = std::make_unique<UdpSink>(options.udp, options.udp_every);
+        }
+    }
+
+    void add(const Tick &tick) override
+    {
+        first_s_ = first_s_.value_or(tick.time_s);
+        ended_ =
+            for_s_ && tick.time_s - *first_s_ >= *for_s_ - tick.sim->bases().control_period_s / 2;
+        if (ended_) {
+            return;
+        }
+        if (trace_) {
+            trace_->add(tick);
+        }
+        if (vcd_) {
+            vcd_->add(tick);
+        }
+        if (udp_) {
+            udp_->add(tick);
+        }
+    }
+
+    // All ticks of --for are there.
+    bool has_ended() const
+    {
+        return ended_;
+    }
+
+    void close()
+    {
+        if (trace_) {
+            trace_->close();
+        }
+        if (vcd_) {
+            vcd_->close();
+        }
+    }
+
+private:
+    std::optional<double> for_s_;
+    std::optional<double> first_s_;
+    bool ended_ = false;
+    std::unique_ptr<Trace> trace_;
+    std::unique_ptr<Vcd> vcd_;
+    std::unique_ptr<UdpSink> udp_;
+};
+
+class LiveRun
+{
+public:
+    LiveRun(Channel &channel, const LiveOptions &options);
+    bool run();
+
+private:
+    void connect();
+    void warn_of_a_slow_line();
+    void get_into_step();
+    void pass(double seconds);
+    void step();
+    void take_lines();
+    void execute(const std::string &line);
+    bool step_through(const RecordedRun &run);
+    bool converse(const RecordedRun &run);
+    bool is_over();
+    void say(const std::string &line);
+
+    Channel &channel_;
+    const LiveOptions &options_;
+    LiveOutputs outputs_;
+    bool person_;
+    std::unique_ptr<CommandSource> source_; // none: a person types
+    std::unique_ptr<LiveView> view_;
+    Follower follower_;
+    BoardCommands commands_;
+    bool quit_ = false;
+    bool refused_ = false;
+    double begun_s_ = 0;
+    std::atomic<bool> stepping_{false}; // somebody else has the terminal: lines wait
+    std::mutex waiting_guard_;
+    std::vector<std::string> waiting_;
+};
+
+LiveRun::LiveRun(Channel &channel, const LiveOptions &options)
+    : channel_(channel), options_(options), outputs_(options),
+      person_(options.script.empty() && isatty(STDIN_FILENO) != 0),
+      source_(person_ ? nullptr : std::make_unique<CommandSource>(options.script)),
+      view_(isatty(STDOUT_FILENO) != 0 && person_ ? terminal_view() : plain_view()),
+      follower_(channel, outputs_,
+                {[this](const std::string &line) { say(line); },
+                 [this](const std::string &text) { commands_.take_text(text); }},
+                {options.timing, options.keep_s}),
+      commands_(follower_, options.files,
+                {[this](const std::string &line) { say(line); },
+                 [this](double seconds) { pass(seconds); },
+                 [this](const RecordedRun &run) { return step_through(run); }})
+{
+}
+
+void LiveRun::say(const std::string &line)
+{
+    if (stepping_) {
+        const std::lock_guard<std::mutex> guard(waiting_guard_);
+        waiting_.push_back(line);
+    } else {
+        view_->say(line);
+    }
+}
+
+void LiveRun::connect()
+{
+    follower_.connect();
+    const Identity &identity = follower_.identity();
+    say(fmt::format("{}, {:g} ticks per s", follower_.about().name, PS_PER_S / identity.tick_ps));
+    warn_of_a_slow_line();
+}
+
+void LiveRun::warn_of_a_slow_line()
+{
+    const Identity &identity = follower_.identity();
+    const double needed = baud_needed(PS_PER_S / identity.tick_ps);
+    if (options_.baud != 0 && identity.baud < needed) {
+        say(fmt::format("the line is too slow for all ticks: {} baud, {:.0f} needed (board.baud of "
+                        "the board file, and --baud); there will be gaps",
+                        identity.baud, std::ceil(needed)));
+    }
+}
+
+// A script's first command finds a drive that is known.
+void LiveRun::get_into_step()
+{
+    const double until_s = channel_.now_s() + IN_STEP_S;
+    while (!follower_.shadow().is_in_step() && channel_.now_s() < until_s && !is_over()) {
+        step();
+    }
+}
+
+bool LiveRun::is_over()
+{
+    if (debug::was_interrupted() || quit_ || outputs_.has_ended()) {
+        return true;
+    }
+    if (options_.for_s && channel_.now_s() > begun_s_ + *options_.for_s + LATE_S) {
+        throw LinkError(fmt::format("{:g} s of the board did not come within {:g} s",
+                                    *options_.for_s, *options_.for_s + LATE_S));
+    }
+    return !person_ && source_->has_ended() && !options_.for_s;
+}
+
+void LiveRun::step()
+{
+    follower_.step(PASS_S);
+    view_->show(follower_);
+}
+
+void LiveRun::pass(double seconds)
+{
+    const double until_s = channel_.now_s() + seconds;
+    while (channel_.now_s() < until_s && !debug::was_interrupted() && !outputs_.has_ended()) {
+        step();
+    }
+}
+
+void LiveRun::execute(const std::string &line)
+{
+    if (!person_) {
+        say("> " + line);
+    }
+    const debug::Answer answer = commands_.execute(line);
+    if (!answer.text.empty()) {
+        say(answer.outcome == debug::Outcome::refused ? "refused: " + answer.text : answer.text);
+    }
+    quit_ = answer.outcome == debug::Outcome::quit;
+    refused_ = refused_ || answer.outcome == debug::Outcome::refused;
+}
+
+void LiveRun::take_lines()
+{
+    if (const std::optional<std::string> line = person_ ? view_->typed() : source_->next()) {
+        execute(*line);
+    }
+}
+
+bool LiveRun::converse(const RecordedRun &run)
+{
+    debug::Session session(run, "live");
+    session.timeline.go_to(session.timeline.last());
+    const std::unique_ptr<debug::LineReader> reader =
+        person_ ? debug::terminal_reader(debug::completions) : source_->reader(stdout);
+    return debug::converse(session, *reader, stdout);
+}
+
+// The board is followed all the same: it stops a motor that nobody asks for.
+bool LiveRun::step_through(const RecordedRun &run)
+{
+    std::exception_ptr problem;
+    std::atomic<bool> done{false};
+    view_->leave();
+    stepping_ = true;
+    std::thread following([&] {
+        try {
+            while (!done) {
+                follower_.step(PASS_S);
+            }
+        } catch (...) {
+            problem = std::current_exception();
+        }
+    });
+    const bool good = converse(run);
+    done = true;
+    following.join();
+    stepping_ = false;
+    view_->enter();
+    for (const std::string &line : std::exchange(waiting_, {})) {
+        view_->say(line);
+    }
+    if (problem) {
+        std::rethrow_exception(problem);
+    }
+    return good;
+}
+
+bool LiveRun::run()
+{
+    const debug::InterruptWatch watch;
+    begun_s_ = channel_.now_s();
+    connect();
+    get_into_step();
+    while (!is_over()) {
+        take_lines();
+        step();
+    }
+    outputs_.close();
+    try {
+        follower_.leave();
+    } catch (const LinkError &error) {
+        say(error.what());
+    }
+    return follower_.departures() == 0 && (person_ || !refused_);
+}
+
+} // namespace
+
+bool follow(Channel &channel, const LiveOptions &options)
+{
+    LiveRun run(channel, options);
+    return run.run();
+}
+
+} // namespace nf::live

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "serve_command.h"
+
+#include "interrupt.h"
+#include "pty_server.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace nf::live
+{
+namespace
+{
+
+std::string not_empty(const std::string &name)
+{
+    return name.empty() ? "needs a name" : "";
+}
+
+Config load(const ServeArguments &arguments, const ServeFiles &files)
+{
+    std::vector<std::string> set = files.set;
+    for (const auto &[key, value] :
+         {std::pair("motor", files.motor), std::pair("board", files.board)}) {
+        if (!value.empty()) {
+            set.push_back(fmt::format("{}={}", key, value));
+        }
+    }
+    return load_scenario(arguments.scenario, arguments.with, set);
+}
+
+// At once, also where it goes into a pipe: who waits for the port's name reads it there.
+void say(const std::string &line)
+{
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+}
+
+} // namespace
+
+void describe(CLI::App &command, ServeArguments &arguments)
+{
+    command
+        .add_option("--simulate", arguments.scenario,
+                    "serve a simulated board on a pseudo-terminal, with the motor of a scenario, "
+                    "whose script commands it until somebody else does")
+        ->check(not_empty, "")
+        ->type_name("SCENARIO");
+    command.add_option("--with", arguments.with, "imperfection set of --simulate; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("IMPERFECTION");
+    command
+        .add_option("--pace", arguments.pace,
+                    "simulated seconds in a second; 0: as many as it can do")
+        ->capture_default_str()
+        ->check(CLI::Range(0.0, 1000.0));
+    command
+        .add_option("--link", arguments.link,
+                    "symbolic link to the port of --simulate, for a name that stays")
+        ->check(not_empty, "")
+        ->type_name("PATH");
+}
+
+void serve(const ServeArguments &arguments, const ServeFiles &files)
+{
+    const Config config = load(arguments, files);
+    SimulatedBoard board(config);
+    Pty pty(arguments.link);
+    const std::string &port = arguments.link.empty() ? pty.port() : arguments.link;
+    say(fmt::format("serving on {}; connect with: motorsim live {}", pty.port(), port));
+    const debug::InterruptWatch watch;
+    Serving serving;
+    serving.pace = arguments.pace;
+    serving.stops = debug::was_interrupted;
+    serving.lags = [](double lag_s) {
+        fmt::print(stderr, "the simulation is slower than its pace: {:.2g} s are left out\n",
+                   lag_s);
+    };
+    serve(board, pty, serving);
+}
+
+} // namespace nf::live

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+#include "board_commands.h"
+#include "fault_line.h"
+#include "found_fault.h"
+#include "live_view.h"
+#include "names.h"
+
+#include <algorithm>
+#include <deque>
+#include <vector>
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <fmt/format.h>
+
+#include <curses.h>
+
+namespace nf::live
+{
+namespace
+{
+
+constexpr double EVERY_S = 0.1;
+constexpr std::size_t LINES_KEPT = 500;
+constexpr double Q15 = 32768.0;
+constexpr int KEY_DELETE_BEFORE = 127;
+
+// A name and its value, as the view has them below each other.
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+void add_drive(Rows &rows, const Simulation &sim)
+{
+    const drive_t &drive = sim.drive();
+    const Bases &bases = sim.bases();
+    const auto ampere = [&](int32_t raw) { return raw / Q15 * bases.current_a; };
+    const auto volt = [&](int32_t raw) { return raw / Q15 * bases.voltage_v; };
+    rows.emplace_back("state", state_name(drive.state));
+    rows.emplace_back("speed",
+                      fmt::format("{:.1f} of {:.1f} rpm", bases.rpm_from_step(drive_speed(&drive)),
+                                  bases.rpm_from_step(drive.speed_reference)));
+    rows.emplace_back("current", fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A",
+                                             ampere(drive.signals.current.q),
+                                             ampere(drive.signals.current_ref.q),
+                                             ampere(drive.signals.current.d)));
+    rows.emplace_back("voltage",
+                      fmt::format("q {:.2f} V, d {:.2f} V, bus {:.2f} V",
+                                  volt(drive.signals.voltage.q), volt(drive.signals.voltage.d),
+                                  volt(drive.signals.bus)));
+    rows.emplace_back("temperature", fmt::format("{} counts", sim.in().adc_temperature));
+    if (drive.state == DRIVE_STATE_FAULT) {
+        const FoundFault fault = found_fault(drive, bases);
+        rows.emplace_back("fault", fault_measure(fault, bases));
+        rows.emplace_back("", fault_text(fault.id)->advice);
+    }
+}
+
+Rows rows_of(const Follower &follower, double bytes_per_s)
+{
+    const Shadow &shadow = follower.shadow();
+    const Health &health = follower.health();
+    Rows rows;
+    rows.emplace_back("board", follower.about().name);
+    if (shadow.is_in_step()) {
+        add_drive(rows, shadow.sim());
+    } else {
+        rows.emplace_back("state", "not in step");
+    }
+    rows.emplace_back("processor",
+                      fmt::format("load {} %, late ticks {}{}", health.load_pct, health.late_ticks,
+                                  health.tick_lost ? ", NO CONTROL TICK" : ""));
+    rows.emplace_back("line", fmt::format("{:.0f} bytes/s, {} broken, {} gaps", bytes_per_s,
+                                          follower.broken(), follower.gaps().size()));
+    rows.emplace_back("checked", fmt::format("tick {}, {} hashes, {} departures", shadow.next(),
+                                             shadow.hashes_compared(), follower.departures()));
+    return rows;
+}
+
+class Screen : public LiveView
+{
+public:
+    Screen()
+    {
+        initscr();
+        set_up();
+    }
+
+    ~Screen() override
+    {
+        endwin();
+    }
+    Screen(const Screen &) = delete;
+    Screen &operator=(const Screen &) = delete;
+
+    void say(const std::string &line) override
+    {
+        for (std::size_t at = 0; at <= line.size();) {
+            const std::size_t end = std::min(line.find('\n', at), line.size());
+            lines_.push_back(line.substr(at, end - at));
+            at = end + 1;
+        }
+        while (lines_.size() > LINES_KEPT) {
+            lines_.pop_front();
+        }
+        draw();
+    }
+
+    void show(const Follower &follower) override
+    {
+        const double now_s = follower.now_s();
+        if (now_s - shown_s_ < EVERY_S) {
+            return;
+        }
+        const uint64_t bytes = follower.bytes_in();
+        rows_ = rows_of(follower, static_cast<double>(bytes - bytes_) / (now_s - shown_s_));
+        bytes_ = bytes;
+        shown_s_ = now_s;
+        draw();
+    }
+
+    std::optional<std::string> typed() override
+    {
+        for (int key = getch(); key != ERR; key = getch()) {
+            if (key == '\n' || key == '\r' || key == KEY_ENTER) {
+                std::string line;
+                line.swap(input_);
+                say("> " + line);
+                return line;
+            }
+            take_key(key);
+            draw();
+        }
+        return std::nullopt;
+    }
+
+    void leave() override
+    {
+        endwin();
+    }
+
+    void enter() override
+    {
+        set_up();
+        clear();
+        draw();
+    }
+
+private:
+    static void set_up()
+    {
+        cbreak();
+        noecho();
+        keypad(stdscr, TRUE);
+        nodelay(stdscr, TRUE);
+    }
+
+    void take_key(int key)
+    {
+        const bool back = key == KEY_BACKSPACE || key == KEY_DELETE_BEFORE || key == '\b';
+        if (back && !input_.empty()) {
+            input_.pop_back();
+        } else if (key >= ' ' && key < KEY_DELETE_BEFORE) {
+            input_ += static_cast<char>(key);
+        }
+    }
+
+    // As far as the width goes.
+    static void put(int row, const std::string &text)
+    {
+        mvaddnstr(row, 0, text.c_str(), COLS);
+    }
+
+    void draw() const
+    {
+        erase();
+        int row = 0;
+        for (const auto &[name, value] : rows_) {
+            put(row++, fmt::format("{:12} {}", name, value));
+        }
+        row++;
+        const auto room = static_cast<std::size_t>(std::max(0, LINES - 1 - row));
+        const std::size_t from = lines_.size() > room ? lines_.size() - room : 0;
+        for (std::size_t k = from; k < lines_.size(); k++) {
+            put(row++, lines_[k]);
+        }
+        put(LINES - 1, "> " + input_);
+        refresh();
+    }
+
+    Rows rows_;
+    std::deque<std::string> lines_;
+    std::string input_;
+    double shown_s_ = 0;
+    uint64_t bytes_ = 0;
+};
+
+} // namespace
+
+std::unique_ptr<LiveView> terminal_view()
+{
+    return std::make_unique<Screen>();
+}
+
+} // namespace nf::live

@@ -1,0 +1,757 @@
+/* SPDX-License-Identifier: MIT */
+/* The line: whose it is, each question with its answer, and a person who still has the console. */
+#include "commander.h"
+#include "drive_words.h"
+#include "example_app.h"
+#include "flash_model.h"
+#include "frame_code.h"
+#include "link.h"
+#include "link_line.h"
+
+#define HELP \
+    "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
+#define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
+#define SHORT_WHILE (100U)      /* enough for any answer */
+
+static about_t of_image;
+static live_config_t live;
+static link_t serial;
+static recorder_t recorder;
+static recorder_entry_t entries[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
+static uint8_t tag;
+
+static void pass(void)
+{
+    control_isr(&app);
+    recorder_service(&recorder, &app.drive);
+    link_step(&serial);
+}
+
+static void passes(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        pass();
+    }
+}
+
+static void start(void)
+{
+    static const uint32_t build[RECORDER_BUILD_WORDS] = {0x03020100U, 0x07060504U, 0x0B0A0908U,
+                                                         0x0F0E0D0CU, 0x13121110U};
+
+    of_image = ABOUT;
+    of_image.identity = (config_identity_t){.schema = 0x33333333U, .board = 0x44444444U};
+    of_image.baud = 921600U;
+    of_image.build = build;
+    live_config_init(&live, &app, &hardware, &of_image, &cfg);
+    link_init(&serial, &live);
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &live.in_force->cfg));
+    TEST_ASSERT_NULL(recorder_init(&recorder, entries, RECORDER_ENTRIES_MIN, 8U));
+    app_record(&app, &recorder);
+}
+
+void setUp(void)
+{
+    flash_new(0U);
+    line_new();
+    memset(&app, 0, sizeof app);
+    memset(&serial, 0xA5, sizeof serial);
+    power_on();
+    start();
+    passes(EXAMPLE_CALIBRATION_TICKS);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+    line_listen();
+    tag = 40U;
+}
+
+void tearDown(void)
+{
+}
+
+/* The answer to a question, behind type and tag; exactly one comes. */
+static const line_message_t *ask(uint8_t type, const void *body, uint32_t length)
+{
+    const line_message_t *answer;
+
+    tag++;
+    line_ask(type, tag, body, length);
+    passes(SHORT_WHILE);
+    line_listen();
+    answer = line_find((uint8_t)(type + LINK_ANSWER));
+    if (answer != NULL) {
+        TEST_ASSERT_EQUAL_UINT8(tag, answer->bytes[1]);
+    }
+    return answer;
+}
+
+static void hello(void)
+{
+    const uint8_t version = LINK_VERSION;
+
+    TEST_ASSERT_NOT_NULL(ask(LINK_HELLO, &version, 1U));
+    TEST_ASSERT_TRUE(serial.is_linked);
+}
+
+/* A verdict; "" when it is done. */
+static const char *verdict_of(uint8_t type, const void *body, uint32_t length)
+{
+    static char text[LINK_MESSAGE_BYTES_MAX];
+    const line_message_t *const answer = ask(type, body, length);
+
+    TEST_ASSERT_NOT_NULL(answer);
+    memcpy(text, &answer->bytes[2], answer->length - 2U);
+    text[answer->length - 2U] = '\0';
+    return text;
+}
+
+static void assert_verdict(const char *expected, uint8_t type, const void *body, uint32_t length)
+{
+    TEST_ASSERT_EQUAL_STRING(expected, verdict_of(type, body, length));
+}
+
+static void put_command(uint8_t body[6], uint8_t request, uint8_t mode, int32_t target)
+{
+    body[0] = request;
+    body[1] = mode;
+    words_put(&body[2], (uint32_t)target);
+}
+
+static void assert_command(const char *expected, uint8_t request, uint8_t mode, int32_t target)
+{
+    uint8_t body[6];
+
+    put_command(body, request, mode, target);
+    assert_verdict(expected, LINK_COMMAND, body, sizeof body);
+}
+
+static void assert_line(const char *typed)
+{
+    assert_verdict("", LINK_LINE, typed, (uint32_t)strlen(typed));
+}
+
+static void assert_text(const char *expected, const char *typed)
+{
+    line_type(typed);
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_EQUAL_STRING(expected, line.text);
+}
+
+static void test_a_person_has_the_console_from_the_start(void)
+{
+    assert_text("ok\r\n", "speed 1000\r");
+    assert_text(HELP, "x\n");
+    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
+    TEST_ASSERT_FALSE(serial.is_linked);
+}
+
+static void test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut(void)
+{
+    line.room = 3U;
+    assert_text("ok\r", "stop\n");
+    line.room = SIZE_MAX;
+    assert_text("\n", "");
+    line.room = 0U;
+    for (uint32_t k = 0U; k < (TEXT_MAX / 4U); k++) {
+        assert_text("", "stop\n");
+    }
+    line.room = SIZE_MAX;
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_EQUAL_size_t(TEXT_MAX, line.text_length);
+    assert_text("ok\r\n", "stop\n");
+}
+
+static void test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity(void)
+{
+    const uint8_t version = LINK_VERSION;
+    const line_message_t *const answer = ask(LINK_HELLO, &version, 1U);
+    const uint8_t *const body = &answer->bytes[2];
+
+    TEST_ASSERT_NOT_NULL(answer);
+    TEST_ASSERT_EQUAL_UINT32(2U + LINK_IDENTITY_BYTES, answer->length);
+    TEST_ASSERT_EQUAL_UINT8(LINK_VERSION, body[0]);
+    TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM | LINK_CAN_STORE, body[1]);
+    TEST_ASSERT_EQUAL_UINT32(drive_words_count() | (CONFIG_BLOCK_WORDS << 16U),
+                             words_get(&body[2]));
+    TEST_ASSERT_EQUAL_UINT8(RECORDER_ENTRIES_MIN, body[6]);
+    TEST_ASSERT_EQUAL_UINT8(0U, body[7]);
+    TEST_ASSERT_EQUAL_HEX32(0x33333333U, words_get(&body[8]));
+    TEST_ASSERT_EQUAL_HEX32(0x44444444U, words_get(&body[12]));
+    TEST_ASSERT_EQUAL_UINT32(100000000U, words_get(&body[16]));
+    TEST_ASSERT_EQUAL_UINT32(921600U, words_get(&body[20]));
+    TEST_ASSERT_EQUAL_UINT32(20000000U, words_get(&body[24]));
+    TEST_ASSERT_EQUAL_UINT32(450000000U, words_get(&body[28]));
+    for (uint32_t k = 0U; k < 20U; k++) {
+        TEST_ASSERT_EQUAL_UINT8(k, body[32U + k]);
+    }
+}
+
+static void test_a_board_without_recorder_and_build_id_says_so(void)
+{
+    const uint8_t version = LINK_VERSION;
+
+    of_image.build = NULL;
+    live_config_init(&live, &app, &hardware, &of_image, &cfg);
+    link_init(&serial, &live);
+    app.recorder = NULL;
+    const uint8_t *const body = &ask(LINK_HELLO, &version, 1U)->bytes[2];
+    TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STORE, body[1]);
+    TEST_ASSERT_EQUAL_UINT8(0U, body[6]);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0U, &body[32], 20U);
+    assert_verdict("there is no recorder", LINK_STREAM, &version, 1U);
+}
+
+static void test_no_question_but_a_hello_makes_the_line_the_pcs(void)
+{
+    for (uint8_t type = 0U; type < 16U; type++) {
+        if (type != LINK_HELLO) {
+            TEST_ASSERT_NULL(ask(type, NULL, 0U));
+            TEST_ASSERT_FALSE(serial.is_linked);
+            TEST_ASSERT_EQUAL_UINT32(0U, line.count);
+        }
+    }
+    assert_text("ok\r\n", "stop\n");
+}
+
+static void test_a_line_that_was_begun_when_the_pc_came_is_forgotten(void)
+{
+    const uint8_t bye = 0U;
+
+    line_type("ru");
+    hello();
+    TEST_ASSERT_NOT_NULL(ask(LINK_BYE, &bye, 0U));
+    assert_text(HELP, "n\n");
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+}
+
+static void test_text_that_is_on_its_way_goes_on_in_frames(void)
+{
+    line.room = 3U;
+    line_type("stop\n");
+    pass();
+    line.room = SIZE_MAX;
+    hello();
+    TEST_ASSERT_EQUAL_STRING("ok\r", line.text);
+    TEST_ASSERT_EQUAL_STRING("\n", line_said());
+}
+
+static void test_a_bye_gives_the_line_back(void)
+{
+    hello();
+    TEST_ASSERT_EQUAL_UINT32(2U, ask(LINK_BYE, NULL, 0U)->length);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    assert_text("ok\r\n", "stop\n");
+}
+
+static void test_two_seconds_without_a_frame_give_the_line_back_and_not_less(void)
+{
+    hello();
+    passes(TICKS_OF_PAUSE - (2U * SHORT_WHILE));
+    TEST_ASSERT_NOT_NULL(ask(LINK_PING, NULL, 0U));
+    passes(TICKS_OF_PAUSE - (2U * SHORT_WHILE));
+    TEST_ASSERT_TRUE(serial.is_linked);
+    passes(2U * SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    line_listen();
+    assert_text("ok\r\n", "stop\n");
+}
+
+/* What is no frame does not count as one. */
+static void test_broken_frames_do_not_keep_the_line(void)
+{
+    static const uint8_t ping[] = {LINK_PING, 1U};
+
+    hello();
+    for (uint32_t k = 0U; k < 250U; k++) {
+        line_frame(ping, sizeof ping, 1U);
+        passes(SHORT_WHILE);
+    }
+    TEST_ASSERT_FALSE(serial.is_linked);
+    line_listen();
+    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
+}
+
+/* As a cable makes it that is plugged in. */
+static void test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second(void)
+{
+    line_byte(0U);
+    assert_text("", "stop\n");
+    passes(1001U);
+    assert_text("ok\r\n", "stop\n");
+}
+
+static void test_a_frame_that_is_broken_leaves_the_console_as_it_is(void)
+{
+    static const uint8_t message[] = {LINK_HELLO, 1U, LINK_VERSION};
+
+    line_frame(message, sizeof message, 1U);
+    assert_text("ok\r\n", "stop\n");
+    TEST_ASSERT_FALSE(serial.is_linked);
+}
+
+static void test_a_ping_is_answered_with_the_health(void)
+{
+    hello();
+    hardware.health = (hal_health_t){
+        .adc_ic = 0x1234U, .late_ticks = 0x01020304U, .load_pct = 250U, .tick_lost = true};
+    serial.stream.lost = 0x0A0B0C0DU;
+    const line_message_t *const answer = ask(LINK_PING, NULL, 0U);
+    const uint8_t *const body = &answer->bytes[2];
+
+    TEST_ASSERT_EQUAL_UINT32(2U + LINK_HEALTH_BYTES, answer->length);
+    TEST_ASSERT_EQUAL_UINT8(100U, body[0]);
+    TEST_ASSERT_EQUAL_UINT8(1U, body[1]);
+    TEST_ASSERT_EQUAL_HEX32(0x03041234U, words_get(&body[2]));
+    TEST_ASSERT_EQUAL_HEX32(0x0C0D0102U, words_get(&body[6]));
+}
+
+static void test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing(void)
+{
+    static const struct {
+        uint8_t type;
+        uint8_t length;
+    } right[] = {{LINK_HELLO, 1U},    {LINK_BYE, 0U},    {LINK_PING, 0U},  {LINK_COMMAND, 6U},
+                 {LINK_READ, 3U},     {LINK_WRITE, 7U},  {LINK_APPLY, 4U}, {LINK_STORE, 0U},
+                 {LINK_DEFAULTS, 0U}, {LINK_STREAM, 1U}, {LINK_STATE, 7U}, {LINK_AGAIN, 7U}};
+    static const uint8_t none[] = {0U, LINK_AGAIN + 1U, 0x7FU, 0x80U, 0xC0U, 0xFFU};
+    uint8_t body[10] = {1U, 0U, 1U};
+
+    hello();
+    for (uint32_t k = 0U; k < (sizeof right / sizeof right[0]); k++) {
+        for (uint32_t length = 0U; length < sizeof body; length++) {
+            if (length != right[k].length) {
+                TEST_ASSERT_NULL(ask(right[k].type, body, length));
+                TEST_ASSERT_NOT_NULL(line_find(LINK_REFUSED));
+                TEST_ASSERT_EQUAL_UINT8(tag, line_find(LINK_REFUSED)->bytes[1]);
+                TEST_ASSERT_EQUAL_UINT8(right[k].type, line_find(LINK_REFUSED)->bytes[2]);
+            }
+        }
+    }
+    for (uint32_t k = 0U; k < sizeof none; k++) {
+        line_ask(none[k], 1U, NULL, 0U);
+        passes(SHORT_WHILE);
+        line_listen();
+        TEST_ASSERT_EQUAL_UINT8(none[k], line_find(LINK_REFUSED)->bytes[2]);
+    }
+    TEST_ASSERT_TRUE(serial.is_linked);
+    TEST_ASSERT_FALSE(serial.stream.on);
+}
+
+static void test_a_command_reaches_the_drive_as_a_whole(void)
+{
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, app.in.command.target);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_POSITION, INT32_MIN);
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, app.in.command.mode);
+    assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
+}
+
+static void test_a_command_that_is_refused_changes_nothing(void)
+{
+    const char *const too_fast = "the speed is beyond that of the motor";
+    const char *const request = "the requests are 0, stop, 1, run, and 2, clear";
+
+    hello();
+    assert_command("", 0U, DRIVE_MODE_SPEED, 77);
+    assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP + 1);
+    assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, -EXAMPLE_SPEED_STEP - 1);
+    assert_command(too_fast, 0U, DRIVE_MODE_SPEED, INT32_MIN);
+    assert_command("the modes are 0, speed, and 1, position", DRIVE_REQUEST_RUN, 2U, 0);
+    assert_command(request, DRIVE_REQUEST_PROBE, DRIVE_MODE_SPEED, 0);
+    assert_command(request, 3U, DRIVE_MODE_SPEED, 0);
+    assert_command("there is no fault to clear", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_EQUAL_INT32(77, app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(0U, app.in.command.request);
+}
+
+static void test_a_latched_fault_is_not_run_and_is_cleared_by_a_command(void)
+{
+    hello();
+    fail();
+    assert_command("a fault is latched; clear it first", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 0);
+    assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+}
+
+static void test_while_the_motor_is_measured_only_a_stop_is_taken(void)
+{
+    hello();
+    assert_line("identify");
+    TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
+    assert_command("the motor is being measured; stop ends that", DRIVE_REQUEST_RUN,
+                   DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_TRUE(identify_is_busy(&serial.console.identify));
+    assert_command("", 0U, DRIVE_MODE_SPEED, 0);
+    TEST_ASSERT_FALSE(identify_is_busy(&serial.console.identify));
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+}
+
+static void test_a_line_is_done_by_the_console_whose_answer_comes_as_text(void)
+{
+    hello();
+    assert_line("speed 1000");
+    TEST_ASSERT_EQUAL_STRING("ok\r\n", line_said());
+    TEST_ASSERT_EQUAL_STRING("", line.text + line.text_length);
+    assert_line("status");
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "READY, speed 0 of 1000 rpm, "));
+    assert_line("");
+    TEST_ASSERT_EQUAL_STRING("", line_said());
+    assert_line("a line that is longer than a line of the console may be, and no command");
+    TEST_ASSERT_EQUAL_STRING(HELP, line_said());
+}
+
+static void test_a_change_of_state_is_said_in_frames(void)
+{
+    hello();
+    fail();
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "FAULT by BREAK"));
+}
+
+static void read_words(uint32_t first, uint32_t count, uint32_t expected)
+{
+    const uint8_t body[] = {(uint8_t)(first & 0xFFU), (uint8_t)(first >> 8U), (uint8_t)count};
+    const line_message_t *const answer = ask(LINK_READ, body, sizeof body);
+
+    TEST_ASSERT_NOT_NULL(answer);
+    TEST_ASSERT_EQUAL_UINT32(5U + (4U * expected), answer->length);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(body, &answer->bytes[2], 2U);
+    TEST_ASSERT_EQUAL_UINT8(expected, answer->bytes[4]);
+    for (uint32_t k = 0U; k < expected; k++) {
+        TEST_ASSERT_EQUAL_HEX32(config_block_word(live.in_force, first + k),
+                                words_get(&answer->bytes[5U + (4U * k)]));
+    }
+}
+
+static void test_the_block_in_force_is_read_as_far_as_it_goes(void)
+{
+    hello();
+    for (uint32_t first = 0U; first < CONFIG_BLOCK_WORDS; first += LINK_READ_WORDS_MAX) {
+        const uint32_t left = CONFIG_BLOCK_WORDS - first;
+
+        read_words(first, 255U, (left < LINK_READ_WORDS_MAX) ? left : LINK_READ_WORDS_MAX);
+    }
+    read_words(CONFIG_BLOCK_WORDS, 1U, 0U);
+    read_words(65535U, 32U, 0U);
+    read_words(3U, 0U, 0U);
+    read_words(3U, 1U, 1U);
+}
+
+static void write_word(uint32_t at, uint32_t word)
+{
+    uint8_t body[7] = {(uint8_t)(at & 0xFFU), (uint8_t)(at >> 8U), 1U};
+
+    words_put(&body[3], word);
+    assert_verdict("", LINK_WRITE, body, sizeof body);
+}
+
+/* All words that differ, then the apply. */
+static const char *change_to(const config_block_t *wanted)
+{
+    uint8_t crc[4];
+
+    for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
+        if (config_block_word(wanted, at) != config_block_word(live.in_force, at)) {
+            write_word(at, config_block_word(wanted, at));
+        }
+    }
+    words_put(crc, wanted->crc);
+    return verdict_of(LINK_APPLY, crc, sizeof crc);
+}
+
+static config_block_t with(const drive_cfg_t *settings)
+{
+    const config_block_t *const now = live.in_force;
+    drive_cfg_t sealed = *settings;
+    config_block_t block;
+
+    sealed.crc = config_guard_crc(&sealed);
+    config_block_make(&block, &now->identity, &now->about, &sealed);
+    return block;
+}
+
+static void test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back(void)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    settings.observer.kappa_p++;
+    const config_block_t wanted = with(&settings);
+    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+    TEST_ASSERT_EQUAL_INT32(settings.observer.kappa_p, app.drive.cfg->observer.kappa_p);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+    assert_verdict("", LINK_DEFAULTS, NULL, 0U);
+    TEST_ASSERT_EQUAL_INT32(cfg.observer.kappa_p, app.drive.cfg->observer.kappa_p);
+}
+
+static void test_a_setting_that_cannot_change_in_run_is_named(void)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    settings.speed_shift++;
+    const config_block_t wanted = with(&settings);
+    TEST_ASSERT_EQUAL_STRING("speed_shift cannot change while the drive runs; stop the drive first",
+                             change_to(&wanted));
+    assert_verdict("the drive does not rest with open gates; stop it first", LINK_STORE, NULL, 0U);
+}
+
+static void test_the_block_in_force_is_stored(void)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    hello();
+    settings.observer.kappa_p++;
+    const config_block_t wanted = with(&settings);
+    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+    assert_verdict("", LINK_STORE, NULL, 0U);
+    live_config_init(&live, &app, &hardware, &of_image, &cfg);
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void test_words_beyond_the_block_are_refused_by_their_verdict(void)
+{
+    uint8_t body[11] = {(uint8_t)((CONFIG_BLOCK_WORDS - 1U) & 0xFFU),
+                        (uint8_t)((CONFIG_BLOCK_WORDS - 1U) >> 8U), 2U};
+
+    hello();
+    assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
+}
+
+static void stream_on(void)
+{
+    const uint8_t on = 1U;
+
+    assert_verdict("", LINK_STREAM, &on, 1U);
+}
+
+static void test_a_stream_sends_segments_and_frames_until_it_is_ended(void)
+{
+    const uint8_t off = 0U;
+
+    hello();
+    stream_on();
+    passes(1000U);
+    line_listen();
+    TEST_ASSERT_NOT_NULL(line_find(LINK_SEGMENT));
+    TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
+    assert_verdict("", LINK_STREAM, &off, 1U);
+    passes(1000U);
+    line_listen();
+    TEST_ASSERT_EQUAL_UINT32(0U, line.count);
+}
+
+static void test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again(void)
+{
+    hello();
+    stream_on();
+    TEST_ASSERT_NOT_NULL(ask(LINK_BYE, NULL, 0U));
+    TEST_ASSERT_FALSE(serial.stream.on);
+    hello();
+    stream_on();
+    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.stream.on);
+    fail();
+    passes(200U);
+    TEST_ASSERT_TRUE(recorder.frozen);
+}
+
+static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up(void)
+{
+    const uint8_t on = 1U;
+
+    hello();
+    fail();
+    passes(200U);
+    assert_verdict("the recording of a fault is kept; dump it, or begin anew with record",
+                   LINK_STREAM, &on, 1U);
+    assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
+    assert_line("record");
+    stream_on();
+}
+
+static void test_no_stream_begins_while_a_dump_is_under_way(void)
+{
+    const uint8_t on = 1U;
+
+    hello();
+    line.room = 0U;
+    line_ask(LINK_LINE, 1U, "dump", 4U);
+    passes(SHORT_WHILE);
+    line.room = 300U;
+    line_ask(LINK_STREAM, 2U, &on, 1U);
+    passes(SHORT_WHILE);
+    line.room = SIZE_MAX;
+    passes(SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.stream.on);
+}
+
+static void test_a_segments_state_is_read_in_pieces(void)
+{
+    uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, LINK_READ_WORDS_MAX};
+    recorder_view_t view = {0};
+    drive_t copy = {0};
+
+    hello();
+    for (uint32_t first = 0U; first < drive_words_count(); first += LINK_READ_WORDS_MAX) {
+        const uint32_t number = recorder_newest(&recorder);
+
+        words_put(body, number);
+        body[4] = (uint8_t)(first & 0xFFU);
+        body[5] = (uint8_t)(first >> 8U);
+        line_ask(LINK_STATE, 1U, body, sizeof body);
+        link_step(&serial);
+        line_listen();
+        TEST_ASSERT_TRUE(recorder_find(&recorder, number, &view));
+        const line_message_t *const answer = line_find(LINK_STATE + LINK_ANSWER);
+        TEST_ASSERT_EQUAL_HEX8_ARRAY(body, &answer->bytes[2], 6U);
+        for (uint32_t k = 0U; k < answer->bytes[8]; k++) {
+            drive_words_set(&copy, first + k, words_get(&answer->bytes[9U + (4U * k)]));
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(view.state), drive_words_hash(&copy));
+}
+
+static void test_a_segment_that_is_not_there_has_no_state_and_no_entries(void)
+{
+    uint8_t body[7] = {0xFFU, 0xFFU, 0xFFU, 0x7FU, 0U, 0U, 9U};
+
+    hello();
+    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, body, 7U)->length);
+    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, body, 7U)->length);
+}
+
+static void test_entries_are_sent_again(void)
+{
+    uint8_t body[7] = {0U, 0U, 0U, 0U, 0U, 0U, 9U};
+    recorder_entry_t decoded[FRAME_CODE_ENTRIES_MAX];
+
+    hello();
+    words_put(body, recorder_newest(&recorder) - 1U);
+    line_ask(LINK_AGAIN, 1U, body, sizeof body);
+    link_step(&serial);
+    line_listen();
+    const line_message_t *const answer = line_find(LINK_AGAIN + LINK_ANSWER);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(body, &answer->bytes[2], sizeof body);
+    TEST_ASSERT_TRUE(frame_code_decode(&answer->bytes[9], answer->length - 9U, decoded, 9U));
+}
+
+static void with_timeout(uint32_t timeout)
+{
+    drive_cfg_t settings = live.in_force->cfg;
+
+    settings.link.timeout_ticks = timeout;
+    const config_block_t wanted = with(&settings);
+    TEST_ASSERT_EQUAL_STRING("", change_to(&wanted));
+}
+
+static void test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so(void)
+{
+    hello();
+    with_timeout(500U);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    passes(400U - SHORT_WHILE);
+    TEST_ASSERT_EQUAL_INT32(1000000, app.in.command.target);
+    passes(250U);
+    TEST_ASSERT_EQUAL_INT32(0, app.in.command.target);
+    line_listen();
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "the link is silent: the drive stops\r\n"));
+}
+
+static void test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone(void)
+{
+    hello();
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    passes(2U * TICKS_OF_PAUSE);
+    TEST_ASSERT_EQUAL_INT32(1000000, command_mailbox_take(&app.mailbox).target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
+}
+
+static void test_a_question_waits_while_a_frame_is_on_its_way(void)
+{
+    hello();
+    line.room = 0U;
+    line_ask(LINK_PING, 1U, NULL, 0U);
+    passes(2U);
+    line_ask(LINK_PING, 2U, NULL, 0U);
+    line_ask(LINK_PING, 3U, NULL, 0U);
+    passes(2U);
+    line.room = SIZE_MAX;
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_EQUAL_UINT32(3U, line.count);
+    for (uint32_t k = 0U; k < 3U; k++) {
+        TEST_ASSERT_EQUAL_UINT8(k + 1U, line.messages[k].bytes[1]);
+    }
+}
+
+/* The configuration was refused, and the application never began: it is zero. */
+static void test_a_board_that_does_not_start_is_asked_why_all_the_same(void)
+{
+    memset(&app, 0, sizeof app);
+    hardware.ticks = 0U;
+    link_init(&serial, &live);
+    link_say(&serial, "cannot start:");
+    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
+    line_ask(LINK_PING, 2U, NULL, 0U);
+    line_ask(LINK_LINE, 3U, "status", 6U);
+    line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
+    for (uint32_t k = 0U; k < SHORT_WHILE; k++) {
+        link_step(&serial);
+    }
+    line_listen();
+    TEST_ASSERT_NOT_NULL(line_find(LINK_HELLO + LINK_ANSWER));
+    TEST_ASSERT_NOT_NULL(line_find(LINK_DEFAULTS + LINK_ANSWER));
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "INIT, speed"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_person_has_the_console_from_the_start);
+    RUN_TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut);
+    RUN_TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity);
+    RUN_TEST(test_a_board_without_recorder_and_build_id_says_so);
+    RUN_TEST(test_no_question_but_a_hello_makes_the_line_the_pcs);
+    RUN_TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten);
+    RUN_TEST(test_text_that_is_on_its_way_goes_on_in_frames);
+    RUN_TEST(test_a_bye_gives_the_line_back);
+    RUN_TEST(test_two_seconds_without_a_frame_give_the_line_back_and_not_less);
+    RUN_TEST(test_broken_frames_do_not_keep_the_line);
+    RUN_TEST(test_a_zero_without_a_frame_keeps_a_person_away_for_a_tenth_of_a_second);
+    RUN_TEST(test_a_frame_that_is_broken_leaves_the_console_as_it_is);
+    RUN_TEST(test_a_ping_is_answered_with_the_health);
+    RUN_TEST(test_a_message_of_a_wrong_length_or_no_type_is_refused_and_does_nothing);
+    RUN_TEST(test_a_command_reaches_the_drive_as_a_whole);
+    RUN_TEST(test_a_command_that_is_refused_changes_nothing);
+    RUN_TEST(test_a_latched_fault_is_not_run_and_is_cleared_by_a_command);
+    RUN_TEST(test_while_the_motor_is_measured_only_a_stop_is_taken);
+    RUN_TEST(test_a_line_is_done_by_the_console_whose_answer_comes_as_text);
+    RUN_TEST(test_a_change_of_state_is_said_in_frames);
+    RUN_TEST(test_the_block_in_force_is_read_as_far_as_it_goes);
+    RUN_TEST(test_a_gain_is_changed_while_the_motor_runs_and_the_image_comes_back);
+    RUN_TEST(test_a_setting_that_cannot_change_in_run_is_named);
+    RUN_TEST(test_the_block_in_force_is_stored);
+    RUN_TEST(test_words_beyond_the_block_are_refused_by_their_verdict);
+    RUN_TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended);
+    RUN_TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again);
+    RUN_TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up);
+    RUN_TEST(test_no_stream_begins_while_a_dump_is_under_way);
+    RUN_TEST(test_a_segments_state_is_read_in_pieces);
+    RUN_TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries);
+    RUN_TEST(test_entries_are_sent_again);
+    RUN_TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so);
+    RUN_TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone);
+    RUN_TEST(test_a_question_waits_while_a_frame_is_on_its_way);
+    RUN_TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same);
+    return UNITY_END();
+}

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/* When nothing is heard of the PC: what stops, how, and what is left as it is. */
+#include "commander.h"
+#include "example_app.h"
+#include "link_guard.h"
+
+#define TIMEOUT (50U)
+
+static link_guard_t guard;
+static identify_t identify;
+
+void setUp(void)
+{
+    power_on();
+    calibrate();
+    identify_init(&identify, &app, &ABOUT);
+    guard = (link_guard_t){0};
+}
+
+void tearDown(void)
+{
+}
+
+static bool pass(uint32_t at)
+{
+    return link_guard_step(&guard, &app, &identify, at, TIMEOUT);
+}
+
+static drive_command_t command(void)
+{
+    return command_mailbox_take(&app.mailbox);
+}
+
+static void run(uint8_t mode)
+{
+    const drive_command_t asked = {
+        .target = EXAMPLE_SPEED_STEP, .mode = mode, .request = DRIVE_REQUEST_RUN};
+
+    command_mailbox_post(&app.mailbox, &asked);
+    tick_period();
+    tick(2U);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+}
+
+/* As the drive's own speed: nothing turns behind these inputs. */
+static void turn(step_t speed)
+{
+    app.drive.observer.speed = speed;
+    TEST_ASSERT_EQUAL_INT32(speed, drive_speed(&app.drive));
+}
+
+static void test_the_speed_becomes_0_after_the_timeout_and_not_before(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    TEST_ASSERT_FALSE(pass(100U + TIMEOUT));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+    TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
+    TEST_ASSERT_EQUAL_INT32(0, command().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+}
+
+static void test_a_position_is_left_for_speed_0(void)
+{
+    run((uint8_t)DRIVE_MODE_POSITION);
+    link_guard_heard(&guard, 100U);
+    TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
+    TEST_ASSERT_EQUAL_INT32(0, command().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command().mode);
+}
+
+static void test_the_request_ends_when_the_motor_is_at_rest(void)
+{
+    const step_t least = cfg.speed_loop.speed_max / 256;
+
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    (void)pass(101U + TIMEOUT);
+    turn(-least);
+    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+    turn(-(least - 1));
+    TEST_ASSERT_FALSE(pass(103U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(0U, command().request);
+}
+
+static void test_a_time_of_0_never_runs_out(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    TEST_ASSERT_FALSE(link_guard_step(&guard, &app, &identify, 100U + 0x7FFFFFFFU, 0U));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+}
+
+static void test_the_time_is_counted_across_the_wrap_of_the_ticks(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, UINT32_MAX - 10U);
+    TEST_ASSERT_FALSE(pass(TIMEOUT - 11U));
+    TEST_ASSERT_TRUE(pass(TIMEOUT));
+}
+
+static void test_without_a_pc_and_after_its_leave_nothing_is_watched(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    TEST_ASSERT_FALSE(pass(1000U));
+    link_guard_heard(&guard, 1000U);
+    link_guard_leave(&guard);
+    TEST_ASSERT_FALSE(pass(2000U));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+}
+
+/* A person starts the motor afterwards: nobody promised to be heard. */
+static void test_a_stop_comes_once_and_the_next_frame_watches_again(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    (void)pass(101U + TIMEOUT);
+    turn(0);
+    (void)pass(102U + TIMEOUT);
+    run((uint8_t)DRIVE_MODE_SPEED);
+    TEST_ASSERT_FALSE(pass(1000U));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+    link_guard_heard(&guard, 1000U);
+    TEST_ASSERT_TRUE(pass(1001U + TIMEOUT));
+}
+
+static void test_a_command_gives_a_stop_up(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    (void)pass(101U + TIMEOUT);
+    link_guard_commanded(&guard);
+    turn(0);
+    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+}
+
+static void test_a_drive_that_is_not_asked_to_run_is_left_alone(void)
+{
+    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    link_guard_heard(&guard, 100U);
+    TEST_ASSERT_FALSE(pass(101U + TIMEOUT));
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, command().target);
+    TEST_ASSERT_EQUAL_UINT8(0U, command().request);
+}
+
+static void test_a_measurement_of_the_motor_ends_at_once(void)
+{
+    TEST_ASSERT_NULL(identify_start(&identify));
+    link_guard_heard(&guard, 100U);
+    TEST_ASSERT_TRUE(pass(101U + TIMEOUT));
+    TEST_ASSERT_FALSE(identify_is_busy(&identify));
+    TEST_ASSERT_EQUAL_UINT8(0U, command().request);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before);
+    RUN_TEST(test_a_position_is_left_for_speed_0);
+    RUN_TEST(test_the_request_ends_when_the_motor_is_at_rest);
+    RUN_TEST(test_a_time_of_0_never_runs_out);
+    RUN_TEST(test_the_time_is_counted_across_the_wrap_of_the_ticks);
+    RUN_TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched);
+    RUN_TEST(test_a_stop_comes_once_and_the_next_frame_watches_again);
+    RUN_TEST(test_a_command_gives_a_stop_up);
+    RUN_TEST(test_a_drive_that_is_not_asked_to_run_is_left_alone);
+    RUN_TEST(test_a_measurement_of_the_motor_ends_at_once);
+    return UNITY_END();
+}

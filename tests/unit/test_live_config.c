@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: MIT */
+/* The block in force and the one that is prepared: what takes its place, when, and what is refused with which words. */
+#include "commander.h"
+#include "config_guard.h"
+#include "example_app.h"
+#include "flash_model.h"
+#include "live_config.h"
+
+#include <string.h>
+
+#define RUNNING "cannot change while the drive runs; stop the drive first"
+#define PENDING "the change before has not been taken yet; ask again"
+#define OTHER_BLOCK "another block was prepared; write it again"
+
+static about_t of_image;
+static drive_cfg_t image_cfg;
+static live_config_t live;
+static config_block_t wanted;
+
+void setUp(void)
+{
+    flash_new(0U);
+    memset(&app, 0, sizeof app);
+    power_on();
+    image_cfg = cfg;
+    of_image = ABOUT;
+    of_image.identity = (config_identity_t){.schema = 3U, .board = 4U};
+    memset(&live, 0xA5, sizeof live);
+    live_config_init(&live, &app, &hardware, &of_image, &image_cfg);
+    TEST_ASSERT_NULL(app_init(&app, &hardware, &live.in_force->cfg));
+    calibrate();
+    wanted = *live.in_force;
+}
+
+void tearDown(void)
+{
+}
+
+static void seal(void)
+{
+    const config_block_t whole = wanted;
+    drive_cfg_t settings = wanted.cfg;
+
+    settings.crc = config_guard_crc(&settings);
+    config_block_make(&wanted, &whole.identity, &whole.about, &settings);
+}
+
+/* The words that differ, and nothing else. */
+static void write_wanted(void)
+{
+    for (uint32_t at = 0U; at < CONFIG_BLOCK_WORDS; at++) {
+        const uint32_t word = config_block_word(&wanted, at);
+
+        if (word != config_block_word(live.in_force, at)) {
+            TEST_ASSERT_NULL(live_config_write(&live, at, word).why);
+        }
+    }
+}
+
+static void assert_verdict(const char *path, const char *why, live_config_verdict_t verdict)
+{
+    if (path == NULL) {
+        TEST_ASSERT_NULL(verdict.path);
+    } else {
+        TEST_ASSERT_EQUAL_STRING(path, verdict.path);
+    }
+    if (why == NULL) {
+        TEST_ASSERT_NULL(verdict.why);
+    } else {
+        TEST_ASSERT_EQUAL_STRING(why, verdict.why);
+    }
+}
+
+static void take(void)
+{
+    tick_period();
+    live_config_step(&live);
+}
+
+static void run(void)
+{
+    TEST_ASSERT_NULL(commander_run(&app));
+    tick_period();
+    tick(2U);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+}
+
+/* Of motor and tuning: a gain may change in RUN, the scale of speeds may not. */
+static void want_gain(void)
+{
+    wanted.cfg.observer.kappa_p++;
+    seal();
+}
+
+static void want_scale(void)
+{
+    wanted.cfg.speed_shift++;
+    seal();
+}
+
+static void test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before(void)
+{
+    const config_block_t before = *live.in_force;
+
+    run();
+    want_gain();
+    write_wanted();
+    TEST_ASSERT_EQUAL_MEMORY(&before, live.in_force, sizeof before);
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    live_config_step(&live);
+    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, live.in_force, sizeof before, "no tick has come");
+    TEST_ASSERT_EQUAL_MEMORY(&before.cfg, app.drive.cfg, sizeof before.cfg);
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+    TEST_ASSERT_EQUAL_PTR(&live.in_force->cfg, app.drive.cfg);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
+}
+
+static void test_changes_follow_each_other_with_the_words_that_differ(void)
+{
+    for (uint32_t k = 0U; k < 5U; k++) {
+        want_gain();
+        write_wanted();
+        assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+        take();
+        TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+    }
+}
+
+static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest(void)
+{
+    run();
+    want_scale();
+    write_wanted();
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    take();
+    TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
+    commander_stop(&app);
+    tick_period();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    take();
+    TEST_ASSERT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
+}
+
+/* Its answer may have been lost on the line. */
+static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect(void)
+{
+    assert_verdict(NULL, "no block was prepared", live_config_apply(&live, live.in_force->crc));
+    run();
+    want_scale();
+    write_wanted();
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    commander_stop(&app);
+    tick_period();
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    TEST_ASSERT_FALSE(app_changes(&app));
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    take();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    TEST_ASSERT_FALSE(app_changes(&app));
+}
+
+static void test_words_that_were_refused_are_not_part_of_what_is_prepared_next(void)
+{
+    run();
+    want_scale();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.crc);
+    wanted = *live.in_force;
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void test_another_crc_than_that_of_the_prepared_block_is_refused(void)
+{
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, OTHER_BLOCK, live_config_apply(&live, wanted.crc ^ 1U));
+    take();
+    TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
+}
+
+static void test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force(void)
+{
+    (void)live_config_write(&live, 30U, 0xDEADBEEFU);
+    live_config_forget(&live);
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void test_a_damaged_block_and_a_bad_setting_are_refused(void)
+{
+    want_gain();
+    write_wanted();
+    (void)live_config_write(&live, 40U, 0xDEADBEEFU);
+    assert_verdict(NULL, "the block is damaged", live_config_apply(&live, wanted.crc));
+    wanted.cfg.slow_ticks = 5U;
+    seal();
+    write_wanted();
+    assert_verdict("slow_ticks", "the block has a setting that the drive does not take",
+                   live_config_apply(&live, wanted.crc));
+    wanted = *live.in_force;
+    wanted.identity.board++;
+    seal();
+    write_wanted();
+    assert_verdict(NULL, "the block was made for another board",
+                   live_config_apply(&live, wanted.crc));
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
+}
+
+static void test_a_word_beyond_the_block_is_refused(void)
+{
+    assert_verdict(NULL, NULL, live_config_write(&live, CONFIG_BLOCK_WORDS - 1U, 0U));
+    assert_verdict(NULL, "the block has no such word",
+                   live_config_write(&live, CONFIG_BLOCK_WORDS, 0U));
+}
+
+static void test_while_a_change_waits_for_its_tick_nothing_else_is_prepared(void)
+{
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, PENDING, live_config_write(&live, 0U, 0U));
+    assert_verdict(NULL, PENDING, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, PENDING, live_config_restore(&live));
+    assert_verdict(NULL, PENDING, live_config_store(&live));
+    hardware.health.tick_lost = true;
+    assert_verdict(NULL, "the change before waits for the control tick, which does not run",
+                   live_config_write(&live, 0U, 0U));
+    hardware.health.tick_lost = false;
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void test_without_a_tick_no_change_is_taken_up(void)
+{
+    want_gain();
+    write_wanted();
+    hardware.health.tick_lost = true;
+    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.crc));
+    hardware.health.tick_lost = false;
+    hardware.ticks = 0U;
+    write_wanted();
+    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.crc));
+    TEST_ASSERT_FALSE(app_changes(&app));
+}
+
+static void test_name_and_motor_of_the_block_in_force_are_those_of_about(void)
+{
+    wanted.about.pole_pairs = 3U;
+    wanted.about.speed_max_rpm = 1000;
+    config_block_name(wanted.about.name, "another motor");
+    want_gain();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.crc);
+    TEST_ASSERT_EQUAL_STRING("a board", live.about.name);
+    take();
+    TEST_ASSERT_EQUAL_STRING("another motor", live.about.name);
+    TEST_ASSERT_EQUAL_UINT32(3U, live.about.rotation.pole_pairs);
+    TEST_ASSERT_EQUAL_INT32(1000, live.about.speed_max_rpm);
+}
+
+/* 1000 rpm of the same motor are half of what was asked for. */
+static void test_a_speed_in_force_stays_within_the_new_limit(void)
+{
+    run();
+    commander_set_speed(&app, -EXAMPLE_SPEED_STEP);
+    wanted.about.speed_max_rpm = 1000;
+    want_gain();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.crc);
+    take();
+    TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
+}
+
+static void test_the_configuration_of_the_image_comes_back(void)
+{
+    wanted.about.speed_max_rpm = 1000;
+    want_scale();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.crc);
+    take();
+    calibrate(); /* the drive has begun anew */
+    run();
+    assert_verdict("speed_shift", RUNNING, live_config_restore(&live));
+    commander_stop(&app);
+    tick_period();
+    assert_verdict(NULL, NULL, live_config_restore(&live));
+    take();
+    TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
+    TEST_ASSERT_EQUAL_INT32(2000, live.about.speed_max_rpm);
+    TEST_ASSERT_EQUAL_STRING("a board", live.about.name);
+    assert_verdict(NULL, NULL, live_config_restore(&live));
+    TEST_ASSERT_FALSE_MESSAGE(app_changes(&app), "it is in force already");
+}
+
+static void test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it(void)
+{
+    want_gain();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.crc);
+    take();
+    run();
+    assert_verdict(NULL, "the drive does not rest with open gates; stop it first",
+                   live_config_store(&live));
+    commander_stop(&app);
+    tick_period();
+    assert_verdict(NULL, NULL, live_config_store(&live));
+    live_config_init(&live, &app, &hardware, &of_image, &image_cfg);
+    TEST_ASSERT_TRUE(live.stored.is_stored);
+    TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
+}
+
+static void test_a_store_is_there_where_any_unit_can_be_read(void)
+{
+    TEST_ASSERT_TRUE(live_config_can_store(&live));
+    for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit++) {
+        for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
+            flash.units[slot][unit].half_done = true;
+            flash.units[slot][unit].half = HAL_HOST_FLASH_UNREADABLE;
+        }
+    }
+    TEST_ASSERT_FALSE(live_config_can_store(&live));
+    flash.units[1][200].half_done = false;
+    TEST_ASSERT_TRUE(live_config_can_store(&live));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before);
+    RUN_TEST(test_changes_follow_each_other_with_the_words_that_differ);
+    RUN_TEST(test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest);
+    RUN_TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect);
+    RUN_TEST(test_words_that_were_refused_are_not_part_of_what_is_prepared_next);
+    RUN_TEST(test_another_crc_than_that_of_the_prepared_block_is_refused);
+    RUN_TEST(test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force);
+    RUN_TEST(test_a_damaged_block_and_a_bad_setting_are_refused);
+    RUN_TEST(test_a_word_beyond_the_block_is_refused);
+    RUN_TEST(test_while_a_change_waits_for_its_tick_nothing_else_is_prepared);
+    RUN_TEST(test_without_a_tick_no_change_is_taken_up);
+    RUN_TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about);
+    RUN_TEST(test_a_speed_in_force_stays_within_the_new_limit);
+    RUN_TEST(test_the_configuration_of_the_image_comes_back);
+    RUN_TEST(test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it);
+    RUN_TEST(test_a_store_is_there_where_any_unit_can_be_read);
+    return UNITY_END();
+}
