@@ -25,7 +25,8 @@ using nf::live::SimulatedBoard;
 
 constexpr double PASS_S = 0.001;
 constexpr double RUN_S = 60;
-constexpr double RESYNC_S = 1; // at most, from the last tick before a gap to the first one behind it
+constexpr double RESYNC_S =
+    1; // at most, from the last tick before a gap to the first one behind it
 constexpr double TICKS_PER_S = 10000;
 
 // At 500 kBd an answer takes some 5 ms at most: a question, an answer, and a frame of the stream that is on its way.
@@ -99,9 +100,9 @@ nf::Config scripted(const std::string &duration_s, const std::vector<std::string
     return nf::load_scenario(
         "s2_robust", {"adc"},
         settings(more, {"scenario.duration_s=" + duration_s,
-                  "scenario.load=[{time_s = 5, torque_nm = 3}, {time_s = 8, torque_nm = 0}, "
-                  "{time_s = 40, torque_nm = 2}, {time_s = 45, torque_nm = 0}]",
-                  "scenario.fault=[{time_s = 50, what = \"adc_a_high\", until_s = 50.1}]"}));
+                        "scenario.load=[{time_s = 5, torque_nm = 3}, {time_s = 8, torque_nm = 0}, "
+                        "{time_s = 40, torque_nm = 2}, {time_s = 45, torque_nm = 0}]",
+                        "scenario.fault=[{time_s = 50, what = \"adc_a_high\", until_s = 50.1}]"}));
 }
 
 std::string file_text(const std::string &path)
@@ -153,10 +154,10 @@ private:
     const std::string native_path = folder + "/nf_live_native.csv";
     nf::Trace trace(shown_path, false);
     Both both(bench.shown, trace);
-    Follower follower(bench.line, both,
-                      {[&](const std::string &text) { bench.said.push_back(text); },
-                       [](const std::string &) {}},
-                      QUICK);
+    Follower follower(
+        bench.line, both,
+        {[&](const std::string &text) { bench.said.push_back(text); }, [](const std::string &) {}},
+        QUICK);
     BoardCommands commands(follower, {},
                            {[](const std::string &) {},
                             [&](double seconds) {
@@ -167,10 +168,9 @@ private:
                             },
                             [](const nf::RecordedRun &) { return true; }});
     follower.connect();
-    for (const char *line :
-         {"wait 1", "run", "speed 1000", "wait 14", "speed -1500", "wait 5", "position 3",
-          "wait 5", "position -720deg", "wait 5", "speed 1800", "wait 26", "clear", "wait 1", "run",
-          "wait 3.5"}) {
+    for (const char *line : {"wait 1", "run", "speed 1000", "wait 14", "speed -1500", "wait 5",
+                             "position 3", "wait 5", "position -720deg", "wait 5", "speed 1800",
+                             "wait 26", "clear", "wait 1", "run", "wait 3.5"}) {
         const nf::debug::Answer answer = commands.execute(line);
         TEST_ASSERT_EQUAL_MESSAGE(nf::debug::Outcome::done, answer.outcome,
                                   (std::string(line) + ": " + answer.text).c_str());
@@ -202,7 +202,9 @@ private:
 void assert_gaps_are_those_named(const Bench &bench)
 {
     const std::vector<nf::live::Gap> &gaps = bench.follower.gaps();
-    for (auto &g : gaps) fmt::print("{}\n", nf::live::gap_text(g));
+    for (auto &g : gaps) {
+        fmt::print("{}\n", nf::live::gap_text(g));
+    }
     std::size_t named = 0;
     for (std::size_t k = 1; k < bench.shown.ticks.size(); k++) {
         const std::size_t before = bench.shown.ticks[k - 1];
@@ -214,7 +216,9 @@ void assert_gaps_are_those_named(const Bench &bench)
             };
             TEST_ASSERT_TRUE(std::any_of(gaps.begin(), gaps.end(), is_it));
             named++;
-            if (0) TEST_ASSERT_LESS_THAN(RESYNC_S * TICKS_PER_S, tick - before);
+            if (0) {
+                TEST_ASSERT_LESS_THAN(RESYNC_S * TICKS_PER_S, tick - before);
+            }
         }
     }
     fmt::print("{} gaps, {} ticks of {} shown, {} bytes spoilt, {} frames broken\n", named,
@@ -225,8 +229,11 @@ void assert_gaps_are_those_named(const Bench &bench)
 void a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong()
 {
     constexpr double THIRD = 0.01 / 3;
-    const char *e = std::getenv("RING"); const char *b = std::getenv("BAUD");
-    const nf::Config config = scripted("60", {std::string("board.recorder_entries=") + (e ? e : "4096"), std::string("board.baud=") + (b ? b : "700000")});
+    const char *e = std::getenv("RING");
+    const char *b = std::getenv("BAUD");
+    const nf::Config config =
+        scripted("60", {std::string("board.recorder_entries=") + (e ? e : "4096"),
+                        std::string("board.baud=") + (b ? b : "700000")});
     Bench bench(config, {THIRD, THIRD, THIRD});
     bench.follower.connect();
     bench.pass(10);
