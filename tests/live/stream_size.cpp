@@ -16,6 +16,7 @@ namespace
 {
 
 constexpr double WINDOW_S = 0.1;
+constexpr double BEGIN_S = 0.5;
 constexpr double PASS_S = 0.001;
 
 struct Size {
@@ -41,6 +42,10 @@ Size measure(const std::string &scenario, const std::string &with)
     Nobody nobody;
     nf::live::Follower follower(line, nobody, {}, {});
     follower.connect();
+    // The first state is asked for once, and is no part of the stream.
+    for (const double until_s = line.now_s() + BEGIN_S; line.now_s() < until_s;) {
+        follower.step(PASS_S);
+    }
     const double begun_s = line.now_s();
     const uint64_t begun = follower.bytes_in();
     const double tick_s = board.run().sim().bases().control_period_s;
