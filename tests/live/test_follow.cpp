@@ -319,7 +319,9 @@ void after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second()
 // The block in force with another value of a row; nothing where config_check() takes neither neighbour of its value.
 std::optional<config_block_t> neighbour(const config_block_t &block, const nf::CfgRow &row)
 {
-    for (const int64_t step : {1, -1}) {
+    // A time-out of a tick would stop the drive, and rightly.
+    const int64_t size = std::string(row.path) == "link.timeout_ticks" ? 100000 : 1;
+    for (const int64_t step : {size, -size}) {
         drive_cfg_t cfg = block.cfg;
         const auto raw = static_cast<uint32_t>(nf::raw_value(row, cfg) + step);
         std::memcpy(reinterpret_cast<unsigned char *>(&cfg) + row.offset, &raw, sizeof raw);
