@@ -335,6 +335,17 @@ std::optional<config_block_t> neighbour(const config_block_t &block, const nf::C
     return std::nullopt;
 }
 
+void the_configuration_in_force_may_be_given_again()
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(2);
+    TEST_ASSERT_EQUAL_STRING("", bench.follower.change(bench.follower.block_in_force()).c_str());
+    bench.pass(0.5);
+    TEST_ASSERT_EQUAL_MESSAGE(0, bench.follower.gaps().size(), bench.all_said().c_str());
+    TEST_ASSERT_EQUAL(0, bench.shown.wrong);
+}
+
 void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name()
 {
     constexpr double BETWEEN_S = 0.01; // several changes may be in a segment
@@ -397,6 +408,7 @@ int main()
     RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
+    RUN_TEST(the_configuration_in_force_may_be_given_again);
     RUN_TEST(each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name);
     return UNITY_END();
 }
