@@ -428,7 +428,8 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
-        drive->cfg = cfg; /* the same in another place: who follows the drive by its inputs sees no change */
+        drive->cfg =
+            cfg; /* the same in another place: who follows the drive by its inputs sees no change */
     } else if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);
     } else {

@@ -29,7 +29,7 @@
 #define MODE_BITS (6U)
 #define RICE_MAX (14U)
 #define RICES (RICE_MAX + 1U)
-#define SAMPLE (32U) /* entries that prediction and parameter are chosen by */
+#define SAMPLE (32U)    /* entries that prediction and parameter are chosen by */
 #define FIRST_ONES (3U) /* differences whose prediction lacks values */
 #define ONES_MAX (10U)
 #define ESCAPE_BITS (11U) /* ONES_MAX ones and a 0: a value; or a 1: a change */

@@ -29,10 +29,10 @@ using debug::Outcome;
 constexpr double TWO_PI = 6.28318530717958647693;
 constexpr double Q16 = 65536.0;
 constexpr int DUMP_TRIES = 5;
-constexpr double DUMP_S = 120;        // of all its lines at 9600 baud and less
-constexpr double DUMP_SILENT_S = 2;   // the line that says its end is lost
-constexpr double PASS_S = 0.02;       // between two looks at what has come
-constexpr double WAIT_MAX_S = 86400;  // a day
+constexpr double DUMP_S = 120;       // of all its lines at 9600 baud and less
+constexpr double DUMP_SILENT_S = 2;  // the line that says its end is lost
+constexpr double PASS_S = 0.02;      // between two looks at what has come
+constexpr double WAIT_MAX_S = 86400; // a day
 constexpr std::size_t DIFFERENCES_SHOWN = 3;
 
 Answer done(const std::string &text = "")
@@ -62,7 +62,8 @@ std::optional<double> number(const std::string &text)
 
 bool ends_with(const std::string &text, const std::string &end)
 {
-    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 } // namespace
@@ -135,7 +136,8 @@ Answer BoardCommands::speed(const std::string &value)
     const std::optional<double> rpm = number(value);
     const int32_t most = follower_.about().speed_max_rpm;
     if (!rpm || std::abs(*rpm) > most) {
-        return refused(fmt::format("speed takes rpm, at most {} either way, found \"{}\"", most, value));
+        return refused(
+            fmt::format("speed takes rpm, at most {} either way, found \"{}\"", most, value));
     }
     drive_command_t wanted = in_force();
     wanted.mode = DRIVE_MODE_SPEED;
@@ -146,14 +148,14 @@ Answer BoardCommands::speed(const std::string &value)
 Answer BoardCommands::position(const std::string &value)
 {
     const bool degrees = ends_with(value, "deg");
-    const std::optional<double> found =
-        number(degrees ? value.substr(0, value.size() - 3) : value);
+    const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
     const double rad = found ? *found * TWO_PI / (degrees ? 360.0 : 1.0) : 0;
     const double target = follower_.bases().turns_from_mech_rad(rad) * Q16;
     if (!found || std::abs(target) > INT32_MAX) {
-        return refused(fmt::format("position takes turns, or degrees as 90deg, at most {:.0f} turns "
-                                   "either way, found \"{}\"",
-                                   INT32_MAX / Q16 / follower_.bases().pole_pairs, value));
+        return refused(
+            fmt::format("position takes turns, or degrees as 90deg, at most {:.0f} turns "
+                        "either way, found \"{}\"",
+                        INT32_MAX / Q16 / follower_.bases().pole_pairs, value));
     }
     drive_command_t wanted = in_force();
     wanted.mode = DRIVE_MODE_POSITION;
@@ -282,7 +284,8 @@ Answer BoardCommands::wait(const std::string &seconds)
 {
     const std::optional<double> time_s = number(seconds);
     if (!time_s || *time_s < 0 || *time_s > WAIT_MAX_S) {
-        return refused(fmt::format("wait takes seconds, 0 to {:g}, found \"{}\"", WAIT_MAX_S, seconds));
+        return refused(
+            fmt::format("wait takes seconds, 0 to {:g}, found \"{}\"", WAIT_MAX_S, seconds));
     }
     surroundings_.pass(*time_s);
     return done();
@@ -311,8 +314,7 @@ Answer BoardCommands::execute(const std::string &line)
     const std::string text = debug::trimmed(line);
     const std::size_t blank = text.find(' ');
     const std::string word = text.substr(0, blank);
-    const std::string rest =
-        blank == std::string::npos ? "" : debug::trimmed(text.substr(blank));
+    const std::string rest = blank == std::string::npos ? "" : debug::trimmed(text.substr(blank));
     const std::vector<std::pair<const char *, std::function<Answer()>>> table = {
         {"run", [this] { return run(); }},
         {"stop", [this] { return stop(); }},
@@ -362,11 +364,10 @@ std::string drive_text(const Simulation &sim)
 {
     constexpr double Q15 = 32768.0;
     const drive_signals_t &signals = sim.drive().signals;
-    return fmt::format("{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V",
-                       state_name(sim.drive().state), speed_text(sim),
-                       signals.current.q / Q15 * sim.bases().current_a,
-                       signals.current.d / Q15 * sim.bases().current_a,
-                       signals.bus / Q15 * sim.bases().voltage_v);
+    return fmt::format(
+        "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_name(sim.drive().state),
+        speed_text(sim), signals.current.q / Q15 * sim.bases().current_a,
+        signals.current.d / Q15 * sim.bases().current_a, signals.bus / Q15 * sim.bases().voltage_v);
 }
 
 std::string fault_advice(const Simulation &sim)
@@ -383,10 +384,10 @@ std::string fault_advice(const Simulation &sim)
 std::string status_text(const Follower &follower)
 {
     const Health &health = follower.health();
-    const std::string drive = follower.shadow().is_in_step()
-                                  ? drive_text(follower.shadow().sim()) +
-                                        fault_advice(follower.shadow().sim())
-                                  : "not in step";
+    const std::string drive =
+        follower.shadow().is_in_step()
+            ? drive_text(follower.shadow().sim()) + fault_advice(follower.shadow().sim())
+            : "not in step";
     return fmt::format("{}, load {} %, late {}, gaps {}{}", drive, health.load_pct,
                        health.late_ticks, follower.gaps().size(),
                        health.tick_lost ? ", THE CONTROL TICK STAYS AWAY" : "");

@@ -78,8 +78,8 @@ std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t 
     std::vector<std::string> lines;
     for (const CfgRow &row : cfg_rows()) {
         if (raw_value(row, from) != raw_value(row, to) && lines.size() < most) {
-            lines.push_back(fmt::format("{} {} to {}", row.path, raw_value(row, from),
-                                        raw_value(row, to)));
+            lines.push_back(
+                fmt::format("{} {} to {}", row.path, raw_value(row, from), raw_value(row, to)));
         }
     }
     return lines;

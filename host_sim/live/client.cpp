@@ -54,9 +54,8 @@ const char *name_of(link_question_t type)
 
 [[noreturn]] void refuse_answer(link_question_t type)
 {
-    throw LinkError(
-        fmt::format("the board's answer to `{}` is none of this link: another firmware?",
-                    name_of(type)));
+    throw LinkError(fmt::format(
+        "the board's answer to `{}` is none of this link: another firmware?", name_of(type)));
 }
 
 Words words_of(BodyReader &reader, link_question_t type)
@@ -155,13 +154,13 @@ Bytes Client::ask(const Question &question)
         wait_for_answer(question);
     }
     if (!answered_) {
-        throw LinkError(fmt::format("the board does not answer: `{}` was asked {} times in {:.2g} s",
-                                    name_of(question.type), question.tries,
-                                    question.tries * question.answer_s));
+        throw LinkError(fmt::format(
+            "the board does not answer: `{}` was asked {} times in {:.2g} s",
+            name_of(question.type), question.tries, question.tries * question.answer_s));
     }
     if (refused_) {
-        throw LinkError(fmt::format("the board does not know `{}`: another firmware?",
-                                    name_of(question.type)));
+        throw LinkError(
+            fmt::format("the board does not know `{}`: another firmware?", name_of(question.type)));
     }
     return awaited_.body;
 }

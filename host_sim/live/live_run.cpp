@@ -30,9 +30,9 @@ namespace nf::live
 namespace
 {
 
-constexpr double PASS_S = 0.02;     // between two looks at keys and lines
-constexpr double IN_STEP_S = 5;     // until then a script waits for the first state
-constexpr double LATE_S = 10;       // behind --for: the board's time does not go on
+constexpr double PASS_S = 0.02; // between two looks at keys and lines
+constexpr double IN_STEP_S = 5; // until then a script waits for the first state
+constexpr double LATE_S = 10;   // behind --for: the board's time does not go on
 constexpr double PS_PER_S = 1e12;
 
 // What is written of each tick that is verified.
@@ -56,7 +56,8 @@ public:
     void add(const Tick &tick) override
     {
         first_s_ = first_s_.value_or(tick.time_s);
-        ended_ = for_s_ && tick.time_s - *first_s_ >= *for_s_ - tick.sim->bases().control_period_s / 2;
+        ended_ =
+            for_s_ && tick.time_s - *first_s_ >= *for_s_ - tick.sim->bases().control_period_s / 2;
         if (ended_) {
             return;
         }

@@ -27,8 +27,8 @@ public:
         if (!follower.shadow().is_in_step()) {
             return;
         }
-        const double time_s = static_cast<double>(follower.shadow().next()) *
-                              follower.bases().control_period_s;
+        const double time_s =
+            static_cast<double>(follower.shadow().next()) * follower.bases().control_period_s;
         if (time_s - shown_s_ >= EVERY_S || time_s < shown_s_) {
             shown_s_ = time_s;
             say(fmt::format("{:.3f} s: {}", time_s, status_text(follower)));

@@ -51,7 +51,7 @@ void SerialPort::fail(const char *what) const
 
 void SerialPort::set_up(unsigned baud)
 {
-    struct termios2 settings {};
+    struct termios2 settings{};
     if (ioctl(file_, TCGETS2, &settings) != 0) {
         fail("is no serial port");
     }

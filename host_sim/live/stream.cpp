@@ -68,15 +68,15 @@ std::optional<Missing> Stream::missing_of(uint32_t segment, const Part &part) co
     const auto hole = std::find(part.entries.begin(), part.entries.end(), std::nullopt);
     const auto first = static_cast<uint16_t>(hole - part.entries.begin());
     if (hole != part.entries.end()) {
-        const auto until = std::find_if(hole, hole + std::min<std::ptrdiff_t>(
-                                                        PIECE, part.entries.end() - hole),
-                                        [](const auto &entry) { return entry.has_value(); });
+        const auto until =
+            std::find_if(hole, hole + std::min<std::ptrdiff_t>(PIECE, part.entries.end() - hole),
+                         [](const auto &entry) { return entry.has_value(); });
         return Missing{segment, first, static_cast<uint8_t>(until - hole)};
     }
     const bool open = !part.total && segment != newest_ && first < segment_entries_;
     const auto room = static_cast<uint16_t>(segment_entries_ - first);
-    return open ? std::optional<Missing>({segment, first,
-                                          static_cast<uint8_t>(std::min(PIECE, room))})
+    return open ? std::optional<Missing>(
+                      {segment, first, static_cast<uint8_t>(std::min(PIECE, room))})
                 : std::nullopt;
 }
 

@@ -32,7 +32,8 @@ struct Missing {
 class Stream
 {
 public:
-    static constexpr uint16_t PIECE = 16; // entries that are asked for at once: short enough for a bad line
+    static constexpr uint16_t PIECE =
+        16; // entries that are asked for at once: short enough for a bad line
 
     explicit Stream(uint16_t segment_entries) : segment_entries_(segment_entries)
     {

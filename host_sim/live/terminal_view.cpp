@@ -37,17 +37,17 @@ void add_drive(Rows &rows, const Simulation &sim)
     const auto ampere = [&](int32_t raw) { return raw / Q15 * bases.current_a; };
     const auto volt = [&](int32_t raw) { return raw / Q15 * bases.voltage_v; };
     rows.emplace_back("state", state_name(drive.state));
-    rows.emplace_back("speed", fmt::format("{:.1f} of {:.1f} rpm",
-                                           bases.rpm_from_step(drive_speed(&drive)),
-                                           bases.rpm_from_step(drive.speed_reference)));
+    rows.emplace_back("speed",
+                      fmt::format("{:.1f} of {:.1f} rpm", bases.rpm_from_step(drive_speed(&drive)),
+                                  bases.rpm_from_step(drive.speed_reference)));
     rows.emplace_back("current", fmt::format("q {:.3f} A of {:.3f} A, d {:.3f} A",
                                              ampere(drive.signals.current.q),
                                              ampere(drive.signals.current_ref.q),
                                              ampere(drive.signals.current.d)));
-    rows.emplace_back("voltage", fmt::format("q {:.2f} V, d {:.2f} V, bus {:.2f} V",
-                                             volt(drive.signals.voltage.q),
-                                             volt(drive.signals.voltage.d),
-                                             volt(drive.signals.bus)));
+    rows.emplace_back("voltage",
+                      fmt::format("q {:.2f} V, d {:.2f} V, bus {:.2f} V",
+                                  volt(drive.signals.voltage.q), volt(drive.signals.voltage.d),
+                                  volt(drive.signals.bus)));
     rows.emplace_back("temperature", fmt::format("{} counts", sim.in().adc_temperature));
     if (drive.state == DRIVE_STATE_FAULT) {
         const FoundFault fault = found_fault(drive, bases);
@@ -67,9 +67,9 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     } else {
         rows.emplace_back("state", "not in step");
     }
-    rows.emplace_back("processor", fmt::format("load {} %, late ticks {}{}", health.load_pct,
-                                               health.late_ticks,
-                                               health.tick_lost ? ", NO CONTROL TICK" : ""));
+    rows.emplace_back("processor",
+                      fmt::format("load {} %, late ticks {}{}", health.load_pct, health.late_ticks,
+                                  health.tick_lost ? ", NO CONTROL TICK" : ""));
     rows.emplace_back("line", fmt::format("{:.0f} bytes/s, {} broken, {} gaps", bytes_per_s,
                                           follower.broken(), follower.gaps().size()));
     rows.emplace_back("checked", fmt::format("tick {}, {} hashes, {} departures", shadow.next(),

@@ -259,9 +259,10 @@ static void command_holds(const drive_command_t *before)
     HOLDS(probes || (command.mode <= (uint8_t)DRIVE_MODE_POSITION), "a mode is one of the two");
     HOLDS(probes || !is_speed || ((command.target >= -highest) && (command.target <= highest)),
           "a target is within the motor's speed");
-    HOLDS(probes || (command.request <= DRIVE_REQUEST_CLEAR), "a request is one of those there are");
-    HOLDS(may_command || (before->request == command.request) ||
-              (before->request != 0U) || (command.request != DRIVE_REQUEST_RUN),
+    HOLDS(probes || (command.request <= DRIVE_REQUEST_CLEAR),
+          "a request is one of those there are");
+    HOLDS(may_command || (before->request == command.request) || (before->request != 0U) ||
+              (command.request != DRIVE_REQUEST_RUN),
           "nothing but a message or a line starts the motor");
 }
 

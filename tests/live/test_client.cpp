@@ -138,7 +138,8 @@ void a_board_that_never_answers_is_said_after_all_tries()
         (void)client.store();
         TEST_FAIL();
     } catch (const LinkError &error) {
-        TEST_ASSERT_EQUAL_STRING("the board does not answer: `store` was asked 3 times in 0.15 s", error.what());
+        TEST_ASSERT_EQUAL_STRING("the board does not answer: `store` was asked 3 times in 0.15 s",
+                                 error.what());
     }
     TEST_ASSERT_EQUAL(TIMING.tries, board.questions.size());
 }
@@ -182,7 +183,8 @@ void a_question_that_the_board_does_not_know_is_said()
         (void)client.store();
         TEST_FAIL();
     } catch (const LinkError &error) {
-        TEST_ASSERT_EQUAL_STRING("the board does not know `store`: another firmware?", error.what());
+        TEST_ASSERT_EQUAL_STRING("the board does not know `store`: another firmware?",
+                                 error.what());
     }
 }
 

@@ -34,7 +34,8 @@ using nf::live::SimulatedBoard;
 
 constexpr double PASS_S = 0.001;
 constexpr double RUN_S = 60;
-constexpr double RESYNC_S = 1; // at most, from the last tick before a gap to the first one behind it
+constexpr double RESYNC_S =
+    1; // at most, from the last tick before a gap to the first one behind it
 constexpr double TICKS_PER_S = 10000;
 
 // At 500 kBd an answer takes some 5 ms at most: a question, an answer, and a frame of the stream that is on its way.
@@ -108,9 +109,9 @@ nf::Config scripted(const std::string &duration_s, const std::vector<std::string
     return nf::load_scenario(
         "s2_robust", {"adc"},
         settings(more, {"scenario.duration_s=" + duration_s,
-                  "scenario.load=[{time_s = 5, torque_nm = 3}, {time_s = 8, torque_nm = 0}, "
-                  "{time_s = 40, torque_nm = 2}, {time_s = 45, torque_nm = 0}]",
-                  "scenario.fault=[{time_s = 50, what = \"adc_a_high\", until_s = 50.1}]"}));
+                        "scenario.load=[{time_s = 5, torque_nm = 3}, {time_s = 8, torque_nm = 0}, "
+                        "{time_s = 40, torque_nm = 2}, {time_s = 45, torque_nm = 0}]",
+                        "scenario.fault=[{time_s = 50, what = \"adc_a_high\", until_s = 50.1}]"}));
 }
 
 std::string file_text(const std::string &path)
@@ -162,10 +163,10 @@ void a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit()
     const std::string native_path = folder + "/nf_live_native.csv";
     nf::Trace trace(shown_path, false);
     Both both(bench.shown, trace);
-    Follower follower(bench.line, both,
-                      {[&](const std::string &text) { bench.said.push_back(text); },
-                       [](const std::string &) {}},
-                      QUICK);
+    Follower follower(
+        bench.line, both,
+        {[&](const std::string &text) { bench.said.push_back(text); }, [](const std::string &) {}},
+        QUICK);
     BoardCommands commands(follower, {},
                            {[](const std::string &) {},
                             [&](double seconds) {
@@ -176,10 +177,9 @@ void a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit()
                             },
                             [](const nf::RecordedRun &) { return true; }});
     follower.connect();
-    for (const char *line :
-         {"wait 1", "run", "speed 1000", "wait 14", "speed -1500", "wait 5", "position 3",
-          "wait 5", "position -720deg", "wait 5", "speed 1800", "wait 26", "clear", "wait 1", "run",
-          "wait 3.5"}) {
+    for (const char *line : {"wait 1", "run", "speed 1000", "wait 14", "speed -1500", "wait 5",
+                             "position 3", "wait 5", "position -720deg", "wait 5", "speed 1800",
+                             "wait 26", "clear", "wait 1", "run", "wait 3.5"}) {
         const nf::debug::Answer answer = commands.execute(line);
         TEST_ASSERT_EQUAL_MESSAGE(nf::debug::Outcome::done, answer.outcome,
                                   (std::string(line) + ": " + answer.text).c_str());
@@ -288,10 +288,10 @@ void after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second()
     CutChannel line(clean);
     ShownTicks shown(log);
     std::vector<std::string> said;
-    Follower follower(line, shown,
-                      {[&](const std::string &text) { said.push_back(text); },
-                       [](const std::string &) {}},
-                      QUICK);
+    Follower follower(
+        line, shown,
+        {[&](const std::string &text) { said.push_back(text); }, [](const std::string &) {}},
+        QUICK);
     const auto pass = [&](double seconds) {
         const double until_s = line.now_s() + seconds;
         while (line.now_s() < until_s) {
@@ -370,12 +370,16 @@ void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
             TEST_ASSERT_EQUAL_STRING("", bench.follower.change(now).c_str());
             changed++;
         } else {
-            TEST_ASSERT_TRUE_MESSAGE(why.find(std::string(row.path) + " ") == 0, (row.path + (": " + why)).c_str());
+            TEST_ASSERT_TRUE_MESSAGE(why.find(std::string(row.path) + " ") == 0,
+                                     (row.path + (": " + why)).c_str());
             refused++;
         }
         bench.pass(BETWEEN_S);
         const fault_t &fault = bench.board.run().sim().drive().fault;
-        TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_RUN, bench.log.states.back(), fmt::format("{}: {} {} {}", row.path, static_cast<int>(fault.id), fault.value, fault.limit).c_str());
+        TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_RUN, bench.log.states.back(),
+                                  fmt::format("{}: {} {} {}", row.path, static_cast<int>(fault.id),
+                                              fault.value, fault.limit)
+                                      .c_str());
     }
     bench.pass(1);
     TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
@@ -409,6 +413,7 @@ int main()
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
     RUN_TEST(the_configuration_in_force_may_be_given_again);
-    RUN_TEST(each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name);
+    RUN_TEST(
+        each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name);
     return UNITY_END();
 }
