@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The whole contract between the application and the hardware: four functions for the control interrupt, three for the
- * console of firmware/app, and three for its store.
+ * The whole contract between the application and the hardware: four functions for the control interrupt, three for console
+ * and link of firmware/app, and three for its store.
  *
  * The build links exactly one binding. A binding owns the PWM timer, the converters, the gate drivers and the serial line;
  * no code above it uses a register. docs/porting.md says how to write one.
@@ -48,12 +48,12 @@ uint32_t hal_ticks(const hal_t *hal);
 /*
  * The serial line. Context: background only, never the control interrupt. Neither function waits.
  *
- * hal_receive() gives the next byte that came in. False, and `byte` is as it was, when there is none. The console asks
+ * hal_receive() gives the next byte that came in. False, and `byte` is as it was, when there is none. The link (link.h) asks
  * until there is none, once per pass of the background: what the hardware keeps meanwhile (a FIFO, a buffer) has to hold
  * the bytes of one pass. A byte that is lost or broken is left out.
  *
- * hal_send() takes a byte for sending. False, and nothing is done, while there is no room; the console offers it again in
- * its next pass. Any room will do, also that of a single byte.
+ * hal_send() takes a byte for sending. False, and nothing is done, while there is no room; it is offered again in the
+ * next pass. Any room will do, also that of a single byte.
  *
  * A board without a serial line returns false from both.
  */

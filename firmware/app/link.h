@@ -12,31 +12,9 @@
 #ifndef LINK_H
 #define LINK_H
 
-#include "app.h"
-#include "console.h"
-#include "link_frame.h"
-#include "link_guard.h"
-#include "link_stream.h"
-#include "live_config.h"
-
-#include <stdbool.h>
-#include <stdint.h>
+#include "link_state.h"
 
 #define LINK_PAUSE_MS (2000U)
-
-typedef struct {
-    live_config_t *live;
-    console_t console;
-    uint32_t said;      /* characters of the console's text that are on their way */
-    bool is_linked;     /* the line is the PC's */
-    bool is_framing;    /* the line is a person's, and a frame has begun */
-    uint32_t byte_tick; /* when the last byte of that frame came in */
-    uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none does */
-    link_in_t in;
-    link_out_t out;
-    link_guard_t guard;
-    link_stream_t stream;
-} link_t;
 
 /*
  * Call once, when the serial line works and live_config_init() has chosen the configuration. The application of `live` may be

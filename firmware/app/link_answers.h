@@ -7,7 +7,7 @@
 #ifndef LINK_ANSWERS_H
 #define LINK_ANSWERS_H
 
-#include "link.h"
+#include "link_state.h"
 
 #include <stdint.h>
 

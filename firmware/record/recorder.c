@@ -35,12 +35,12 @@ static recorder_entry_t *first_of(const recorder_t *recorder, uint32_t segment)
     return &recorder->entries[at];
 }
 
-/* A tick takes two entries at most. */
+/* A tick takes two entries at most: of two changes the second has nothing new. The proof does not see that, so it is three. */
 static const recorder_entry_t *stop_of(const recorder_t *recorder, uint32_t segment)
 {
     const uint32_t behind = (segment + 1U) * recorder->segment_entries;
 
-    return &recorder->entries[behind - 1U];
+    return &recorder->entries[behind - 2U];
 }
 
 /* Compared by bit operations, so that there is only one branch. */
@@ -166,9 +166,6 @@ uint32_t recorder_newest(const recorder_t *recorder)
 /* Restart with the same memory. The interrupt does not touch a frozen recorder. */
 static void begin_anew(recorder_t *recorder)
 {
-    const uint32_t newest = recorder_newest(recorder);
-
-    recorder->ended = (newest == 0U) ? recorder->ended : newest;
     for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
         recorder->segments[k] = (recorder_segment_t){0};
     }
@@ -287,6 +284,7 @@ void recorder_service(recorder_t *recorder, const drive_t *drive)
     }
     if (recorder->frozen) {
         if ((!failed || recorder->passed) && !recorder->held) {
+            recorder->ended = recorder_newest(recorder);
             begin_anew(recorder);
         }
     } else if (!recorder->offered) {
@@ -332,10 +330,47 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment)
     return count;
 }
 
-/* Its configuration has not been overwritten since. */
+/* The other one of the two that a history can have; NULL when it can have only one. */
+static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
+{
+    const drive_cfg_t *const end = recorder->states[END].cfg;
+
+    return (end == begin) ? recorder->before : end;
+}
+
+static bool is_change(const recorder_entry_t *entry)
+{
+    return (entry->word[2] & CHANGE_MARK) != 0U;
+}
+
+/* Whether a segment has no configuration but the two of a history that begins with `begin`. */
+static bool has_only_two(const recorder_t *recorder, uint32_t segment, const drive_cfg_t *begin)
+{
+    const drive_cfg_t *const other = other_config(recorder, begin);
+    const uint32_t other_crc = (other == NULL) ? begin->crc : other->crc;
+    const recorder_entry_t *const first = first_of(recorder, segment);
+    const uint32_t count = count_entries(recorder, segment);
+    bool known = true;
+
+    for (uint32_t at = 0U; at < count; at++) {
+        const uint32_t crc = first[at].word[3];
+
+        known = known && (!is_change(&first[at]) || (crc == begin->crc) || (crc == other_crc));
+    }
+    return known;
+}
+
+/* From this segment to the end no configuration has been overwritten since. */
 static bool is_configured(const recorder_t *recorder, uint32_t segment)
 {
-    return recorder->states[segment].cfg->crc == recorder->segments[segment].config_crc;
+    const drive_cfg_t *const begin = recorder->states[segment].cfg;
+    const uint32_t more = ((recorder->current + RECORDER_SEGMENTS) - segment) % RECORDER_SEGMENTS;
+    bool known = begin->crc == recorder->segments[segment].config_crc;
+
+    for (uint32_t k = 0U; k <= more; k++) {
+        known = known && has_only_two(recorder, (segment + k) % RECORDER_SEGMENTS, begin);
+    }
+    return known;
 }
 
 /* Segments of the history up to the current one: without a gap between them, each with its configuration. */
@@ -423,14 +458,6 @@ static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_vie
     view->state = &recorder->states[segment];
 }
 
-/* The other one of the two that a history can have. */
-static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
-{
-    const drive_cfg_t *const end = recorder_end_state(recorder)->cfg;
-
-    return (end == begin) ? recorder->before : end;
-}
-
 const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
                                            const recorder_history_t *history)
 {
@@ -439,9 +466,9 @@ const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
     bool found = false;
 
     for (uint32_t at = 0U; at < history->entries; at++) {
-        const uint32_t *const word = recorder_entry(recorder, history, at)->word;
+        const recorder_entry_t *const entry = recorder_entry(recorder, history, at);
 
-        found = found || (((word[2] & CHANGE_MARK) != 0U) && (word[3] != begin->crc));
+        found = found || (is_change(entry) && (entry->word[3] != begin->crc));
     }
     return found ? other : NULL;
 }
@@ -465,7 +492,7 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)
 {
     const uint32_t *const word = entry->word;
-    const bool is_frame = (word[2] & CHANGE_MARK) == 0U;
+    const bool is_frame = !is_change(entry);
     drive_in_t *const in = &frame->in;
     drive_out_t *const out = &frame->out;
 

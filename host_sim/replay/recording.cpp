@@ -221,6 +221,9 @@ Recording parse(const std::vector<uint32_t> &words)
 {
     Recording recording{};
     recording.header = header_of(words);
+    if (recording.header.entries == 0) {
+        refuse("it has no frames: the configuration changed twice in its last segment");
+    }
     if (recording.header.fault_id >= FAULT_COUNT) {
         refuse("its fault is number {}, allowed are 0 to {}", recording.header.fault_id,
                FAULT_COUNT - 1);

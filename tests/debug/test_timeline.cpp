@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Forwards and backwards through a run: always to the same bits, never far from a snapshot, in bounded memory.
+#include "diff.h"
 #include "set.h"
 #include "timeline.h"
 
@@ -277,6 +278,138 @@ static void test_a_state_that_the_firmware_cannot_come_to_is_refused()
     }
 }
 
+// A run in the field through three configurations: to one that may come while current flows, to one with another scale of
+// speeds, with which the drive begins anew, and back. `hashes`: of the drive after each tick.
+struct Field {
+    nf::RecordedRun run;
+    std::vector<uint32_t> hashes;
+};
+
+static constexpr std::size_t GAIN =
+    900; // frames of the changes; more than a spacing of snapshots apart
+static constexpr std::size_t SCALE = 2400;
+static constexpr std::size_t BACK = 4000;
+static constexpr std::size_t FRAMES = 4500;
+static constexpr std::size_t BEGIN = 8500; // tick of the simulation, in RUN
+
+static Field changing_run()
+{
+    const nf::Config config = nf::load_scenario("s1_robust", {"adc"});
+    nf::ScriptedRun run(config);
+    const auto with = [](const std::vector<std::string> &set) {
+        return nf::build(nf::load_scenario("s1_robust", {"adc"}, set));
+    };
+    while (run.tick() < static_cast<int64_t>(BEGIN)) {
+        (void)run.control();
+        run.advance();
+    }
+    Field field{{{run.sim().cfg(), run.sim().drive(), run.sim().bases()},
+                 {},
+                 {},
+                 {{GAIN, with({"observer.kappa=0.03"})},
+                  {SCALE, with({"motor.max_speed_rpm=900", "motor.rated_speed_rpm=800",
+                                "position_loop.speed_rpm=800",
+                                "scenario.command=[{time_s = 0.0, speed_rpm = 500.0}]"})},
+                  {BACK, run.sim().cfg()}}},
+                {}};
+    for (std::size_t frame = 0; frame < FRAMES; frame++) {
+        for (const nf::ConfigChange &change : field.run.changes) {
+            if (change.frame == frame) {
+                run.sim().change(change.cfg);
+            }
+        }
+        (void)run.control();
+        field.run.frames.push_back(run.sim().in());
+        field.run.outputs.push_back(run.sim().out());
+        field.hashes.push_back(drive_words_hash(&run.sim().drive()));
+        run.advance();
+    }
+    return field;
+}
+
+static const Field &field()
+{
+    static const Field made = changing_run();
+    return made;
+}
+
+static std::size_t frame_of(const Timeline &timeline)
+{
+    return static_cast<std::size_t>(timeline.now() - timeline.first());
+}
+
+static void assert_is_recorded(const Timeline &timeline)
+{
+    const std::size_t frame = frame_of(timeline);
+    const nf::Simulation &sim = timeline.run().sim();
+    const std::size_t in_force = (frame >= GAIN ? 1U : 0U) + (frame >= SCALE ? 1U : 0U);
+    const bool own = in_force == 0 || frame >= BACK;
+    const drive_cfg_t &cfg = own ? field().run.image.cfg : field().run.changes[in_force - 1].cfg;
+    TEST_ASSERT_EQUAL_HEX32(field().hashes[frame], drive_words_hash(&sim.drive()));
+    TEST_ASSERT_EQUAL_HEX32(cfg.crc, sim.cfg().crc);
+    TEST_ASSERT_EQUAL_HEX32(cfg.crc, timeline.run().built().crc);
+    TEST_ASSERT_EQUAL_INT(cfg.speed_shift, sim.bases().speed_shift);
+}
+
+static void test_forth_and_back_over_changes_of_the_configuration_each_tick_is_the_recorded_one()
+{
+    Timeline timeline(field().run);
+    do {
+        assert_is_recorded(timeline);
+    } while (timeline.step());
+    TEST_ASSERT_EQUAL_INT64(timeline.last(), timeline.now());
+    for (int64_t tick = timeline.last(); tick >= timeline.first(); tick -= 7) {
+        timeline.go_to(tick);
+        assert_is_recorded(timeline);
+    }
+    for (const std::size_t change : {GAIN, SCALE, BACK}) {
+        for (const int back : {1, 0}) {
+            timeline.go_to(timeline.first() + static_cast<int64_t>(change) - back);
+            assert_is_recorded(timeline);
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(DRIVE_STATE_RUN, field().run.image.state.state);
+    TEST_ASSERT_NOT_EQUAL(field().run.image.cfg.speed_shift,
+                          field().run.changes[1].cfg.speed_shift);
+}
+
+static void test_each_tick_around_a_change_departs_nowhere_from_its_reference()
+{
+    Timeline timeline(field().run);
+    for (const std::size_t change : {GAIN, SCALE, BACK}) {
+        timeline.go_to(timeline.first() + static_cast<int64_t>(change) - 20);
+        for (int k = 0; k < 40; k++) {
+            const auto rows =
+                nf::debug::diff_tick(timeline.before(), timeline.tick(), timeline.run().built());
+            const nf::debug::Comparison *const first = nf::debug::first_departure(rows);
+            TEST_ASSERT_NULL_MESSAGE(
+                first, first == nullptr ? "" : (first->module + ' ' + first->quantity).c_str());
+            timeline.step();
+        }
+    }
+}
+
+static void test_what_is_forced_in_a_configuration_ends_with_it()
+{
+    Timeline timeline(field().run);
+    const int64_t change = timeline.first() + static_cast<int64_t>(GAIN);
+    const auto kp = [&] { return timeline.run().sim().cfg().current_loop.pi_d.kp; };
+    timeline.go_to(change - 3);
+    const std::string said =
+        set_signal(timeline, "cfg.current_loop.pi_d.kp.raw = 77", Span::for_ever);
+    TEST_ASSERT_EQUAL_STRING(("force cfg.current_loop.pi_d.kp.raw = 77 from tick " +
+                              std::to_string(change - 3) + " to " + std::to_string(change - 1) +
+                              '\n')
+                                 .c_str(),
+                             said.c_str());
+    timeline.go_to(change - 1);
+    TEST_ASSERT_EQUAL_INT(77, kp());
+    timeline.step();
+    TEST_ASSERT_EQUAL_INT(field().run.changes[0].cfg.current_loop.pi_d.kp, kp());
+    timeline.step();
+    TEST_ASSERT_EQUAL_INT(field().run.changes[0].cfg.current_loop.pi_d.kp, kp());
+}
+
 int main()
 {
     UNITY_BEGIN();
@@ -291,5 +424,8 @@ int main()
     RUN_TEST(test_what_is_forced_stands_over_the_scenarios_faults_and_gives_way_to_them);
     RUN_TEST(test_a_command_is_bounded_as_in_a_scenario);
     RUN_TEST(test_a_state_that_the_firmware_cannot_come_to_is_refused);
+    RUN_TEST(test_forth_and_back_over_changes_of_the_configuration_each_tick_is_the_recorded_one);
+    RUN_TEST(test_each_tick_around_a_change_departs_nowhere_from_its_reference);
+    RUN_TEST(test_what_is_forced_in_a_configuration_ends_with_it);
     return UNITY_END();
 }

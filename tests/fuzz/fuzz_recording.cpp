@@ -4,8 +4,8 @@
 // The first byte chooses what the rest is:
 //     0    the file
 //     1    the words of a file, of which each line gets its CRC
-//     2    changes of a genuine recording: which (1 byte), then 2 bytes for the place and 4 for the word; the CRC of its
-//          configuration is made good
+//     2    changes of a genuine recording: which (1 byte), then 2 bytes for the place and 4 for the word; the CRC of each
+//          configuration in it is made good
 #include "bytes.h"
 #include "fuzzed.h"
 #include "line_code.h"
@@ -19,6 +19,7 @@ extern "C" {
 #include "config_guard.h"
 }
 
+#include <algorithm>
 #include <cstring>
 
 namespace
@@ -28,13 +29,14 @@ using nf::replay::Recording;
 using nf::replay::RecordingError;
 
 constexpr int TICKS = 64; // of the stepper with it
+constexpr int CHANGE = TICKS / 2;
 
 void run(const Recording &recording)
 {
     const nf::replay::Result result = nf::replay::replay(recording);
     HOLDS(!nf::replay::summary(recording, result).empty(), "a recording has a summary");
     nf::ScriptedRun stepped(recording.run);
-    while (stepped.tick() < stepped.end() && stepped.tick() < TICKS) {
+    while (stepped.tick() < stepped.end() && stepped.tick() < stepped.first() + TICKS) {
         (void)stepped.control();
         stepped.advance();
     }
@@ -108,28 +110,63 @@ std::vector<uint32_t> recorded(const char *scenario, const char *duration, const
     return words_of(writer.text());
 }
 
+// One from the first tick on that changes its configuration, early enough for the stepper.
+std::vector<uint32_t> recorded_with_a_change()
+{
+    const nf::Config config =
+        nf::load_scenario("s1", {"adc"},
+                          {"scenario.duration_s=0.01", "scenario.prelude_s=0",
+                           "scenario.evaluate_from_s=0", "board.recorder_entries=1024"});
+    drive_cfg_t other = nf::build(config);
+    other.speed_loop.pi.kp /= 2;
+    other.crc = config_guard_crc(&other);
+    nf::ScriptedRun run(config);
+    nf::replay::Writer writer(config);
+    while (run.tick() < run.end()) {
+        if (run.tick() == CHANGE) {
+            run.sim().change(other);
+        }
+        writer.add(run.control());
+        run.advance();
+    }
+    return words_of(writer.text());
+}
+
 const std::vector<std::vector<uint32_t>> &genuine()
 {
     static const std::vector<std::vector<uint32_t>> all = {
         recorded("s1", "scenario.duration_s=0.01", "scenario.prelude_s=0.05"),
         recorded("s1_robust", "scenario.duration_s=0.01", "scenario.prelude_s=0.06"),
         recorded("s4", "scenario.duration_s=0.01", "scenario.prelude_s=0.06"),
+        recorded_with_a_change(),
     };
     return all;
 }
 
+// Makes the CRC of a configuration good, and so each entry that names it.
+void seal(std::vector<uint32_t> &words, std::size_t at)
+{
+    drive_cfg_t cfg{};
+    std::memcpy(&cfg, words.data() + at, sizeof cfg);
+    const uint32_t before = cfg.crc;
+    cfg.crc = config_guard_crc(&cfg);
+    std::replace(words.begin(), words.end(), before, cfg.crc);
+    std::memcpy(words.data() + at, &cfg, sizeof cfg);
+}
+
 std::vector<uint32_t> changed(fuzz::Bytes &bytes)
 {
-    std::vector<uint32_t> words = genuine()[bytes.byte() % genuine().size()];
+    const std::vector<uint32_t> &good = genuine()[bytes.byte() % genuine().size()];
+    std::vector<uint32_t> words = good;
     while (!bytes.empty()) {
         const std::size_t at = bytes.half() % words.size();
         words[at] = bytes.word();
     }
-    uint32_t *const config = words.data() + RECORDER_HEADER_WORDS;
-    drive_cfg_t cfg{};
-    std::memcpy(&cfg, config, sizeof cfg);
-    cfg.crc = config_guard_crc(&cfg);
-    std::memcpy(config, &cfg, sizeof cfg);
+    constexpr std::size_t FURTHER = offsetof(recorder_header_t, further) / sizeof(uint32_t);
+    seal(words, RECORDER_HEADER_WORDS);
+    if (good[FURTHER] != 0) {
+        seal(words, words.size() - 1 - sizeof(drive_cfg_t) / sizeof(uint32_t));
+    }
     return words;
 }
 

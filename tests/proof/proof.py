@@ -4,7 +4,7 @@
 Proven is an induction over the ticks: drive_init begins within the ranges of state.def, and one drive_step from any
 state within them, with any valid configuration and any frame, ends within them and has no overflow, no conversion that
 changes a value, no index out of its array, no division by zero, no shift too far, no uninitialised read. The same of
-recorder_step, with the ranges of proof_of_recorder.c.
+recorder_change and recorder_step, with the ranges of proof_of_recorder.c.
 
 As a proof without alarms can be empty, four things are asked for: that Frama-C ends well; that there is its list of
 properties, with none that is not proven; that each entry gets to its end and asks for each range; and that one or the
@@ -35,14 +35,16 @@ SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive
 FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
-           "proof_plain_regulated": DRIVE, "proof_recorder": RECORDER}
+           "proof_plain_regulated": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
+           "proof_recorder": RECORDER}
 CHECK = "check_state"  # what each entry ends with
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("config_block", "drive_words", "fault_text", "recorder_dump", "words")
                  for kind in "ch"}  # not called in a tick
 BACKGROUND = {  # of the recorder
-    "count_entries", "is_nearly_full", "is_over", "offer", "prepare", "recorder_begin_state", "recorder_end_state",
-    "recorder_entry", "recorder_history", "recorder_hold", "recorder_release", "recorder_service", "recorder_unpack",
-    "segment_after", "segment_before", "trigger",
+    "count_entries", "count_segments", "fill_view", "has_only_two", "is_change", "is_configured", "is_nearly_full", "is_over",
+    "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
+    "recorder_find", "recorder_follow", "recorder_further_config", "recorder_history", "recorder_hold", "recorder_release",
+    "recorder_newest", "recorder_service", "recorder_unpack", "segment_after", "segment_before", "trigger",
 }
 
 # How many cases Eva keeps apart: those of the case distinctions in the code, and branches of small functions.

@@ -56,8 +56,8 @@ FAULTS = {
         "proof_init", proof.DRIVE, "    drive_init(&drive, &cfg);\n    check_state();\n", "    drive_init(&drive, &cfg);\n",
         f"proof_init: {proof.CHECK}: "),
     "a tick that does not end": (
-        "proof_recorder", "firmware/record/recorder.c", "    recorder_entry_t *at = recorder->at;\n",
-        "    recorder_entry_t *at = recorder->at;\n\n    while (recorder != NULL) {\n    }\n",
+        "proof_recorder", "firmware/record/recorder.c", "    recorder_entry_t *at = recorder->at;\n\n    if (",
+        "    recorder_entry_t *at = recorder->at;\n\n    while (recorder != NULL) {\n    }\n    if (",
         "proof_recorder: record: "),
 }
 

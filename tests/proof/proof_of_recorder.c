@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One recorder_step from any state within the ranges below, after any tick, ends within them, and recorder_init begins
- * there: an induction over the ticks. What the background writes between two of them is chosen anew for each; that it
+ * One recorder_step from any state within the ranges below, after any tick, with a change of the configuration before it or
+ * without, ends within them, and recorder_init begins there: an induction over the ticks. What the background writes between
+ * two of them is chosen anew for each; that it
  * keeps to the ranges is taken for granted. Read by Eva, see proof.py.
  *
  * `volatile` is for the background, which the step interrupts: while it runs, what was written is what is read. Eva
@@ -27,6 +28,8 @@ static recorder_entry_t few[RECORDER_SEGMENTS * RECORDER_ENTRIES_MIN];
 static recorder_entry_t many[RECORDER_SEGMENTS * LONGEST];
 static recorder_t recorder;
 static drive_t drive;
+static drive_cfg_t cfg;
+static drive_cfg_t before;
 static drive_in_t in;
 static drive_out_t out;
 
@@ -36,6 +39,8 @@ void within(int64_t value, int64_t lowest, int64_t highest);
 
 static void choose_tick(void)
 {
+    cfg.crc = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
+    drive.cfg = &cfg;
     drive.tick = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     drive.slow_count = Frama_C_unsigned_int_interval(1U, 100U);
     in = any_frame();
@@ -57,6 +62,7 @@ static void choose_state(uint32_t behind)
     recorder.next = Frama_C_unsigned_int_interval(0U, END);
     recorder.next_tick = Frama_C_unsigned_int_interval(0U, UINT32_MAX);
     recorder.gap = Frama_C_interval(0, 1) != 0;
+    recorder.changed = Frama_C_interval(0, 1) != 0;
 }
 
 static void check_state(const recorder_entry_t *entries, uint32_t segment_entries)
@@ -77,6 +83,10 @@ static void record(recorder_entry_t *entries, uint32_t segment_entries)
     check_state(entries, segment_entries);
     choose_state(RECORDER_SEGMENTS * segment_entries);
     choose_tick();
+    if (Frama_C_interval(0, 1) != 0) {
+        recorder_change(&recorder, &before);
+        check_state(entries, segment_entries);
+    }
     recorder_step(&recorder, &drive, &in, &out);
     check_state(entries, segment_entries);
 }

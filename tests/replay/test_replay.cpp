@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Recordings: one of a run comes out bit for bit, a changed one is refused in one line or departs where it was changed.
+// Recordings: one of a run comes out bit for bit, through changes of its configuration too; a changed one is refused in one line
+// or departs where it was changed.
 #include "line_code.h"
 #include "reader.h"
 #include "replay.h"
 #include "scenario.h"
 #include "schema.h"
+#include "scripted_run.h"
 #include "writer.h"
 
 extern "C" {
@@ -16,6 +18,7 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <random>
@@ -34,6 +37,9 @@ constexpr int FORGERIES = 3000;
 constexpr std::size_t CONFIG = RECORDER_HEADER_WORDS;
 constexpr std::size_t STATE = CONFIG + sizeof(drive_cfg_t) / sizeof(uint32_t);
 constexpr std::size_t ENTRY_WORDS = 4;
+constexpr std::size_t ENTRIES = 5; // words of the header
+constexpr std::size_t FURTHER = 6;
+constexpr std::size_t FIRST_TICK = 7;
 
 // A short run that ends in a fault.
 const std::string &recorded()
@@ -51,6 +57,56 @@ const std::string &recorded()
         return writer.text();
     }();
     return text;
+}
+
+const char *const KAPPA = "observer.kappa=0.03";           // may change while current flows
+const char *const SLOW_TICKS = "speed_loop.slow_ticks=12"; // makes the drive begin anew
+
+nf::Config config_with(const std::vector<std::string> &set, int entries)
+{
+    std::vector<std::string> all = {"scenario.duration_s=0.5", "scenario.evaluate_from_s=0",
+                                    "board.recorder_entries=" + std::to_string(entries)};
+    all.insert(all.end(), set.begin(), set.end());
+    return nf::load_scenario("s1_robust", {"adc"}, all);
+}
+
+constexpr int WHOLE = 65536; // entries that hold all of it
+constexpr int RING = 1024;   // … that hold the last ticks: four segments of 256
+
+// The last tick of these runs: the drive is in RUN and speeds up.
+int64_t last_tick()
+{
+    static const nf::Config config = config_with({}, RING);
+    static const int64_t tick = nf::ScriptedRun(config).end() - 1;
+    return tick;
+}
+
+struct Given {
+    int64_t tick;
+    std::vector<std::string> set;
+};
+
+// The run with a drive that is given these configurations before these ticks.
+std::string recorded_with(const std::vector<Given> &changes, int entries = WHOLE)
+{
+    const nf::Config config = config_with({}, entries);
+    nf::ScriptedRun run(config);
+    nf::replay::Writer writer(config);
+    while (run.tick() < run.end()) {
+        for (const Given &change : changes) {
+            if (change.tick == run.tick()) {
+                run.sim().change(nf::build(config_with(change.set, entries)));
+            }
+        }
+        writer.add(run.control());
+        run.advance();
+    }
+    return writer.text();
+}
+
+uint32_t crc_with(const std::vector<std::string> &set)
+{
+    return nf::build(config_with(set, WHOLE)).crc;
 }
 
 std::vector<std::string> lines_of(const std::string &text)
@@ -296,20 +352,23 @@ void what_the_header_says_is_checked()
     const uint32_t many = 0xFFFFFFFF;
     for (const Case &c : std::vector<Case>{
              {0, 0x474E5089, "no recording of a flight recorder"},
-             {1, 1, "of another firmware: its format is version 1, this program reads version 2"},
+             {1, 2, "of another firmware: its format is version 2, this program reads version 3"},
              {2, 77, "its header says 77 words"},
              {3, 3, "its configuration has 3 words"},
              {4, 3, "its state has 3 words"},
              {5, many, "its parts make"},
-             {6, 3, "its first tick is 3"},
-             {7, 3, "frames for the ticks"},
-             {9, FAULT_COUNT, "its fault is number"},
-             {13, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
-             {13, 1000000001, "its tick in ps is 1000000001"},
-             {14, 0, "its current scale in uA is 0"},
-             {15, 0, "its bus scale in uV is 0"},
-             {16, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
-             {16, 51, "its number of pole pairs is 51"},
+             {FURTHER, 1, "its parts make"},
+             {FURTHER, 2, "its header says 2 further configurations, allowed are 0 and 1"},
+             {FURTHER, many, "its header says 4294967295 further configurations"},
+             {FIRST_TICK, 3, "its first tick is 3"},
+             {8, 3, "frames for the ticks"},
+             {10, FAULT_COUNT, "its fault is number"},
+             {14, 999999, "its tick in ps is 999999, allowed are 1000000 to 1000000000"},
+             {14, 1000000001, "its tick in ps is 1000000001"},
+             {15, 0, "its current scale in uA is 0"},
+             {16, 0, "its bus scale in uV is 0"},
+             {17, 0, "its number of pole pairs is 0, allowed are 1 to 50"},
+             {17, 51, "its number of pole pairs is 51"},
          }) {
         std::vector<uint32_t> words = good;
         words[c.word] = c.value;
@@ -325,6 +384,147 @@ void a_damaged_configuration_is_refused()
     std::vector<uint32_t> words = words_of(recorded());
     words[CONFIG] ^= 4;
     assert_contains("configuration was damaged", refusal_of(words));
+}
+
+// What changed it, and when.
+void assert_changes(const Recording &recording, const std::vector<Given> &expected)
+{
+    TEST_ASSERT_EQUAL_size_t(expected.size(), recording.run.changes.size());
+    for (std::size_t k = 0; k < expected.size(); k++) {
+        const nf::ConfigChange &change = recording.run.changes[k];
+        TEST_ASSERT_EQUAL_INT64(expected[k].tick,
+                                recording.run.first() + static_cast<int64_t>(change.frame));
+        TEST_ASSERT_EQUAL_HEX32(crc_with(expected[k].set), change.cfg.crc);
+    }
+}
+
+void a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration()
+{
+    const int64_t tick = last_tick() - 400;
+    for (const char *const set : {KAPPA, SLOW_TICKS}) {
+        const std::vector<Given> given = {{tick, {set}}};
+        Recording recording = nf::replay::read(recorded_with(given));
+        TEST_ASSERT_EQUAL_HEX32(crc_with({}), recording.run.image.cfg.crc);
+        assert_changes(recording, given);
+        assert_genuine(recording);
+
+        recording.run.changes.clear();
+        const Result without = nf::replay::replay(recording);
+        TEST_ASSERT_TRUE(without.difference.has_value());
+        TEST_ASSERT_GREATER_OR_EQUAL_INT64(tick, without.difference->tick);
+    }
+}
+
+void a_change_may_come_before_any_frame_of_a_segment()
+{
+    constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS; // ticks at most
+    for (int64_t tick = last_tick() - 2 * SEGMENT; tick < last_tick() - SEGMENT; tick += 5) {
+        const std::vector<Given> given = {{tick, {KAPPA}}};
+        const Recording recording = nf::replay::read(recorded_with(given, RING));
+        assert_changes(recording, given);
+        assert_genuine(recording);
+    }
+}
+
+void of_one_configuration_and_back_both_changes_come_out()
+{
+    const std::vector<Given> given = {{last_tick() - 500, {KAPPA}}, {last_tick() - 300, {}}};
+    const std::string text = recorded_with(given);
+    const Recording recording = nf::replay::read(text);
+    TEST_ASSERT_EQUAL_UINT32(1, recording.header.further);
+    assert_changes(recording, given);
+    assert_genuine(recording);
+}
+
+// The configuration of what was before is no longer there.
+void of_three_configurations_the_history_begins_with_the_second()
+{
+    constexpr int64_t SEGMENT = RING / RECORDER_SEGMENTS;
+    const int64_t first = last_tick() - 2 * SEGMENT;
+    const std::vector<Given> given = {{last_tick() - 10, {SLOW_TICKS}}};
+    const Recording recording = nf::replay::read(recorded_with({{first, {KAPPA}}, given[0]}, RING));
+    TEST_ASSERT_EQUAL_HEX32(crc_with({KAPPA}), recording.run.image.cfg.crc);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT64(first, recording.run.first());
+    assert_changes(recording, given);
+    assert_genuine(recording);
+}
+
+void a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason()
+{
+    const std::string text =
+        recorded_with({{last_tick() - 500, {KAPPA}}, {last_tick() - 300, {SLOW_TICKS}}});
+    TEST_ASSERT_EQUAL_STRING(
+        "it has no frames: the configuration changed twice in its last segment",
+        refusal_of(text).c_str());
+}
+
+void a_summary_says_when_the_configuration_changes()
+{
+    const std::string text = recorded_with({{100, {KAPPA}}});
+    const Recording recording = nf::replay::read(text);
+    char expected[64];
+    (void)std::snprintf(expected, sizeof expected, "\n  configuration %08x from tick 100 on\n",
+                        crc_with({KAPPA}));
+    assert_contains(expected, summary(recording, nf::replay::replay(recording)));
+}
+
+// A recording with a change in it, and where that is.
+struct Changed {
+    std::vector<uint32_t> words;
+    std::size_t further; // word of the configuration
+    std::size_t entry;   // number of the entry that changes to it
+};
+
+Changed changed_recording()
+{
+    static const std::vector<uint32_t> words =
+        words_of(recorded_with({{last_tick() - 400, {KAPPA}}}, RING));
+    const std::size_t entries = STATE + words[4];
+    const uint32_t crc = crc_with({KAPPA});
+    std::size_t entry = 0;
+    while (words[entries + entry * ENTRY_WORDS + 3] != crc ||
+           words[entries + entry * ENTRY_WORDS + 2] != 0x8000U) {
+        entry++;
+    }
+    return {words, entries + words[ENTRIES] * ENTRY_WORDS, entry};
+}
+
+void a_damaged_further_configuration_is_refused()
+{
+    Changed changed = changed_recording();
+    changed.words[changed.further] ^= 4;
+    assert_contains("further configuration was damaged", refusal_of(changed.words));
+}
+
+void a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting()
+{
+    Changed changed = changed_recording();
+    drive_cfg_t cfg{};
+    std::memcpy(&cfg, &changed.words[changed.further], sizeof cfg);
+    cfg.sampling.offset_log2 = 13;
+    cfg.crc = config_guard_crc(&cfg);
+    std::memcpy(&changed.words[changed.further], &cfg, sizeof cfg);
+    assert_contains("this firmware refuses the further configuration: sampling.offset_log2",
+                    refusal_of(changed.words));
+}
+
+void a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry()
+{
+    Changed changed = changed_recording();
+    const std::size_t entries = STATE + changed.words[4];
+    changed.words[entries + changed.entry * ENTRY_WORDS + 3] = 0x12345678;
+    const std::string expected = "its entry " + std::to_string(changed.entry) +
+                                 " changes to the configuration 0x12345678, which it does not have";
+    TEST_ASSERT_EQUAL_STRING(expected.c_str(), refusal_of(changed.words).c_str());
+}
+
+void a_further_configuration_that_is_cut_off_is_refused()
+{
+    const Changed changed = changed_recording();
+    const auto begin = changed.words.begin();
+    assert_contains("is cut off",
+                    refusal_of(std::vector<uint32_t>(
+                        begin, begin + static_cast<std::ptrdiff_t>(changed.further) + 9)));
 }
 
 void a_state_that_is_none_is_refused()
@@ -343,9 +543,8 @@ void a_state_that_is_none_is_refused()
 }
 
 // Any words at all: refused in one line, or run without harm.
-void forged_words_do_no_harm()
+void forge(const std::vector<uint32_t> &good)
 {
-    const std::vector<uint32_t> good = words_of(recorded());
     std::mt19937 random(2);
     for (int k = 0; k < FORGERIES; k++) {
         std::vector<uint32_t> words = good;
@@ -355,6 +554,34 @@ void forged_words_do_no_harm()
         }
         (void)refusal_of(words);
     }
+}
+
+void forged_words_do_no_harm()
+{
+    forge(words_of(recorded()));
+    forge(changed_recording().words);
+}
+
+// A forger's configuration with its CRC, in force from any frame on.
+void a_forged_change_runs_or_is_refused()
+{
+    const Changed good = changed_recording();
+    const uint32_t genuine = crc_with({KAPPA});
+    std::mt19937 random(4);
+    int ran = 0;
+    for (int k = 0; k < FORGERIES; k++) {
+        std::vector<uint32_t> words = good.words;
+        drive_cfg_t cfg{};
+        const std::size_t word = random() % (sizeof cfg / sizeof(uint32_t) - 1);
+        words[good.further + word] = k % 2 == 0 ? bits(random) : bits(random) % 8;
+        std::memcpy(&cfg, &words[good.further], sizeof cfg);
+        cfg.crc = config_guard_crc(&cfg);
+        std::memcpy(&words[good.further], &cfg, sizeof cfg);
+        std::replace(words.begin() + static_cast<std::ptrdiff_t>(STATE + words[4]),
+                     words.begin() + static_cast<std::ptrdiff_t>(good.further), genuine, cfg.crc);
+        ran += refusal([&] { (void)nf::replay::replay(nf::replay::parse(words)); }).empty() ? 1 : 0;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(FORGERIES / 10, ran);
 }
 
 // A frame may be any: the drive is total.
@@ -389,7 +616,7 @@ void another_output_is_named_with_its_tick()
         frame++;
     }
     TEST_ASSERT_TRUE(result.difference.has_value());
-    TEST_ASSERT_EQUAL_UINT32(good[6] + frame, result.difference->tick);
+    TEST_ASSERT_EQUAL_UINT32(good[FIRST_TICK] + frame, result.difference->tick);
     TEST_ASSERT_EQUAL_STRING("out.compare.phase[1]", result.difference->signal.c_str());
     TEST_ASSERT_EQUAL_INT64(before.run.outputs[frame].compare.phase[1],
                             result.difference->computed);
@@ -405,7 +632,7 @@ void another_end_is_named()
         const char *signal;
     };
     for (const Case &c : std::vector<Case>{
-             {8, "the state's hash"}, {9, "drive.fault.id"}, {12, "drive.fault.tick"}}) {
+             {9, "the state's hash"}, {10, "drive.fault.id"}, {13, "drive.fault.tick"}}) {
         std::vector<uint32_t> words = good;
         words[c.word] ^= 1;
         const Result result = nf::replay::replay(nf::replay::parse(words));
@@ -516,8 +743,19 @@ int main()
     RUN_TEST(damage_is_refused);
     RUN_TEST(what_the_header_says_is_checked);
     RUN_TEST(a_damaged_configuration_is_refused);
+    RUN_TEST(a_run_comes_out_bit_for_bit_through_a_change_of_its_configuration);
+    RUN_TEST(a_change_may_come_before_any_frame_of_a_segment);
+    RUN_TEST(of_one_configuration_and_back_both_changes_come_out);
+    RUN_TEST(of_three_configurations_the_history_begins_with_the_second);
+    RUN_TEST(a_recording_of_which_no_configuration_is_left_is_refused_with_the_reason);
+    RUN_TEST(a_summary_says_when_the_configuration_changes);
+    RUN_TEST(a_damaged_further_configuration_is_refused);
+    RUN_TEST(a_further_configuration_that_no_firmware_takes_is_refused_by_its_setting);
+    RUN_TEST(a_change_to_a_configuration_that_is_not_there_is_refused_by_its_entry);
+    RUN_TEST(a_further_configuration_that_is_cut_off_is_refused);
     RUN_TEST(a_state_that_is_none_is_refused);
     RUN_TEST(forged_words_do_no_harm);
+    RUN_TEST(a_forged_change_runs_or_is_refused);
     RUN_TEST(forged_frames_run_and_depart);
     RUN_TEST(another_output_is_named_with_its_tick);
     RUN_TEST(another_end_is_named);

@@ -58,10 +58,23 @@ static void test_known_texts_have_their_known_values(void)
     assert_crc(0xAEEF2A50U, "abcdefgh");
 }
 
+static void test_four_single_bytes_are_a_step(void)
+{
+    static const uint8_t bytes[BYTES] = {0x5AU, 0x00U, 0xFFU, 0x96U};
+    uint32_t crc = 0x12345678U;
+
+    for (uint32_t k = 0U; k < BYTES; k++) {
+        crc = crc32_byte(crc, bytes[k]);
+    }
+    TEST_ASSERT_EQUAL_HEX32(bit_by_bit(0x12345678U, bytes), crc);
+    TEST_ASSERT_EQUAL_HEX32(0xE8B7BE43U, ~crc32_byte(CRC32_START, (uint8_t)'a'));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_each_value_of_each_byte_divides_as_the_polynomial_does);
     RUN_TEST(test_known_texts_have_their_known_values);
+    RUN_TEST(test_four_single_bytes_are_a_step);
     return UNITY_END();
 }

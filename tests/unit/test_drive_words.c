@@ -130,6 +130,25 @@ static void test_beyond_the_last_word_there_is_nothing(void)
     TEST_ASSERT_EQUAL_HEX32(hash, drive_words_hash(&drive));
 }
 
+static void test_a_hash_in_parts_of_any_size_is_the_whole_one(void)
+{
+    drive_t drive;
+
+    memset(&drive, 0x3C, sizeof drive);
+    for (uint32_t part = 1U; part <= (drive_words_count() + 1U); part++) {
+        uint32_t hash = DRIVE_WORDS_HASH_START;
+        uint32_t at = 0U;
+
+        while (at < drive_words_count()) {
+            const uint32_t before = at;
+
+            hash = drive_words_hash_part(hash, &drive, &at, part);
+            TEST_ASSERT_LESS_OR_EQUAL_UINT32(part, at - before);
+        }
+        TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&drive), hash);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -139,5 +158,6 @@ int main(void)
     RUN_TEST(test_state_of_a_states_words_has_its_hash);
     RUN_TEST(test_hash_is_over_the_words_in_their_order);
     RUN_TEST(test_beyond_the_last_word_there_is_nothing);
+    RUN_TEST(test_a_hash_in_parts_of_any_size_is_the_whole_one);
     return UNITY_END();
 }

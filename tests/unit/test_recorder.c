@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Flight recorder: what it keeps is the run, however interrupt and background meet. */
+/* Flight recorder: what it keeps is the run, however interrupt and background meet, also through changes of the configuration;
+ * and a reader that follows the ring sees all of it. */
 #define _POSIX_C_SOURCE 200809L /* signals and their timer */
 
 #include "drive_words.h"
@@ -15,6 +16,7 @@
 #define LONG_RUN (5000U)
 
 static recorded_run_t run;
+static drive_cfg_t other_cfg; /* takes turns with run.cfg */
 
 void setUp(void)
 {
@@ -25,6 +27,23 @@ void tearDown(void)
 {
 }
 
+/* Configuration of a change in the history. */
+static const drive_cfg_t *config_of(const recorder_history_t *history,
+                                    const recorder_entry_t *change)
+{
+    const drive_cfg_t *const begin = recorder_begin_state(&run.recorder, history)->cfg;
+    const drive_cfg_t *const further = recorder_further_config(&run.recorder, history);
+    const drive_cfg_t *found = begin;
+
+    if (change->word[3] != begin->crc) {
+        TEST_ASSERT_NOT_NULL(further);
+        found = further;
+    }
+    TEST_ASSERT_EQUAL_HEX32(change->word[3], found->crc);
+    TEST_ASSERT_EQUAL_HEX32(config_guard_crc(found), found->crc);
+    return found;
+}
+
 /* Runs the history again; how many ticks it has. */
 static uint32_t replay(void)
 {
@@ -33,7 +52,6 @@ static uint32_t replay(void)
     recorder_frame_t frame = {0};
     uint32_t ticks = 0U;
 
-    drive.cfg = &run.cfg;
     for (uint32_t at = 0U; at < history.entries; at++) {
         const recorder_entry_t *const entry = recorder_entry(&run.recorder, &history, at);
 
@@ -44,6 +62,10 @@ static uint32_t replay(void)
             TEST_ASSERT_EQUAL_UINT16_ARRAY(out.compare.phase, frame.out.compare.phase, 3U);
             TEST_ASSERT_EQUAL_INT(out.gate_enable, frame.out.gate_enable);
             ticks++;
+        } else if (entry->word[3] != drive.cfg->crc) {
+            drive_change(&drive, config_of(&history, entry));
+        } else {
+            /* of the inputs */
         }
     }
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(recorder_end_state(&run.recorder)),
@@ -400,6 +422,388 @@ static void test_drive_does_the_same_with_and_without_a_recorder(void)
     TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&alone), drive_words_hash(&run.drive));
 }
 
+/* As control_isr() does it. A number makes a configuration; those of the last two are there. */
+static uint32_t change_to(int32_t number)
+{
+    const drive_cfg_t *const before = run.drive.cfg;
+    drive_cfg_t *const next = (before == &run.cfg) ? &other_cfg : &run.cfg;
+
+    *next = *before;
+    next->current_loop.pi_d.kp = number;
+    next->crc = config_guard_crc(next);
+    drive_change(&run.drive, next);
+    recorder_change(&run.recorder, before);
+    return next->crc;
+}
+
+static void hold_and_freeze(void)
+{
+    recorder_hold(&run.recorder, &run.drive);
+    recorded_run_ticks(&run, 3U);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+}
+
+/* Ticks up to the first one of the next segment. */
+static void enter_next_segment(void)
+{
+    const uint32_t number = recorder_newest(&run.recorder);
+
+    while (recorder_newest(&run.recorder) == number) {
+        recorded_run_ticks(&run, 1U);
+    }
+}
+
+static void test_history_is_the_run_through_a_change_of_the_configuration(void)
+{
+    for (uint32_t k = 0U; k < RUN_SEGMENT_ENTRIES; k++) {
+        recorder_history_t history;
+        uint32_t crc = 0U;
+
+        setUp();
+        recorded_run_ticks(&run, LONG_RUN + k);
+        crc = change_to(1);
+        recorded_run_ticks(&run, RUN_SEGMENT_ENTRIES);
+        fail_and_freeze();
+        history = recorder_history(&run.recorder);
+        TEST_ASSERT_NOT_NULL(recorder_further_config(&run.recorder, &history));
+        TEST_ASSERT_EQUAL_HEX32(crc, recorder_further_config(&run.recorder, &history)->crc);
+        TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
+    }
+}
+
+static void test_history_is_the_run_through_a_change_and_back(void)
+{
+    const int32_t own = run.cfg.current_loop.pi_d.kp;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    (void)change_to(1);
+    recorded_run_ticks(&run, 10U);
+    TEST_ASSERT_EQUAL_HEX32(config_guard_crc(&run.cfg), change_to(own));
+    recorded_run_ticks(&run, 10U);
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
+}
+
+static void test_history_without_a_change_has_no_further_configuration(void)
+{
+    recorder_history_t history;
+
+    recorded_run_ticks(&run, 10U);
+    (void)change_to(1);
+    recorded_run_ticks(&run, LONG_RUN); /* long ago */
+    fail_and_freeze();
+    history = recorder_history(&run.recorder);
+    TEST_ASSERT_NULL(recorder_further_config(&run.recorder, &history));
+    TEST_ASSERT_GREATER_THAN_UINT32(RUN_SEGMENT_ENTRIES, replay());
+}
+
+static void test_history_begins_behind_a_configuration_that_was_overwritten(void)
+{
+    recorder_history_t history;
+    uint32_t second = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    second = change_to(1);
+    enter_next_segment();
+    recorded_run_ticks(&run, 10U);
+    (void)change_to(2);
+    recorded_run_ticks(&run, 10U);
+    hold_and_freeze();
+    history = recorder_history(&run.recorder);
+    TEST_ASSERT_EQUAL_HEX32(second, recorder_begin_state(&run.recorder, &history)->cfg->crc);
+    TEST_ASSERT_GREATER_THAN_UINT32(20U, replay());
+}
+
+static void test_two_changes_within_the_last_segment_leave_no_history(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    (void)change_to(1);
+    recorded_run_ticks(&run, 5U);
+    (void)change_to(2);
+    recorded_run_ticks(&run, 5U);
+    hold_and_freeze();
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_history(&run.recorder).entries);
+}
+
+/* The first is there again at the end, and the second is not. */
+static void test_a_configuration_between_two_that_are_there_is_not_taken_for_one_of_them(void)
+{
+    const int32_t own = run.cfg.current_loop.pi_d.kp;
+    uint32_t ticks = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    enter_next_segment();
+    (void)change_to(1);
+    recorded_run_ticks(&run, 5U);
+    (void)change_to(own);
+    recorded_run_ticks(&run, 5U);
+    (void)change_to(2);
+    enter_next_segment();
+    hold_and_freeze();
+    ticks = replay();
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, ticks);
+    TEST_ASSERT_LESS_THAN_UINT32(RUN_SEGMENT_ENTRIES, ticks);
+}
+
+static void test_a_change_without_room_is_in_the_next_segment(void)
+{
+    recorder_history_t history;
+    uint32_t crc = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    for (uint32_t k = 0U; k < RUN_SEGMENT_ENTRIES; k++) {
+        recorded_run_noise(&run);
+        recorded_run_interrupt(&run);
+    }
+    crc = change_to(1);
+    recorded_run_interrupt(&run);
+    recorded_run_ticks(&run, 30U);
+    fail_and_freeze();
+    history = recorder_history(&run.recorder);
+    TEST_ASSERT_EQUAL_HEX32(crc, recorder_begin_state(&run.recorder, &history)->cfg->crc);
+    TEST_ASSERT_NULL(recorder_further_config(&run.recorder, &history));
+    TEST_ASSERT_GREATER_THAN_UINT32(30U, replay());
+}
+
+#define READ_SEGMENTS (64U)
+
+/* What a reader has of each segment, by its number. */
+static struct {
+    recorder_entry_t entries[READ_SEGMENTS][RUN_SEGMENT_ENTRIES];
+    uint32_t counts[READ_SEGMENTS];
+} reader;
+
+/* Reads what is new; the last segment was perhaps completed since. */
+static void read_on(void)
+{
+    const uint32_t newest = recorder_newest(&run.recorder);
+
+    for (uint32_t number = (newest > 1U) ? (newest - 1U) : newest; number <= newest; number++) {
+        recorder_view_t view = {0};
+
+        TEST_ASSERT_LESS_THAN_UINT32(READ_SEGMENTS, number);
+        if (recorder_find(&run.recorder, number, &view)) {
+            uint32_t *const count = &reader.counts[number];
+
+            TEST_ASSERT_GREATER_OR_EQUAL_UINT32(*count, view.entries);
+            TEST_ASSERT_EQUAL_INT((number != newest) || run.recorder.frozen, view.complete);
+            while (*count < view.entries) {
+                reader.entries[number][*count] = view.first[*count];
+                (*count)++;
+            }
+        }
+    }
+}
+
+static void follow(uint32_t ticks)
+{
+    for (uint32_t k = 0U; k < ticks; k++) {
+        recorded_run_ticks(&run, 1U);
+        read_on();
+    }
+}
+
+static void test_a_reader_that_follows_has_the_entries_of_the_history(void)
+{
+    recorder_history_t history;
+    uint32_t number = 0U;
+    uint32_t segments = 0U;
+
+    (void)memset(&reader, 0, sizeof(reader));
+    recorder_follow(&run.recorder, true);
+    follow(LONG_RUN);
+    hold_and_freeze();
+    read_on();
+    history = recorder_history(&run.recorder);
+    while ((segments < RECORDER_SEGMENTS) && (history.of_segment[segments] > 0U)) {
+        segments++;
+    }
+    TEST_ASSERT_EQUAL_UINT32(RECORDER_SEGMENTS, segments);
+    number = (recorder_newest(&run.recorder) + 1U) - segments;
+    for (uint32_t k = 0U, at = 0U; k < segments; k++) {
+        TEST_ASSERT_EQUAL_UINT32(history.of_segment[k], reader.counts[number + k]);
+        for (uint32_t e = 0U; e < history.of_segment[k]; e++) {
+            TEST_ASSERT_EQUAL_MEMORY(recorder_entry(&run.recorder, &history, at),
+                                     &reader.entries[number + k][e], sizeof(recorder_entry_t));
+            at++;
+        }
+    }
+}
+
+/* From the state of each segment its frames lead to the state of the next. */
+static void test_segments_that_follow_each_other_are_the_run(void)
+{
+    recorder_view_t view = {0};
+    drive_t drive = run.drive;
+    recorder_frame_t frame = {0};
+
+    (void)memset(&reader, 0, sizeof(reader));
+    follow(LONG_RUN);
+    for (uint32_t number = recorder_newest(&run.recorder) - 2U;
+         number <= recorder_newest(&run.recorder); number++) {
+        TEST_ASSERT_TRUE(recorder_find(&run.recorder, number, &view));
+        TEST_ASSERT_TRUE(view.follows);
+        TEST_ASSERT_EQUAL_HEX32(run.cfg.crc, view.config_crc);
+        if (drive.tick != 0U) {
+            TEST_ASSERT_EQUAL_HEX32(drive_words_hash(view.state), drive_words_hash(&drive));
+        }
+        drive = *view.state;
+        for (uint32_t e = 0U; e < view.entries; e++) {
+            drive_out_t out = {0};
+
+            if (recorder_unpack(&view.first[e], &frame)) {
+                drive_step(&drive, &frame.in, &out);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&run.drive), drive_words_hash(&drive));
+}
+
+static void test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew(void)
+{
+    uint32_t number = 0U;
+
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_newest(&run.recorder));
+    recorded_run_ticks(&run, 2U);
+    TEST_ASSERT_EQUAL_UINT32(1U, recorder_newest(&run.recorder));
+    enter_next_segment();
+    TEST_ASSERT_EQUAL_UINT32(2U, recorder_newest(&run.recorder));
+    hold_and_freeze();
+    number = recorder_newest(&run.recorder);
+    recorder_release(&run.recorder);
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_newest(&run.recorder));
+    recorded_run_ticks(&run, 2U);
+    TEST_ASSERT_EQUAL_UINT32(number + 1U, recorder_newest(&run.recorder));
+}
+
+static void test_no_segment_has_the_number_zero_when_the_count_wraps(void)
+{
+    recorder_view_t view = {0};
+
+    run.recorder.ended = UINT32_MAX - 1U;
+    recorded_run_ticks(&run, 2U);
+    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, recorder_newest(&run.recorder));
+    enter_next_segment();
+    TEST_ASSERT_EQUAL_UINT32(1U, recorder_newest(&run.recorder));
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, UINT32_MAX, &view));
+    TEST_ASSERT_TRUE(view.complete);
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, 0U, &view));
+}
+
+static void test_a_segment_is_found_until_it_is_overwritten(void)
+{
+    recorder_view_t view = {0};
+    uint32_t number = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    number = recorder_newest(&run.recorder);
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, number + 1U, &view));
+    for (uint32_t k = 1U; k < RECORDER_SEGMENTS; k++) {
+        enter_next_segment();
+        TEST_ASSERT_TRUE(recorder_find(&run.recorder, number, &view));
+        TEST_ASSERT_TRUE(view.complete);
+    }
+    while (!run.recorder.offered) { /* the snapshot of the next takes its place */
+        TEST_ASSERT_TRUE(recorder_find(&run.recorder, number, &view));
+        recorded_run_ticks(&run, 1U);
+    }
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, number, &view));
+    enter_next_segment();
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, number, &view));
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, number + 1U, &view));
+}
+
+static void test_a_segment_behind_a_gap_does_not_follow(void)
+{
+    recorder_view_t view = {0};
+
+    recorded_run_ticks(&run, LONG_RUN);
+    for (uint32_t k = 0U; k < RUN_SEGMENT_ENTRIES; k++) {
+        recorded_run_noise(&run);
+        recorded_run_interrupt(&run);
+    }
+    enter_next_segment();
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, recorder_newest(&run.recorder), &view));
+    TEST_ASSERT_FALSE(view.follows);
+    enter_next_segment();
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, recorder_newest(&run.recorder), &view));
+    TEST_ASSERT_TRUE(view.follows);
+}
+
+static void test_a_segment_says_the_configuration_of_its_state(void)
+{
+    recorder_view_t view = {0};
+    const uint32_t first = run.cfg.crc;
+    uint32_t second = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    second = change_to(1);
+    recorded_run_ticks(&run, 1U);
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, recorder_newest(&run.recorder), &view));
+    TEST_ASSERT_EQUAL_HEX32(first, view.config_crc);
+    enter_next_segment();
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, recorder_newest(&run.recorder), &view));
+    TEST_ASSERT_EQUAL_HEX32(second, view.config_crc);
+    TEST_ASSERT_EQUAL_HEX32(second, view.first[0].word[3]);
+}
+
+static void test_a_fault_does_not_freeze_while_a_reader_follows(void)
+{
+    uint32_t number = 0U;
+
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, LONG_RUN);
+    recorded_run_fail(&run);
+    number = recorder_newest(&run.recorder);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, run.drive.state);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+    TEST_ASSERT_GREATER_THAN_UINT32(number + RECORDER_SEGMENTS, recorder_newest(&run.recorder));
+}
+
+/* What lies behind it is no longer the run before that fault. */
+static void test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_one_does(void)
+{
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, LONG_RUN);
+    recorded_run_fail(&run);
+    recorder_follow(&run.recorder, false);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, run.drive.state);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+    clear();
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
+static void test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held(void)
+{
+    uint32_t ticks = 0U;
+
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    ticks = replay();
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_TRUE(run.recorder.frozen);
+    TEST_ASSERT_EQUAL_UINT32(ticks, replay());
+}
+
+static void test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault(void)
+{
+    recorded_run_ticks(&run, LONG_RUN);
+    fail_and_freeze();
+    recorder_release(&run.recorder);
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, RUN_POST_TICKS + 3U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, run.drive.state);
+    TEST_ASSERT_FALSE(run.recorder.frozen);
+    TEST_ASSERT_NOT_EQUAL(0U, recorder_newest(&run.recorder));
+}
+
 static void test_init_names_what_is_out_of_range(void)
 {
     recorder_t recorder;
@@ -436,6 +840,24 @@ int main(void)
     RUN_TEST(test_every_bit_of_a_frame_comes_back);
     RUN_TEST(test_nothing_frozen_has_no_history);
     RUN_TEST(test_drive_does_the_same_with_and_without_a_recorder);
+    RUN_TEST(test_history_is_the_run_through_a_change_of_the_configuration);
+    RUN_TEST(test_history_is_the_run_through_a_change_and_back);
+    RUN_TEST(test_history_without_a_change_has_no_further_configuration);
+    RUN_TEST(test_history_begins_behind_a_configuration_that_was_overwritten);
+    RUN_TEST(test_two_changes_within_the_last_segment_leave_no_history);
+    RUN_TEST(test_a_configuration_between_two_that_are_there_is_not_taken_for_one_of_them);
+    RUN_TEST(test_a_change_without_room_is_in_the_next_segment);
+    RUN_TEST(test_a_reader_that_follows_has_the_entries_of_the_history);
+    RUN_TEST(test_segments_that_follow_each_other_are_the_run);
+    RUN_TEST(test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew);
+    RUN_TEST(test_no_segment_has_the_number_zero_when_the_count_wraps);
+    RUN_TEST(test_a_segment_is_found_until_it_is_overwritten);
+    RUN_TEST(test_a_segment_behind_a_gap_does_not_follow);
+    RUN_TEST(test_a_segment_says_the_configuration_of_its_state);
+    RUN_TEST(test_a_fault_does_not_freeze_while_a_reader_follows);
+    RUN_TEST(test_a_fault_that_a_reader_saw_does_not_freeze_later_and_the_next_one_does);
+    RUN_TEST(test_a_reader_does_not_touch_a_recording_of_a_fault_that_is_held);
+    RUN_TEST(test_a_recording_that_was_read_begins_anew_for_a_reader_in_the_fault);
     RUN_TEST(test_init_names_what_is_out_of_range);
     return UNITY_END();
 }

@@ -11,7 +11,7 @@
 #define WORD_BYTES (4U)
 #define LINE_WORDS (RECORDER_LINE_WORDS + 2U)
 #define WORDS_MAX (8192U)
-#define CONFIG_WORDS (sizeof(drive_cfg_t) / WORD_BYTES)
+#define CONFIG_WORDS ((uint32_t)(sizeof(drive_cfg_t) / WORD_BYTES))
 
 static recorded_run_t run;
 static recorder_dump_t dump;
@@ -130,6 +130,31 @@ static void test_parts_lie_behind_each_other_and_the_end_is_their_crc(void)
     }
 }
 
+static void test_a_configuration_that_it_changes_to_lies_behind_the_entries(void)
+{
+    static drive_cfg_t further;
+    uint32_t end = 0U;
+
+    recorded_run_start(&run);
+    recorded_run_ticks(&run, 100U);
+    further = run.cfg;
+    further.current_loop.pi_d.kp++;
+    further.crc = config_guard_crc(&further);
+    drive_change(&run.drive, &further);
+    recorder_change(&run.recorder, &run.cfg);
+    recorded_run_ticks(&run, 10U);
+    recorder_hold(&run.recorder, &run.drive);
+    recorded_run_ticks(&run, 2U);
+    recorder_dump_start(&dump, &run.recorder, &about);
+    (void)read_all();
+    end = RECORDER_HEADER_WORDS + CONFIG_WORDS + drive_words_count() + (4U * dump.header.entries);
+    TEST_ASSERT_EQUAL_UINT32(1U, dump.header.further);
+    TEST_ASSERT_EQUAL_MEMORY(&run.cfg, &words[RECORDER_HEADER_WORDS], sizeof(run.cfg));
+    TEST_ASSERT_EQUAL_MEMORY(&further, &words[end], sizeof(further));
+    TEST_ASSERT_EQUAL_UINT32(end + CONFIG_WORDS + 1U, dump.header.words);
+    TEST_ASSERT_EQUAL_HEX32(crc_of(words, end + CONFIG_WORDS), words[end + CONFIG_WORDS]);
+}
+
 static void test_header_says_how_it_ended(void)
 {
     const recorder_header_t *const header = &dump.header;
@@ -137,6 +162,7 @@ static void test_header_says_how_it_ended(void)
 
     TEST_ASSERT_EQUAL_MEMORY("NFRD", &header->magic, WORD_BYTES);
     TEST_ASSERT_EQUAL_UINT32(RECORDER_VERSION, header->version);
+    TEST_ASSERT_EQUAL_UINT32(0U, header->further);
     TEST_ASSERT_EQUAL_UINT32(run.drive.fault.tick, header->fault_tick);
     TEST_ASSERT_EQUAL_UINT32(FAULT_BREAK, header->fault_id);
     TEST_ASSERT_EQUAL_UINT32(end->tick, header->end_tick);
@@ -195,6 +221,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_crc_is_that_of_ieee_802_3);
     RUN_TEST(test_parts_lie_behind_each_other_and_the_end_is_their_crc);
+    RUN_TEST(test_a_configuration_that_it_changes_to_lies_behind_the_entries);
     RUN_TEST(test_header_says_how_it_ended);
     RUN_TEST(test_without_a_fault_the_header_has_none);
     RUN_TEST(test_a_name_is_readable_as_text_with_zeros_behind_it);

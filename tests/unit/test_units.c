@@ -152,6 +152,17 @@ static void test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time
     TEST_ASSERT_EQUAL_INT32(0, units_decihertz(&slowest, 1U, UINT32_MAX));
 }
 
+static void test_ticks_of_a_time_are_whole_ones_and_at_least_one(void)
+{
+    const units_rotation_t ten_khz = {.pole_pairs = 1U, .tick_ps = 100000000U};
+    const units_rotation_t two_khz = {.pole_pairs = 1U, .tick_ps = 500000000U};
+
+    TEST_ASSERT_EQUAL_UINT32(20000U, units_ticks(&ten_khz, 2000000U));
+    TEST_ASSERT_EQUAL_UINT32(80U, units_ticks(&ten_khz, 8099U));
+    TEST_ASSERT_EQUAL_UINT32(20000U, units_ticks(&two_khz, 10000000U));
+    TEST_ASSERT_EQUAL_UINT32(1U, units_ticks(&two_khz, 1U));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -163,5 +174,6 @@ int main(void)
     RUN_TEST(test_thousandths_saturate);
     RUN_TEST(test_a_frequency_is_that_of_half_as_many_waves_in_the_time);
     RUN_TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time);
+    RUN_TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one);
     return UNITY_END();
 }
