@@ -425,7 +425,11 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
     }
 }
 
-NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+/*
+ * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a part of the tick: 7
+ * instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
+ */
+INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
         drive->cfg =
