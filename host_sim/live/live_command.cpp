@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "live_command.h"
 
+#include "paced_channel.h"
 #include "serial_port.h"
 
 namespace nf::live
@@ -98,7 +99,11 @@ bool live(LiveArguments arguments)
     }
     arguments.baud = rate_of(arguments);
     SerialPort port(arguments.port, arguments.baud);
-    return follow(port, arguments);
+    if (!(arguments.serve.pace > 0)) {
+        throw ChannelError("--pace 0 is for --simulate: a board that is followed has a time");
+    }
+    PacedChannel paced(port, arguments.serve.pace);
+    return follow(paced, arguments);
 }
 
 } // namespace nf::live

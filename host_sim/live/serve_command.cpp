@@ -52,7 +52,8 @@ void describe(CLI::App &command, ServeArguments &arguments)
         ->type_name("IMPERFECTION");
     command
         .add_option("--pace", arguments.pace,
-                    "simulated seconds in a second; 0: as many as it can do")
+                    "seconds of the board in a second, of --simulate and of a port on which one is "
+                    "served so; --simulate 0: as many as it can do")
         ->capture_default_str()
         ->check(CLI::Range(0.0, 1000.0));
     command

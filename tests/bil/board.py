@@ -109,6 +109,12 @@ class Chip:
         self.advance(max(end - self.now, 0))
         self.held = NEVER
 
+    def stand_still(self, duration):
+        """The core does, and the rest of the chip goes on; also beyond what would have to wait for the core."""
+        held, self.held = self.held, NEVER
+        self.advance(duration)
+        self.held = held
+
     def wait_for_exception(self):
         while self.system.first(THREAD) is None:
             self.wait()
@@ -230,8 +236,11 @@ class Board:
         self.take()
 
     def type(self, line):
-        """A line at the console, as fast as its receiver takes it: a sleep ends for any reason, here for the line."""
-        left = f"{line}\r".encode()
+        """A line at the console."""
+        self.send(f"{line}\r".encode())
+
+    def send(self, left):
+        """Bytes as fast as the receiver takes them: a sleep ends for any reason, here for these."""
         if not self.core.asleep:
             self.core.run()  # to the end of the pass that is under way
         while left:

@@ -26,6 +26,7 @@ from bench.blocks import Decoder  # noqa: E402
 from bench.cycles import MODELS, block_cycles  # noqa: E402
 
 FLASH, FLASH_SIZE = 0x08000000, 0x20000
+STORE_SIZE = 0x1000  # its end, which the core reads as registers: flash.py
 RAM, RAM_SIZE = 0x20000000, 0x8000
 PAGE = 0x1000
 NEVER = 1 << 62
@@ -85,11 +86,13 @@ class Core:
         # The mode for microcontrollers would be another core, an M33.
         self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB)
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
-        self.uc.mem_map(FLASH, FLASH_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
+        self.uc.mem_map(FLASH, FLASH_SIZE - STORE_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_EXEC)
         self.uc.mem_map(RAM, RAM_SIZE, unicorn.UC_PROT_READ | unicorn.UC_PROT_WRITE)
-        self.uc.mem_write(FLASH, b"\xFF" * FLASH_SIZE)
-        for address, data in [*elf.segments(image), *flashed]:
+        self.uc.mem_write(FLASH, b"\xFF" * (FLASH_SIZE - STORE_SIZE))
+        for address, data in elf.segments(image):
             self.uc.mem_write(address, data)
+        for address, data in flashed:
+            chip.power.flash.load(address, data)
         self.uc.hook_add(unicorn.UC_HOOK_MEM_INVALID, self._invalid)
         self._library = ctypes.CDLL(str(library))
         self._start_clock()
@@ -102,7 +105,7 @@ class Core:
 
     def _start_clock(self):
         """Unicorn's Python would call a function of Python only, which costs more than the emulation."""
-        decoder, costs = _decoded(bytes(self.uc.mem_read(FLASH, FLASH_SIZE)))
+        decoder, costs = _decoded(bytes(self.uc.mem_read(FLASH, FLASH_SIZE - STORE_SIZE)))
 
         def cost_of(address, size):
             try:

@@ -8,7 +8,8 @@ Facts from the reference manual RM0440 and the ARMv7-M architecture manual. Time
 import collections
 
 from core import NEVER
-from registers import Block, Register, WrongAccess
+from flash import Flash
+from registers import Block, Register, WrongAccess, bit, need
 
 CLOCK_HZ = 170e6
 OSCILLATOR_HZ = 16e6
@@ -22,15 +23,6 @@ def cycles(seconds):
 PLL_LOCK = cycles(40e-6)  # table 45
 REGULATOR_SETTLING = cycles(40e-6)
 HALF_SPEED = cycles(1e-6)  # RM0440 6.1.5: so long at half the speed
-
-
-def bit(value, number):
-    return value >> number & 1
-
-
-def need(holds, otherwise):
-    if not holds:
-        raise WrongAccess(otherwise)
 
 
 class Awaited:
@@ -65,10 +57,7 @@ class Power:
             "SR2": (0x14, Register(0, 0, lambda: self._settling() << 10)),
             "CR5": (0x80, Register(0x100, 0x100, on_write=self._set_range)),
         }, lambda: bit(self.rcc["APB1ENR1"], 28))
-        self.flash = Block("FLASH", 0x40022000, {
-            "ACR": (0x00, Register(0x40600, 0x70F)),
-            "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),  # a test tears units
-        })
+        self.flash = Flash(chip)
         self.rcc = Block("RCC", 0x40021000, {
             "CR": (0x00, Register(0x500, 0x01000500, self._control_read, self._control)),
             "CFGR": (0x08, Register(0x5, 0xFF, on_write=self._configure)),
@@ -78,18 +67,11 @@ class Power:
             "APB2ENR": (0x60, Register(0, 0x801)),
             "CSR": (0x94, Register(reset_flags, 0x00800000, on_write=self._clear_flags)),
         })
-        self.blocks = [self.pwr, self.flash, self.rcc]
+        self.blocks = [self.pwr, self.flash, self.flash.store, self.rcc]
 
     def enabled(self, register, number):
         """A function that says whether a peripheral has its clock."""
         return lambda: bit(self.rcc[register], number)
-
-    def _acknowledge(self, value):
-        self.flash["ECCR"] &= ~value
-
-    def tear(self):
-        """A double word was read whose bits are beyond correction: the NMI follows."""
-        self.flash["ECCR"] = 1 << 31
 
     def _settling(self):
         return self.regulator.end != NEVER and not self.regulator.look()
@@ -429,11 +411,23 @@ class System(Block):
             "SYST_CSR": (0x010, Register(0, 7, self._read_status, self._start)),
             "SYST_RVR": (0x014, Register(0, 0xFFFFFF)),
             "SYST_CVR": (0x018, Register(0, on_write=self._restart)),
-            "NVIC_ISER0": (0x100, Register()),
+            "NVIC_ISER0": (0x100, Register(on_write=self._enable)),
+            "NVIC_ICER0": (0x180, Register(on_read=lambda: self["NVIC_ISER0"], on_write=self._disable)),
+            "NVIC_ICPR0": (0x280, Register(on_write=self._forget)),
             "NVIC_IPR4": (0x410, Register(0, 0xF0F0F0F0)),
             "SCB_VTOR": (0xD08, Register(0, 0xFFFFFF80)),
             "SCB_SHPR3": (0xD20, Register(0, 0xF0F00000)),
         })
+
+    def _enable(self, value):
+        self["NVIC_ISER0"] |= value
+
+    def _disable(self, value):
+        self["NVIC_ISER0"] &= ~value
+
+    def _forget(self, value):
+        """The converters' request is a level, and stays until it is acknowledged there."""
+        need(value == 1 << 18, "another interrupt than the converters' is forgotten")
 
     def fire(self):
         self.due += self._period()

@@ -9,6 +9,15 @@ class WrongAccess(Exception):
     """The image did something that the model, or the reference manual, does not allow."""
 
 
+def bit(value, number):
+    return value >> number & 1
+
+
+def need(holds, otherwise):
+    if not holds:
+        raise WrongAccess(otherwise)
+
+
 class Register:
     """32 bits, of which `writable` can be set; hooks replace a read, or follow or replace a write."""
 

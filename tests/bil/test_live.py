@@ -32,6 +32,7 @@ END_TICKS = 7000
 OPEN_PHASE = 1
 LONGEST_TICKS = 60000
 AT_ONCE = 4096
+PACE = 0.05  # seconds of the board in a second: as slow as a machine is with much else to do
 
 
 class Port(machine.Bench):
@@ -78,7 +79,8 @@ class Session:
         self.port = port
         self.text = folder / "said.txt"
         with self.text.open("wb") as out:
-            self.live = subprocess.Popen([MOTORSIM, "live", port.name, "--script", "-", "--trace", folder / "trace.csv"],
+            self.live = subprocess.Popen([MOTORSIM, "live", port.name, "--script", "-", "--trace", folder / "trace.csv",
+                                          "--pace", str(PACE)],
                                          stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT)
         self.live.stdin.write(SCRIPT)
         self.live.stdin.flush()

@@ -15,6 +15,9 @@ from pathlib import Path
 
 import board
 import elf
+from copies import in_a_copy
+from flash import PowerFails
+from link import Link
 
 IMAGE, BOARD, CLOCK, NFCONFIG = (Path(argument) for argument in sys.argv[1:5])
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
@@ -92,6 +95,58 @@ class Store(unittest.TestCase):
 
     def test_nothing_of_the_image_lies_in_the_slots(self):
         self.assertLessEqual(max(address + len(data) for address, data in elf.segments(IMAGE)), SLOTS[0])
+
+
+class Cuts(unittest.TestCase):
+    """The image stores by way of its link, and power fails in each step of it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = board.Board(IMAGE, BOARD, CLOCK)
+        cls.made.set_inputs(MIDDLE, MIDDLE, BUS)
+        cls.made.boot()
+        cls.made.chip.usart.instant = True
+        cls.made.tick(CALIBRATION_TICKS)
+        cls.link = Link(cls.made)
+        cls.link.hello()
+
+    def apply(self, data):
+        self.assertEqual(self.link.apply(data), "")
+        self.made.tick(2 * board.SLOW_TICKS)
+
+    def start_behind(self, cut):
+        """What a start says that follows a store without the power from this step on, and whether the store has ended."""
+        flash = self.made.chip.power.flash
+        flash.chance.seed(cut)
+        flash.cut = flash.steps + cut
+        try:
+            verdict = self.link.store()
+        except PowerFails:
+            verdict = "cut"
+        again = board.Board(IMAGE, BOARD, CLOCK, flashed=flash.content())
+        again.set_inputs(MIDDLE, MIDDLE, BUS)
+        again.boot()
+        return "\n".join([verdict, *again.said().splitlines()[:2]])
+
+    def assert_cuts(self, steps, old, new):
+        """Either block, and the new one once the store has ended."""
+        for cut in range(steps):
+            said = in_a_copy(lambda cut=cut: self.start_behind(cut))
+            self.assertIn(said, ["\n".join(["cut", *old]), "\n".join(["cut", *new])], f"step {cut}")
+        self.assertEqual(in_a_copy(lambda: self.start_behind(steps)), "\n".join(["", *new]))
+        print(f"{steps} cuts, one in each step of a store")
+
+    def test_each_start_behind_a_cut_finds_the_old_block_or_the_new_one(self):
+        of_image = (IMAGES_NAME, "configuration: that of the image, none is stored")
+        first, second = ((name, "configuration: the stored one") for name in (
+            "neurofoc: 24 V outrunner, example, B-G431B-ESC1, any motor", IMAGES_NAME))
+        data = block("outrunner_24v", "any")
+        units = -(-len(data) // 8)
+        self.apply(data)
+        self.assert_cuts(units + 2, of_image, first)  # an erase, the block, a stamp
+        self.assertEqual(self.link.store(), "")
+        self.apply(block("outrunner_24v", "robust"))
+        self.assert_cuts(units + 4, first, second)    # and two stamps of the block that is kept
 
 
 if __name__ == "__main__":

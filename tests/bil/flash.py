@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""Model of the STM32G431's flash: its controller, and the two pages of the store. RM0440 3.3 and 3.7.
+
+The flash has one bank: the core stands still until an erase or a programming has ended. Each of them is a step; in the step
+number `cut` power fails, and leaves half done what it was about to change. Half done is, by chance for each double word, what
+it was, what it should become, or a mixture. A double word that the code cannot correct is left to test_faults.py: the NMI that
+it raises comes within a block of instructions, and exceptions are taken between two blocks here.
+"""
+
+import random
+
+from registers import Block, Register, bit, need
+
+STORE, STORE_BYTES = 0x0801F000, 0x1000
+PAGE = 0x800
+FIRST_PAGE = 62
+UNIT = 8
+ERASED = 2 ** 64 - 1
+CYCLES_PER_S = 170e6
+ERASE_CYCLES = round(24.5e-3 * CYCLES_PER_S)  # data sheet DS12589, at most
+PROGRAM_CYCLES = round(85e-6 * CYCLES_PER_S)  # as long as a watchdog and a tick have to bear it
+KEYS = (0x45670123, 0xCDEF89AB)
+ERRORS = 0xC3FA
+PROGERR = 1 << 3
+LOCK, OPTLOCK = 1 << 31, 1 << 30
+PG, PER, STRT = 1, 2, 1 << 16
+CACHES = 3 << 9
+
+
+class PowerFails(Exception):
+    """Within a step of the flash."""
+
+
+class Flash(Block):
+    """The controller. `units`: the double words of the store by their place."""
+
+    def __init__(self, chip):
+        self.chip = chip
+        self.units = {}  # that are not erased
+        self.steps = 0
+        self.cut = None
+        self.chance = random.Random(1)
+        self._keys = []
+        self._first = None  # of the two words of a double word
+        super().__init__("FLASH", 0x40022000, {
+            "ACR": (0x00, Register(0x40600, 0x1F0F, on_write=self._configure)),
+            "KEYR": (0x08, Register(on_write=self._key)),
+            "SR": (0x10, Register(0, ERRORS | 1, on_write=self._clear)),
+            "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB, on_write=self._control)),
+            "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
+        })
+        self.store = Block("STORE", STORE, {
+            f"{offset:#05x}": (offset, Register(0, on_read=self._reader(offset), on_write=self._writer(offset)))
+            for offset in range(0, STORE_BYTES, 4)})
+
+    def load(self, address, data):
+        """What is in the store beside the image."""
+        padded = data + b"\xFF" * (-len(data) % UNIT)
+        for at in range(0, len(padded), UNIT):
+            self.units[(address - STORE + at) // UNIT] = int.from_bytes(padded[at:at + UNIT], "little")
+
+    def content(self):
+        """As (address, bytes), for another board with this flash."""
+        return [(STORE + unit * UNIT, value.to_bytes(UNIT, "little")) for unit, value in sorted(self.units.items())]
+
+    def tear(self):
+        """A double word was read whose bits are beyond correction: the NMI follows."""
+        self["ECCR"] = 1 << 31
+
+    def _acknowledge(self, value):
+        self["ECCR"] &= ~value
+
+    def _configure(self, value):
+        need(not value & 3 << 11 or not value & CACHES, "a cache is emptied while it is on")
+        self["ACR"] = value
+
+    def _key(self, value):
+        self._keys.append(value)
+        need(tuple(self._keys) == KEYS[:len(self._keys)], "a wrong key: the flash is locked until reset")
+        if len(self._keys) == len(KEYS):
+            self["CR"] &= ~LOCK
+            self._keys = []
+
+    def _clear(self, value):
+        self["SR"] &= ~value
+
+    def _control(self, value):
+        need(not self["CR"] & LOCK, "the flash is locked")
+        self["CR"] = value & ~STRT | OPTLOCK
+        if value & STRT:
+            page = (value >> 3 & 0x7F) - FIRST_PAGE
+            need(value & (PER | PG) == PER and page in (0, 1), "another page than those of the store is erased")
+            first = page * PAGE // UNIT
+            self._operate({unit: ERASED for unit in range(first, first + PAGE // UNIT)}, ERASE_CYCLES)
+
+    def _reader(self, offset):
+        def read():
+            return self.units.get(offset // UNIT, ERASED) >> 8 * (offset % UNIT) & 0xFFFFFFFF
+        return read
+
+    def _writer(self, offset):
+        def write(value):
+            need(self["CR"] & ~OPTLOCK == PG, "the flash is written, and not set for programming")
+            if offset % UNIT == 0:
+                self._first = offset, value
+            else:
+                need(self._first is not None and self._first[0] == offset - 4, "half of a double word is programmed")
+                self._program(offset // UNIT, value << 32 | self._first[1])
+                self._first = None
+        return write
+
+    def _program(self, unit, value):
+        if unit in self.units:
+            self["SR"] |= PROGERR
+        else:
+            self._operate({unit: value}, PROGRAM_CYCLES)
+
+    def _operate(self, changes, duration):
+        need(not self.chip.timer.gates_on(), "the flash stops the core while the gates are on")
+        need(not self["ACR"] & CACHES, "the caches would go on showing what was there")
+        need(not self["SR"] & ERRORS, "an error of before is not cleared")
+        fails = self.steps == self.cut
+        self.steps += 1
+        for unit, value in changes.items():
+            before = self.units.get(unit, ERASED)
+            self._keep(unit, self._half(before, value) if fails else value)
+        if fails:
+            raise PowerFails
+        self.chip.stand_still(duration)
+        self["SR"] |= 1
+
+    def _half(self, before, after):
+        mask = self.chance.choice((0, ERASED, self.chance.getrandbits(64)))
+        return before & ~mask | after & mask
+
+    def _keep(self, unit, value):
+        self.units[unit] = value
+        if value == ERASED:
+            del self.units[unit]
