@@ -156,8 +156,8 @@ static void send_entries(link_stream_t *stream, const recorder_view_t *view, lin
     uint32_t put;
 
     link_out_begin(out, LINK_FRAMES, 0U);
-    put = link_stream_put_entries(stream->recorder, out, stream->segment, stream->next,
-                                  stream->most);
+    put =
+        link_stream_put_entries(stream->recorder, out, stream->segment, stream->next, stream->most);
     link_out_end(out);
     stream->next_tick += frames_of(&view->first[stream->next], put);
     stream->next += put;

@@ -425,9 +425,16 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
     }
 }
 
-NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+/*
+ * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a part of the tick: 7
+ * instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
+ */
+INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
-    if (config_change_refused(drive->cfg, cfg) == NULL) {
+    if (cfg->crc == drive->cfg->crc) {
+        drive->cfg =
+            cfg; /* the same in another place: who follows the drive by its inputs sees no change */
+    } else if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);
     } else {
         restart(drive, cfg);

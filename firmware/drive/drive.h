@@ -47,6 +47,8 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg);
  * the integrals. A voltage drive goes back to current control. A measurement of a start that is under way begins again. What a slot of the slow schedule computes follows in
  * its slot, within a slow period.
  *
+ * Of the configuration that it has, at another place, it takes the place only.
+ *
  * Of anything else the drive begins anew: it opens the gates, goes to INIT and calibrates; nothing that was measured is known.
  * So the caller asks config_change_refused() first, and goes on at rest only. A latched fault stays.
  *

@@ -5,8 +5,9 @@
 #define HEAT_MAX_Q24 (0x40000000)
 #define GAIN_BITS (16U) /* heat_gain / 2^16 */
 #define GAIN_HALF (0x8000U)
-#define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
-#define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
+#define HEAT_MAX (0x40000000UL) /* as above; 2^57 after the largest shift */
+#define VOLTAGE_SHIFT (2U)      /* of the voltage's filter, in slow periods */
+#define DISTANCE_MAX (65535)    /* beyond the zero of a fade: a heat is up to 2^20 */
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
 {
@@ -20,20 +21,18 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
 /* The square in the middle is at the shift of before. Rounded to nearest, so that the same configuration changes no bit. */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
+    const int32_t up = (int32_t)to->heat_shift - (int32_t)from->heat_shift;
     const uint64_t heat = (uint64_t)derating->heat_q24 << GAIN_BITS;
     const uint64_t square = heat / (uint64_t)from->heat_gain;
     const uint64_t there = ((square * (uint64_t)to->heat_gain) + GAIN_HALF) >> GAIN_BITS;
     uint64_t converted;
 
-    if (to->heat_shift >= from->heat_shift) {
-        const uint32_t up = to->heat_shift - from->heat_shift;
-
-        converted =
-            (there > ((uint64_t)HEAT_MAX_Q24 >> up)) ? (uint64_t)HEAT_MAX_Q24 : (there << up);
+    if (up >= 0) {
+        converted = (there > HEAT_MAX) ? HEAT_MAX : (there << (uint32_t)up);
     } else {
-        converted = there >> (from->heat_shift - to->heat_shift);
+        converted = there >> (uint32_t)(-up);
     }
-    derating->heat_q24 = (converted < (uint64_t)HEAT_MAX_Q24) ? (int32_t)converted : HEAT_MAX_Q24;
+    derating->heat_q24 = (converted < HEAT_MAX) ? (int32_t)converted : HEAT_MAX_Q24;
 }
 
 int32_t derating_share(const fade_t *fade, int32_t x)

@@ -155,7 +155,7 @@ Bytes Client::ask(const Question &question)
     }
     if (!answered_) {
         throw LinkError(fmt::format(
-            "the board does not answer: `{}` was asked {} times in {:.1f} s",
+            "the board does not answer: `{}` was asked {} times in {:.2g} s",
             name_of(question.type), question.tries, question.tries * question.answer_s));
     }
     if (refused_) {

@@ -33,7 +33,8 @@ constexpr const char *ASK_AGAIN = "ask again";
 
 bool ends_with(const std::string &text, const std::string &end)
 {
-    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 } // namespace
@@ -142,8 +143,8 @@ void Follower::learn(const config_block_t &block)
     try {
         replay::check_scales(about);
     } catch (const replay::RecordingError &error) {
-        throw LinkError(fmt::format("the board says of itself what no board can be: {}",
-                                    error.what()));
+        throw LinkError(
+            fmt::format("the board says of itself what no board can be: {}", error.what()));
     }
     known_.insert({block.cfg.crc, {block.cfg, replay::bases_of(about, block.cfg)}});
 }
@@ -251,8 +252,7 @@ void Follower::keep_alive()
 // Word by word of a segment that the ring still has: the newest when the one before is gone.
 void Follower::ask_for_state()
 {
-    const bool gone =
-        candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
+    const bool gone = candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
     if (!candidate_ || gone) {
         tried_ = candidate_ ? candidate_->number : tried_;
         candidate_ = stream_->newest_after(tried_);
@@ -280,9 +280,8 @@ void Follower::ask_for_state()
 void Follower::begin()
 {
     const SegmentInfo info = *candidate_;
-    const std::string why = know(info.config_crc)
-                                ? shadow_.begin(info, state_)
-                                : "its configuration is not in force any more";
+    const std::string why = know(info.config_crc) ? shadow_.begin(info, state_)
+                                                  : "its configuration is not in force any more";
     tried_ = info.number;
     candidate_.reset();
     if (!why.empty()) {

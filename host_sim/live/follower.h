@@ -34,9 +34,9 @@ struct Reporter {
 
 struct FollowerOptions {
     Timing timing;
-    double keep_s = 10;   // for the stepper
-    double ping_s = 0.2;  // how often the board hears that somebody is there
-    double silent_s = 1;  // without a frame of it: it is asked anew who it is
+    double keep_s = 10;  // for the stepper
+    double ping_s = 0.2; // how often the board hears that somebody is there
+    double silent_s = 1; // without a frame of it: it is asked anew who it is
 };
 
 class Follower
@@ -141,14 +141,14 @@ private:
     std::unique_ptr<Stream> stream_;
     uint32_t at_ = 0; // segment, when in step: the next one to be computed
     std::optional<SegmentInfo> candidate_;
-    uint32_t tried_ = 0; // candidates up to this one were none
+    uint32_t tried_ = 0;          // candidates up to this one were none
     std::vector<uint32_t> state_; // of the candidate, so far
     std::vector<Gap> gaps_;
     Health health_{};
     double pinged_s_ = 0;
-    double heard_s_ = 0; // when a frame came in last
-    uint64_t heard_ = 0; // and how many by then
-    bool careful_ = false; // the line spoils long messages
+    double heard_s_ = 0;    // when a frame came in last
+    uint64_t heard_ = 0;    // and how many by then
+    bool careful_ = false;  // the line spoils long messages
     std::string no_stream_; // why there is none
     double judged_s_ = 0;
     uint64_t judged_whole_ = 0; // by then

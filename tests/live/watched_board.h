@@ -44,7 +44,8 @@ public:
     {
         const drive_t &drive = tick.sim->drive();
         const std::size_t at = drive.tick - 1U;
-        TEST_ASSERT_LESS_THAN_MESSAGE(board_.hashes.size(), at, "a tick that the board has not had");
+        TEST_ASSERT_LESS_THAN_MESSAGE(board_.hashes.size(), at,
+                                      "a tick that the board has not had");
         wrong += drive_words_hash(&drive) == board_.hashes[at] ? 0U : 1U;
         jumps += !ticks.empty() && at != ticks.back() + 1 ? 1U : 0U;
         ticks.push_back(at);

@@ -22,6 +22,11 @@
 #undef CFG_STARTUP
 #undef CFG_BOTH
 #undef CFG_VOLTAGE
+#include "../../firmware/config/config_change.c"
+#undef CFG
+#undef CFG_STARTUP
+#undef CFG_BOTH
+#undef CFG_VOLTAGE
 #include "../../firmware/config/config_guard.c"
 #include "../../firmware/control/model.c"
 #include "../../firmware/drive/drive.c"

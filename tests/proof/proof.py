@@ -35,7 +35,8 @@ SAYS = ("Frama-C's Eva proves by induction over the ticks that drive_init, drive
 FLOORS = ("math", "control", "protect", "config", "drive", "record")
 DRIVE, RECORDER = "tests/proof/proof_of_drive.c", "tests/proof/proof_of_recorder.c"
 ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated": DRIVE, "proof_plain": DRIVE,
-           "proof_plain_regulated": DRIVE, "proof_recorder": RECORDER}
+           "proof_plain_regulated": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
+           "proof_recorder": RECORDER}
 CHECK = "check_state"  # what each entry ends with
 NO_PART_OF_IT = {f"{name}.{kind}" for name in ("config_block", "drive_words", "fault_text", "recorder_dump", "words")
                  for kind in "ch"}  # not called in a tick

@@ -13,6 +13,7 @@
 #define GUARD_AT_MAX (sizeof(drive_cfg_t) - sizeof(uint32_t) - 1U)
 
 static drive_cfg_t cfg;
+static drive_cfg_t before; /* of a change */
 static drive_t drive;
 static drive_in_t in;
 static drive_out_t out;
@@ -193,5 +194,32 @@ void proof_plain_regulated(void)
     cfg.startup.current_hold = 0;
     choose_regulated();
     step_without_startup();
+    check_regulated();
+}
+
+/* From any state, with any two configurations: it ends within the ranges from which the steps go on. */
+static void change(void)
+{
+    drive.cfg = &before;
+    drive_change(&drive, &cfg);
+    check_state();
+}
+
+void proof_change(void)
+{
+    choose_configuration();
+    before = cfg;
+    choose_configuration();
+    choose_state();
+    change();
+}
+
+void proof_change_regulated(void)
+{
+    choose_configuration();
+    before = cfg;
+    choose_configuration();
+    choose_regulated();
+    change();
     check_regulated();
 }

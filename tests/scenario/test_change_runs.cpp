@@ -265,7 +265,7 @@ const std::vector<std::string> GAINS_AND_LIMITS = {
     "speed_loop.bandwidth_hz", "speed_loop.ramp_rpm_s", "position_loop.bandwidth_hz",
     "motor.resistance_ohm",    "motor.flux_linkage_wb", "motor.inertia_kg_m2",
     "motor.max_current_a",     "board.overcurrent_a",   "board.bus_max_v",
-    "adaptation.flux_pct",     "startup.current_pct"};
+    "adaptation.flux_pct"};
 
 const std::map<std::string, std::string> BASES = {
     {"motor.max_speed_rpm", "observer.speed_limit"},
@@ -279,7 +279,7 @@ void motor_a_takes_every_key_that_may_change_in_run()
 {
     const Outcome outcome = change_one_by_one(MOTOR_A);
     expect_taken(outcome, GAINS_AND_LIMITS);
-    expect_taken(outcome, {"motor.continuous_current_a"});
+    expect_taken(outcome, {"motor.continuous_current_a", "startup.current_pct"});
     expect_refused(outcome, BASES);
 }
 

@@ -410,6 +410,43 @@ static void test_the_smallest_of_all_limits_holds(void)
     assert_range(0, 0, range_at(BUS_CALM, FORWARD));
 }
 
+/* Half of the square in 2^1 of the scale. The gain is rounded: half of one in 15 bits. */
+static void test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale(void)
+{
+    const int32_t heat = 8000000;
+    derating_cfg_t other = cfg;
+
+    derating.heat_q24 = heat;
+    other.heat_gain = (int32_t)lround(cfg.heat_gain * 0.5 / 0.64);
+    other.heat_shift = cfg.heat_shift + 1U;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_INT32_WITHIN(heat / 16384, (int32_t)lround(heat / 0.64), derating.heat_q24);
+    derating_change(&derating, &other, &cfg);
+    TEST_ASSERT_INT32_WITHIN(1, heat, derating.heat_q24);
+    for (int32_t any = 0; any < 100000; any += 997) { /* the same scale changes no bit */
+        derating.heat_q24 = any * 10737;
+        derating_change(&derating, &cfg, &cfg);
+        TEST_ASSERT_EQUAL_INT32(any * 10737, derating.heat_q24);
+    }
+}
+
+static void test_a_heat_beyond_its_range_in_another_scale_is_the_most(void)
+{
+    derating_cfg_t other = cfg;
+
+    derating.heat_q24 = 0x40000000;
+    other.heat_gain = 32767;
+    other.heat_shift = 27U;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(0x40000000, derating.heat_q24);
+    cfg.heat_gain = 1;
+    cfg.heat_shift = 0U;
+    derating_change(&derating, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(0x40000000, derating.heat_q24);
+    derating_change(&derating, &other, &cfg);
+    TEST_ASSERT_EQUAL_INT32(0, derating.heat_q24);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -437,5 +474,7 @@ int main(void)
     RUN_TEST(test_a_bus_current_limit_beyond_all_that_flows_limits_nothing);
     RUN_TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods);
     RUN_TEST(test_the_smallest_of_all_limits_holds);
+    RUN_TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale);
+    RUN_TEST(test_a_heat_beyond_its_range_in_another_scale_is_the_most);
     return UNITY_END();
 }

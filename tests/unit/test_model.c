@@ -636,6 +636,77 @@ static void test_the_ratio_of_l_q_is_that_of_l_d_times_that_of_the_saliency_roun
     TEST_ASSERT_EQUAL_INT32(49150, model_ratio_q_q14(&more));
 }
 
+/* ---- another configuration ---- */
+
+static const model_measured_t MEASURED = {
+    .resistance_q13 = 2200, .inductance_q14 = 18000, .saliency_q13 = 9500};
+
+static void configure_another(void)
+{
+    observer.eta /= 2;
+    observer.gradient_shift--;
+    observer.momentum_q15 = 1000;
+    observer.flux_q27 += observer.flux_q27 / 16;
+    run_loop.resistance_q13 += 40;
+    run_loop.pi_q.ki /= 2;
+    run_loop.pi_q.kp_shift++;
+    hold_loop.pi_d.kp++;
+}
+
+/* The same ratios on the new values, as if they had been measured then: no number is of the configuration before. */
+static void test_a_change_is_what_the_same_ratios_make_of_the_new_values(void)
+{
+    model_t fresh;
+
+    model_set(&model, &cfg, &NOMINAL, &MEASURED);
+    model.flux_q30 = (int32_t)(0.9375 * ONE_Q30);
+    model.pace_q14 = 8192;
+    model.kappa_q14 = 12288;
+    fresh = model;
+    configure_another();
+    model_change(&model, &cfg, &NOMINAL);
+    TEST_ASSERT_EQUAL_INT32(fresh.resistance_q14, model.resistance_q14);
+    TEST_ASSERT_EQUAL_INT32(fresh.inductance_q14, model.inductance_q14);
+    TEST_ASSERT_EQUAL_INT32(fresh.saliency_q14, model.saliency_q14);
+    TEST_ASSERT_EQUAL_INT32(fresh.flux_q30, model.flux_q30);
+    model_reset(&fresh, &NOMINAL);
+    fresh.resistance_q14 = model.resistance_q14;
+    fresh.flux_q30 = model.flux_q30;
+    fresh.pace_q14 = model.pace_q14;
+    fresh.kappa_q14 = model.kappa_q14;
+    model_set(&fresh, &cfg, &NOMINAL,
+              &(model_measured_t){MODEL_UNKNOWN, MEASURED.inductance_q14, MEASURED.saliency_q13});
+    TEST_ASSERT_EQUAL_MEMORY(&fresh, &model, sizeof fresh);
+}
+
+static void test_a_change_to_the_same_values_changes_no_bit(void)
+{
+    model_t before;
+
+    model_set(&model, &cfg, &NOMINAL, &MEASURED);
+    before = model;
+    model_change(&model, &cfg, &NOMINAL);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &model, sizeof before);
+}
+
+static void test_narrower_limits_hold_for_what_was_measured_before(void)
+{
+    model_set(&model, &cfg, &NOMINAL, &MEASURED);
+    model.flux_q30 = (int32_t)(0.9375 * ONE_Q30);
+    TEST_ASSERT_TRUE(model.resistance_q14 > (16384 + 100));
+    cfg.resistance_limit_q14 = 100;
+    cfg.inductance_limit_q14 = 0;
+    cfg.saliency_limit_q14 = 0;
+    cfg.flux_limit_q14 = 0;
+    model_change(&model, &cfg, &NOMINAL);
+    TEST_ASSERT_EQUAL_INT32(16384 + 100, model.resistance_q14);
+    TEST_ASSERT_EQUAL_INT32(16384, model.inductance_q14);
+    TEST_ASSERT_EQUAL_INT32(16384, model.inductance_inverse_q14);
+    TEST_ASSERT_EQUAL_INT32(16384, model.saliency_q14);
+    TEST_ASSERT_EQUAL_INT32(0x40000000, model.flux_q30);
+    TEST_ASSERT_EQUAL_INT32(run_loop.emf_q13, model.run_loop.emf_q13);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -665,5 +736,8 @@ int main(void)
     RUN_TEST(test_flux_and_inductance_both_reach_the_shift_of_the_state);
     RUN_TEST(test_numbers_without_room_to_grow_end_at_15_bits_and_the_flux_at_27);
     RUN_TEST(test_a_nominal_resistance_of_zero_is_no_division_by_zero);
+    RUN_TEST(test_a_change_is_what_the_same_ratios_make_of_the_new_values);
+    RUN_TEST(test_a_change_to_the_same_values_changes_no_bit);
+    RUN_TEST(test_narrower_limits_hold_for_what_was_measured_before);
     return UNITY_END();
 }

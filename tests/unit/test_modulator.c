@@ -787,6 +787,28 @@ static void test_the_bus_ahead_ends_at_zero_and_at_full_scale(void)
     TEST_ASSERT_EQUAL_INT32(0, modulator_bus_ahead(32767, 0));
 }
 
+/* By how much a measurement has corrected the dead time is kept, as far as the new band goes. */
+static void test_the_correction_of_the_dead_time_stays_with_another_configuration(void)
+{
+    modulator_cfg_t other;
+
+    set_dead_time(650);
+    cfg.dead_time_band_q15 = 200;
+    mod.dead_time_q15 = 500;
+    other = cfg;
+    other.dead_time_q15 = 690;
+    modulator_change(&mod, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(540, mod.dead_time_q15);
+    cfg = other;
+    cfg.dead_time_band_q15 = 50;
+    modulator_change(&mod, &other, &cfg);
+    TEST_ASSERT_EQUAL_INT32(640, mod.dead_time_q15);
+    other = cfg;
+    other.dead_time_q15 = 20; /* less than nothing is compensated nowhere */
+    modulator_change(&mod, &cfg, &other);
+    TEST_ASSERT_EQUAL_INT32(0, mod.dead_time_q15);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -832,5 +854,6 @@ int main(void)
     RUN_TEST(test_a_leg_far_beyond_full_duty_is_given_back_all_within_the_ripple_of_others);
     RUN_TEST(test_duties_stay_between_zero_and_one_for_any_current_and_any_loss);
     RUN_TEST(test_without_anything_to_give_back_both_ways_write_the_same_counts);
+    RUN_TEST(test_the_correction_of_the_dead_time_stays_with_another_configuration);
     return UNITY_END();
 }

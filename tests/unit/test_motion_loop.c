@@ -1016,6 +1016,21 @@ static void test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_l
     TEST_ASSERT_TRUE(overshoot_behind_a_ramp(2.5) > (3 * speed_cfg.ramp));
 }
 
+static void test_a_learned_inertia_stays_within_the_limits_of_another_configuration(void)
+{
+    speed_loop.inertia_q17 = 200000;
+    speed_cfg.inertia_least_q13 = 4096;
+    speed_cfg.inertia_most_q13 = 12500;
+    speed_loop_change(&speed_loop, &speed_cfg);
+    TEST_ASSERT_EQUAL_INT32(200000, speed_loop.inertia_q17); /* the most is as much */
+    speed_cfg.inertia_most_q13 = 12000;
+    speed_loop_change(&speed_loop, &speed_cfg);
+    TEST_ASSERT_EQUAL_INT32(12000 * 16, speed_loop.inertia_q17);
+    speed_loop.inertia_q17 = 40000;
+    speed_loop_change(&speed_loop, &speed_cfg);
+    TEST_ASSERT_EQUAL_INT32(4096 * 16, speed_loop.inertia_q17);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1080,5 +1095,6 @@ int main(void)
     RUN_TEST(test_the_feed_forward_is_that_of_the_inertia_in_force);
     RUN_TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts);
     RUN_TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned);
+    RUN_TEST(test_a_learned_inertia_stays_within_the_limits_of_another_configuration);
     return UNITY_END();
 }

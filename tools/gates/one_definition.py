@@ -20,7 +20,7 @@ ROOT_TYPE = "drive_cfg_t"
 MOST = 5  # files, median
 EXAMPLE = "tests/unit/example_cfg.h"
 OF_A_FOLDER = {  # unit tests of several of its files together
-    "firmware/drive": [f"tests/unit/test_{name}.c" for name in ("drive", "drive_steps", "low_speed", "voltage_drive")],
+    "firmware/drive": [f"tests/unit/test_{name}.c" for name in ("drive", "drive_change", "drive_steps", "low_speed", "voltage_drive")],
     "host_sim/config": ["tests/config/*"],
 }
 STRUCT = re.compile(r"typedef struct \{([^{}]*)\} (\w+);")

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// The stream put together: a gapless list of entries, or what is missing of it.
+#include "stream.h"
+
+extern "C" {
+#include "unity.h"
+}
+
+namespace
+{
+
+using nf::live::Entries;
+using nf::live::Missing;
+using nf::live::SegmentInfo;
+using nf::live::Stream;
+using nf::live::Stretch;
+
+constexpr uint16_t ROOM = 64; // of a segment
+
+recorder_entry_t entry(uint32_t segment, uint32_t at)
+{
+    return {{segment, at, 0, 0}};
+}
+
+Entries entries(uint32_t segment, uint16_t first, uint16_t count)
+{
+    Entries made{segment, first, {}};
+    for (uint16_t k = 0; k < count; k++) {
+        made.entries.push_back(entry(segment, first + k));
+    }
+    return made;
+}
+
+SegmentInfo begin(uint32_t number, uint16_t entries_before)
+{
+    return {number, number * 100, number, 0, entries_before, true};
+}
+
+void assert_missing(const std::optional<Missing> &missing, uint32_t segment, uint16_t first,
+                    uint8_t count)
+{
+    TEST_ASSERT_TRUE(missing.has_value());
+    TEST_ASSERT_EQUAL(segment, missing->segment);
+    TEST_ASSERT_EQUAL(first, missing->first);
+    TEST_ASSERT_EQUAL(count, missing->count);
+}
+
+void a_segment_is_taken_once_it_is_whole_and_its_end_is_announced()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    TEST_ASSERT_FALSE(stream.take(7).has_value());
+    stream.add(begin(8, 40));
+    const std::optional<Stretch> stretch = stream.take(7);
+    TEST_ASSERT_TRUE(stretch.has_value());
+    TEST_ASSERT_EQUAL(40, stretch->entries.size());
+    TEST_ASSERT_EQUAL(8, stretch->end.number);
+    TEST_ASSERT_FALSE(stream.missing().has_value());
+}
+
+void a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 5));
+    stream.add(entries(7, 30, 4));
+    assert_missing(stream.missing(), 7, 5, Stream::PIECE);
+    stream.add(entries(7, 5, Stream::PIECE));
+    assert_missing(stream.missing(), 7, 21, 9);
+}
+
+void entries_come_in_any_order_and_more_than_once()
+{
+    Stream stream(ROOM);
+    stream.add(begin(8, 40));
+    stream.add(entries(8, 20, 20));
+    stream.add(begin(9, 40));
+    stream.add(entries(8, 0, 30));
+    stream.add(entries(8, 10, 10));
+    const std::optional<Stretch> stretch = stream.take(8);
+    TEST_ASSERT_TRUE(stretch.has_value());
+    for (uint32_t k = 0; k < 40; k++) {
+        TEST_ASSERT_EQUAL(k, stretch->entries[k].word[1]);
+    }
+}
+
+void a_lost_announcement_makes_one_stretch_of_two_segments()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    stream.add(entries(8, 0, 40));
+    // That segment 7 has no more than these 40 nobody has said.
+    assert_missing(stream.missing(), 7, 40, Stream::PIECE);
+    stream.ends_before({7, 40, Stream::PIECE});
+    stream.add(begin(9, 40));
+    const std::optional<Stretch> stretch = stream.take(7);
+    TEST_ASSERT_TRUE(stretch.has_value());
+    TEST_ASSERT_EQUAL(80, stretch->entries.size());
+    TEST_ASSERT_EQUAL(9, stretch->end.number);
+}
+
+void a_segment_of_which_nothing_came_is_asked_for()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 0, 40));
+    stream.add(begin(9, 40));
+    assert_missing(stream.missing(), 7, 40, Stream::PIECE);
+    stream.ends_before({7, 40, Stream::PIECE});
+    assert_missing(stream.missing(), 8, 0, Stream::PIECE);
+}
+
+void what_the_ring_has_no_more_of_is_lost()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, 1, 39));
+    stream.add(begin(7 + RECORDER_SEGMENTS - 1, 40));
+    TEST_ASSERT_FALSE(stream.is_lost(7));
+    stream.add(begin(7 + RECORDER_SEGMENTS, 40));
+    TEST_ASSERT_TRUE(stream.is_lost(7));
+}
+
+void what_is_forgotten_does_not_come_back()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(begin(8, 40));
+    stream.forget_before(8);
+    stream.add(entries(7, 3, 4));
+    stream.add(begin(7, 0));
+    TEST_ASSERT_FALSE(stream.missing().has_value());
+    TEST_ASSERT_EQUAL(8, stream.newest_after(0)->number);
+}
+
+void entries_beyond_the_end_of_a_segment_are_none()
+{
+    Stream stream(ROOM);
+    stream.add(begin(7, 0));
+    stream.add(entries(7, ROOM - 2, 3));
+    TEST_ASSERT_FALSE(stream.missing().has_value());
+}
+
+} // namespace
+
+extern "C" void setUp()
+{
+}
+
+extern "C" void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(a_segment_is_taken_once_it_is_whole_and_its_end_is_announced);
+    RUN_TEST(a_hole_is_asked_for_in_pieces_that_a_bad_line_lets_through);
+    RUN_TEST(entries_come_in_any_order_and_more_than_once);
+    RUN_TEST(a_lost_announcement_makes_one_stretch_of_two_segments);
+    RUN_TEST(a_segment_of_which_nothing_came_is_asked_for);
+    RUN_TEST(what_the_ring_has_no_more_of_is_lost);
+    RUN_TEST(what_is_forgotten_does_not_come_back);
+    RUN_TEST(entries_beyond_the_end_of_a_segment_are_none);
+    return UNITY_END();
+}
