@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// The simulated board: its script, who takes over from it, its flash, and its port.
+#include "client.h"
+#include "lossy_channel.h"
+#include "pty_server.h"
+#include "serial_port.h"
+#include "simulated_board.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+extern "C" {
+#include "config_guard.h"
+#include "drive_words.h"
+#include "unity.h"
+}
+
+void setUp(void)
+{
+}
+
+void tearDown(void)
+{
+}
+
+namespace
+{
+
+using nf::live::BoardChannel;
+using nf::live::SimulatedBoard;
+
+constexpr int READY_TICKS = 300; // 256 of them calibrate
+constexpr int RUN_TICKS = 20000;
+
+nf::Config bench(const std::vector<std::string> &set = {})
+{
+    return nf::load_scenario("s1_robust", {"adc"}, set);
+}
+
+void pass(SimulatedBoard &board, int ticks)
+{
+    for (int k = 0; k < ticks; k++) {
+        (void)board.tick();
+    }
+}
+
+std::string text(const std::vector<uint8_t> &bytes)
+{
+    return {bytes.begin(), bytes.end()};
+}
+
+void type(SimulatedBoard &board, const std::string &line)
+{
+    board.put({line.begin(), line.end()});
+}
+
+void assert_has(const std::string &expected, const std::string &said)
+{
+    TEST_ASSERT_TRUE_MESSAGE(said.find(expected) != std::string::npos, said.c_str());
+}
+
+void until_somebody_commands_each_tick_is_that_of_the_scenario()
+{
+    const nf::Config config = bench();
+    SimulatedBoard board(config);
+    nf::ScriptedRun native(config);
+    for (int k = 0; k < RUN_TICKS; k++) {
+        (void)native.control();
+        (void)board.tick();
+        native.advance();
+        TEST_ASSERT_EQUAL_HEX32(drive_words_hash(&native.sim().drive()),
+                                drive_words_hash(&board.run().sim().drive()));
+    }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, native.sim().drive().state);
+    TEST_ASSERT_TRUE(board.follows_script());
+}
+
+void a_question_leaves_the_script_in_command_and_a_command_ends_that()
+{
+    const nf::Config config = bench();
+    SimulatedBoard board(config);
+    pass(board, RUN_TICKS);
+    type(board, "status\r");
+    pass(board, READY_TICKS);
+    TEST_ASSERT_TRUE(board.follows_script());
+    type(board, "stop\r");
+    pass(board, READY_TICKS);
+    TEST_ASSERT_FALSE(board.follows_script());
+    TEST_ASSERT_EQUAL(DRIVE_STATE_READY, board.run().sim().drive().state);
+    assert_has("ok\r\n", text(board.take()));
+}
+
+void the_script_clears_a_fault_itself()
+{
+    const nf::Config config = bench();
+    nf::Config failing = config;
+    failing.scenario.faults = {{0.3, nf::FaultKind::break_input, nf::FaultSpan::tick, {}, {}}};
+    failing.scenario.requests = {{0.4, true, true}};
+    SimulatedBoard board(failing);
+    bool had_fault = false;
+    while (board.now_s() < board.script_s()) {
+        had_fault = board.tick().sim->drive().state == DRIVE_STATE_FAULT || had_fault;
+    }
+    TEST_ASSERT_TRUE(had_fault);
+    TEST_ASSERT_TRUE(board.follows_script());
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, board.run().sim().drive().state);
+}
+
+void what_is_stored_is_what_the_next_start_begins_with()
+{
+    const nf::Config config = bench();
+    SimulatedBoard board(config);
+    BoardChannel channel(board);
+    nf::live::Client client(channel, {}, {});
+    (void)client.hello();
+    (void)client.line("stop");
+    const config_block_t before = client.read_block();
+    drive_cfg_t cfg = before.cfg;
+    cfg.speed_loop.speed_max -= 1;
+    cfg.crc = config_guard_crc(&cfg);
+    config_block_t block{};
+    config_block_make(&block, &before.identity, &before.about, &cfg);
+    pass(board, READY_TICKS); // calibrates, and rests
+    TEST_ASSERT_EQUAL_STRING("", client.write_block(block).c_str());
+    pass(board, READY_TICKS);
+    TEST_ASSERT_EQUAL_STRING("", client.store().c_str());
+    SimulatedBoard again(config, &board.flash());
+    TEST_ASSERT_EQUAL_HEX32(block.cfg.crc, again.run().sim().cfg().crc);
+    pass(again, READY_TICKS);
+    assert_has("configuration: the stored one", text(again.take()));
+}
+
+void a_client_of_the_port_speaks_with_the_board()
+{
+    const nf::Config config = bench();
+    SimulatedBoard board(config);
+    const std::string link = (std::filesystem::temp_directory_path() / "test_board_port").string();
+    {
+        nf::live::Pty pty(link);
+        nf::live::SerialPort port(link, 115200);
+        port.write({'s', 't', 'a', 't', 'u', 's', '\r'});
+        nf::live::Serving serving;
+        serving.pace = 0;
+        serving.stops = [&board] { return board.now_s() > 0.1; };
+        nf::live::serve(board, pty, serving);
+        assert_has("speed 0 of", text(port.read(1)));
+        TEST_ASSERT_TRUE(std::filesystem::is_symlink(link));
+    }
+    TEST_ASSERT_FALSE(std::filesystem::is_symlink(link));
+}
+
+// What is written to it comes back.
+class Echo : public nf::live::Channel
+{
+public:
+    std::vector<uint8_t> read(double) override
+    {
+        return std::exchange(bytes_, {});
+    }
+    void write(const std::vector<uint8_t> &bytes) override
+    {
+        bytes_ = bytes;
+    }
+    double now_s() const override
+    {
+        return 0;
+    }
+
+private:
+    std::vector<uint8_t> bytes_;
+};
+
+void a_bad_line_spoils_as_many_bytes_as_it_is_told()
+{
+    constexpr int BYTES = 100000;
+    constexpr int EXPECTED = 3 * BYTES / 100;
+    constexpr int FIVE_SIGMA = 270; // of a binomial of 100000 and 3 %: 54
+    Echo echo;
+    nf::live::LossyChannel bad(echo, {0.01, 0.01, 0.01}, {}, 1);
+    bad.write(std::vector<uint8_t>(BYTES, 7));
+    const std::vector<uint8_t> came = bad.read(0);
+    TEST_ASSERT_INT_WITHIN(FIVE_SIGMA, EXPECTED, static_cast<int>(bad.spoilt_bytes()));
+    const auto same = std::count(came.begin(), came.end(), uint8_t{7});
+    TEST_ASSERT_INT_WITHIN(FIVE_SIGMA, BYTES / 100,
+                           static_cast<int>(came.size()) - static_cast<int>(same));
+}
+
+} // namespace
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(until_somebody_commands_each_tick_is_that_of_the_scenario);
+    RUN_TEST(a_question_leaves_the_script_in_command_and_a_command_ends_that);
+    RUN_TEST(the_script_clears_a_fault_itself);
+    RUN_TEST(what_is_stored_is_what_the_next_start_begins_with);
+    RUN_TEST(a_client_of_the_port_speaks_with_the_board);
+    RUN_TEST(a_bad_line_spoils_as_many_bytes_as_it_is_told);
+    return UNITY_END();
+}
