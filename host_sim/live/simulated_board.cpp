@@ -6,6 +6,7 @@
 #include "identity.h"
 #include "writer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -51,11 +52,18 @@ about_t about_of(const Config &config, const std::string &name)
     return about;
 }
 
+// Of a segment. A board whose RAM is small has a ring that is overwritten before a PC has read a state over a slow line; here
+// there is room.
+uint32_t segment_entries(const BoardSettings &board)
+{
+    return std::max(recorder_segment_entries(board), recorder_segment_entries({}));
+}
+
 } // namespace
 
 SimulatedBoard::SimulatedBoard(const Config &config, const hal_host_flash_t *flash)
     : name_(about_name(config)), about_(about_of(config, name_)), cfg_(build(config)), run_(config),
-      ring_(std::size_t{RECORDER_SEGMENTS} * recorder_segment_entries(config.board))
+      ring_(std::size_t{RECORDER_SEGMENTS} * segment_entries(config.board))
 {
     if (flash == nullptr) {
         hal_host_flash_init(&flash_, config.scenario.seed);
@@ -75,7 +83,7 @@ void SimulatedBoard::start(const Config &config)
     live_config_init(&live_, &sim.app(), &sim.hal(), &about_, &cfg_);
     link_init(&link_, &live_);
     run_.start(live_.in_force->cfg);
-    if (recorder_init(&recorder_, ring_.data(), recorder_segment_entries(config.board),
+    if (recorder_init(&recorder_, ring_.data(), segment_entries(config.board),
                       replay::POST_TICKS) != nullptr) {
         throw std::logic_error("the recorder refuses its size");
     }

@@ -24,6 +24,7 @@ namespace nf::live
 class SimulatedBoard
 {
 public:
+    // The ring of the recorder has at least the entries of board.recorder_entries where no file says it.
     // With an erased flash, or with a copy of one: as another start of the board that left it so. The configuration outlives the
     // board. Throws ConfigError.
     explicit SimulatedBoard(const Config &config, const hal_host_flash_t *flash = nullptr);
