@@ -33,8 +33,8 @@ typedef enum {
     LINK_LINE, /* a line for the console, without its end. Answer: verdict; what the console says comes as LINK_TEXT */
     LINK_READ, /* first word u16, words u8: of the block in force. Answer: first u16, words u8, words u32 each */
     LINK_WRITE, /* first word u16, words u8, words u32 each: into the block that is prepared. Answer: verdict */
-    LINK_APPLY, /* crc u32 of the block that is prepared: it becomes the one in force. Answer: verdict */
-    LINK_STORE,    /* the block in force is stored in flash. Answer: verdict */
+    LINK_APPLY, /* crc u32 of the configuration in the block that is prepared: it becomes the one in force. Answer: verdict */
+    LINK_STORE, /* the block in force is stored in flash. Answer: verdict */
     LINK_DEFAULTS, /* the block of the image becomes the one in force. Answer: verdict */
     /* on u8: 0 ends the stream, else it starts with the newest segment. 1: a message takes what fits into it; more: at most so
      * many entries, for a line that spoils long messages. Answer: verdict */

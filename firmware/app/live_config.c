@@ -122,7 +122,7 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
         if (live->preparing) {
             live->preparing = false;
             live->applied =
-                (live->prepared->crc == crc)
+                (live->prepared->cfg.crc == crc)
                     ? change_to_prepared(live)
                     : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
         }

@@ -55,7 +55,7 @@ live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32
 void live_config_forget(live_config_t *live);
 
 /*
- * The prepared block, whose CRC is `crc`, takes the place of the one in force at the next tick, as a whole. Refused when it is
+ * The prepared block, whose configuration has this `crc`, takes the place of the one in force at the next tick, as a whole. Refused when it is
  * another one, not for this image or not good, or changes what the drive cannot change in its state.
  */
 live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc);

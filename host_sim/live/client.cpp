@@ -325,7 +325,7 @@ std::string Client::write_block(const config_block_t &block)
         }
         why = write(static_cast<uint16_t>(at), words);
     }
-    return why.empty() ? apply(block.crc) : why;
+    return why.empty() ? apply(block.cfg.crc) : why;
 }
 
 } // namespace nf::live

@@ -184,7 +184,7 @@ std::string Follower::change(const config_block_t &block)
     std::string why = client_.write_block(block);
     for (int k = 0; k < BLOCK_TRIES && ends_with(why, ASK_AGAIN); k++) {
         client_.poll(options_.timing.ring_s);
-        why = client_.apply(block.crc);
+        why = client_.apply(block.cfg.crc);
     }
     if (why.empty()) {
         take_over(block);

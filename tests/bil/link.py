@@ -64,7 +64,7 @@ class Link:
             part = block[4 * first:4 * (first + WORDS)]
             if verdict := self.ask(WRITE, struct.pack("<HB", first, len(part) // 4) + part):
                 return verdict.decode()
-        return self.ask(APPLY, block[-4:]).decode()
+        return self.ask(APPLY, block[-8:-4]).decode()  # the CRC of the configuration, in front of that of the block
 
     def store(self):
         return self.ask(STORE).decode()

@@ -35,7 +35,8 @@ WRITERS = {
     (GAINDESIGN, "design", "--json"): (),
 }
 WRITERS = {writer: settings for writer, settings in WRITERS.items() if writer[0] in PROGRAMS}
-# Each command that prints, but for the replay, which needs a recording, and the zoo, which writes files only.
+# Each command that prints, but for the replay, which needs a recording, the live view, which needs a board, and the zoo,
+# which writes files only.
 PRINTERS = (
     (MOTORSIM, "run", *SHORT), (MOTORSIM, "run", *SHORT, "--json", "-"), (MOTORSIM, "list"), (MOTORSIM, "signals", "s1"),
     (MOTORSIM, "estimators"),
@@ -184,7 +185,7 @@ class FullOutput(unittest.TestCase):
     def test_each_command_is_looked_at_here(self):
         for program in PROGRAMS:
             looked_at = {command for one, command, *_ in PRINTERS if one == program}
-            self.assertEqual(set(commands_of(program)) - {"replay", "zoo"}, looked_at)
+            self.assertEqual(set(commands_of(program)) - {"replay", "zoo", "live"}, looked_at)
 
     @unittest.skipUnless(NFCONFIG in PROGRAMS, "the zoo is nfconfig's")
     def test_the_zoo_writes_files_that_refer_to_each_other(self):

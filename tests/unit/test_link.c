@@ -462,7 +462,7 @@ static const char *change_to(const config_block_t *wanted)
             write_word(at, config_block_word(wanted, at));
         }
     }
-    words_put(crc, wanted->crc);
+    words_put(crc, wanted->cfg.crc);
     return verdict_of(LINK_APPLY, crc, sizeof crc);
 }
 

@@ -106,7 +106,7 @@ static void test_a_gain_takes_its_place_in_run_at_a_tick_and_not_before(void)
     want_gain();
     write_wanted();
     TEST_ASSERT_EQUAL_MEMORY(&before, live.in_force, sizeof before);
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     live_config_step(&live);
     TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, live.in_force, sizeof before, "no tick has come");
     TEST_ASSERT_EQUAL_MEMORY(&before.cfg, app.drive.cfg, sizeof before.cfg);
@@ -121,7 +121,7 @@ static void test_changes_follow_each_other_with_the_words_that_differ(void)
     for (uint32_t k = 0U; k < 5U; k++) {
         want_gain();
         write_wanted();
-        assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+        assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
         take();
         TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
     }
@@ -132,13 +132,13 @@ static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_res
     run();
     want_scale();
     write_wanted();
-    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
     take();
     TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
     commander_stop(&app);
     tick_period();
     write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     take();
     TEST_ASSERT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
 }
@@ -146,19 +146,19 @@ static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_res
 /* Its answer may have been lost on the line. */
 static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect(void)
 {
-    assert_verdict(NULL, "no block was prepared", live_config_apply(&live, live.in_force->crc));
+    assert_verdict(NULL, "no block was prepared", live_config_apply(&live, live.in_force->cfg.crc));
     run();
     want_scale();
     write_wanted();
-    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
     commander_stop(&app);
     tick_period();
-    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.crc));
+    assert_verdict("speed_shift", RUNNING, live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
     write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     take();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
@@ -167,11 +167,11 @@ static void test_words_that_were_refused_are_not_part_of_what_is_prepared_next(v
     run();
     want_scale();
     write_wanted();
-    (void)live_config_apply(&live, wanted.crc);
+    (void)live_config_apply(&live, wanted.cfg.crc);
     wanted = *live.in_force;
     want_gain();
     write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     take();
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
@@ -180,7 +180,7 @@ static void test_another_crc_than_that_of_the_prepared_block_is_refused(void)
 {
     want_gain();
     write_wanted();
-    assert_verdict(NULL, OTHER_BLOCK, live_config_apply(&live, wanted.crc ^ 1U));
+    assert_verdict(NULL, OTHER_BLOCK, live_config_apply(&live, wanted.cfg.crc ^ 1U));
     take();
     TEST_ASSERT_NOT_EQUAL_UINT32(wanted.cfg.crc, live.in_force->cfg.crc);
 }
@@ -191,7 +191,7 @@ static void test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_f
     live_config_forget(&live);
     want_gain();
     write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     take();
     TEST_ASSERT_EQUAL_MEMORY(&wanted, live.in_force, sizeof wanted);
 }
@@ -201,18 +201,18 @@ static void test_a_damaged_block_and_a_bad_setting_are_refused(void)
     want_gain();
     write_wanted();
     (void)live_config_write(&live, 40U, 0xDEADBEEFU);
-    assert_verdict(NULL, "the block is damaged", live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, "the block is damaged", live_config_apply(&live, wanted.cfg.crc));
     wanted.cfg.slow_ticks = 5U;
     seal();
     write_wanted();
     assert_verdict("slow_ticks", "the block has a setting that the drive does not take",
-                   live_config_apply(&live, wanted.crc));
+                   live_config_apply(&live, wanted.cfg.crc));
     wanted = *live.in_force;
     wanted.identity.board++;
     seal();
     write_wanted();
     assert_verdict(NULL, "the block was made for another board",
-                   live_config_apply(&live, wanted.crc));
+                   live_config_apply(&live, wanted.cfg.crc));
     take();
     TEST_ASSERT_EQUAL_MEMORY(&image_cfg, &live.in_force->cfg, sizeof image_cfg);
 }
@@ -228,9 +228,9 @@ static void test_while_a_change_waits_for_its_tick_nothing_else_is_prepared(void
 {
     want_gain();
     write_wanted();
-    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     assert_verdict(NULL, PENDING, live_config_write(&live, 0U, 0U));
-    assert_verdict(NULL, PENDING, live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, PENDING, live_config_apply(&live, wanted.cfg.crc));
     assert_verdict(NULL, PENDING, live_config_restore(&live));
     assert_verdict(NULL, PENDING, live_config_store(&live));
     hardware.health.tick_lost = true;
@@ -246,11 +246,11 @@ static void test_without_a_tick_no_change_is_taken_up(void)
     want_gain();
     write_wanted();
     hardware.health.tick_lost = true;
-    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.cfg.crc));
     hardware.health.tick_lost = false;
     hardware.ticks = 0U;
     write_wanted();
-    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.crc));
+    assert_verdict(NULL, "the control tick does not run", live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
 }
 
@@ -261,7 +261,7 @@ static void test_name_and_motor_of_the_block_in_force_are_those_of_about(void)
     config_block_name(wanted.about.name, "another motor");
     want_gain();
     write_wanted();
-    (void)live_config_apply(&live, wanted.crc);
+    (void)live_config_apply(&live, wanted.cfg.crc);
     TEST_ASSERT_EQUAL_STRING("a board", live.about.name);
     take();
     TEST_ASSERT_EQUAL_STRING("another motor", live.about.name);
@@ -277,7 +277,7 @@ static void test_a_speed_in_force_stays_within_the_new_limit(void)
     wanted.about.speed_max_rpm = 1000;
     want_gain();
     write_wanted();
-    (void)live_config_apply(&live, wanted.crc);
+    (void)live_config_apply(&live, wanted.cfg.crc);
     take();
     TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
 }
@@ -287,7 +287,7 @@ static void test_the_configuration_of_the_image_comes_back(void)
     wanted.about.speed_max_rpm = 1000;
     want_scale();
     write_wanted();
-    (void)live_config_apply(&live, wanted.crc);
+    (void)live_config_apply(&live, wanted.cfg.crc);
     take();
     calibrate(); /* the drive has begun anew */
     run();
@@ -307,7 +307,7 @@ static void test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_i
 {
     want_gain();
     write_wanted();
-    (void)live_config_apply(&live, wanted.crc);
+    (void)live_config_apply(&live, wanted.cfg.crc);
     take();
     run();
     assert_verdict(NULL, "the drive does not rest with open gates; stop it first",
