@@ -38,7 +38,7 @@ bool app_changes(const app_t *app)
     return posted;
 }
 
-NEVER_INLINED static void take_change(app_t *app)
+RARE static void take_change(app_t *app)
 {
     const drive_cfg_t *const before = app->drive.cfg;
 

@@ -207,8 +207,7 @@ NEVER_INLINED void model_set(model_t *model, const model_cfg_t *cfg, const model
     apply_all(model, nominal);
 }
 
-NEVER_INLINED void model_change(model_t *model, const model_cfg_t *cfg,
-                                const model_nominal_t *nominal)
+RARE void model_change(model_t *model, const model_cfg_t *cfg, const model_nominal_t *nominal)
 {
     model->observer = *nominal->observer;
     model->run_loop = *nominal->run_loop;

@@ -57,13 +57,13 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
     }
 }
 
-void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *from,
-                        const nn_observer_cfg_t *to, sincos_t angle)
+void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t flux_q27,
+                        int32_t saliency_q13, sincos_t angle)
 {
     const uint32_t steps = (uint32_t)1U << (STATE_BITS + 1U - to->current_shift);
     const int32_t unit = (int32_t)steps;
-    const int32_t saliency = to->saliency_q13 - from->saliency_q13;
-    const int32_t x_q27 = to->flux_q27 - from->flux_q27;
+    const int32_t saliency = to->saliency_q13 - saliency_q13;
+    const int32_t x_q27 = to->flux_q27 - flux_q27;
     const int32_t y_q27 = fx_sat28(fx_asr(obs->current.q * saliency, 13U) * unit);
     const int32_t alpha = 2 * fx_mla_32x16(fx_mul_32x16(x_q27, angle.cos), y_q27, -angle.sin);
     const int32_t beta = 2 * fx_mla_32x16(fx_mul_32x16(x_q27, angle.sin), y_q27, angle.cos);

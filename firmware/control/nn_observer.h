@@ -124,11 +124,11 @@ void nn_observer_start(nn_observer_t *obs, const nn_observer_cfg_t *cfg, step_t 
 
 /*
  * Take over other weights. φ/L_d and L_q/L_d are in the states: these change so that the current of the network stays. What
- * nn_observer_refresh() computes follows with its next call. angle: as of the last nn_observer_predict(). Both have the same
- * current_shift. Control interrupt only.
+ * nn_observer_refresh() computes follows with its next call. flux_q27, saliency_q13: of the weights before, whose current_shift is
+ * the same. angle: as of the last nn_observer_predict(). Control interrupt only.
  */
-void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *from,
-                        const nn_observer_cfg_t *to, sincos_t angle);
+void nn_observer_change(nn_observer_t *obs, const nn_observer_cfg_t *to, int32_t flux_q27,
+                        int32_t saliency_q13, sincos_t angle);
 
 /*
  * (14)–(18), the forward pass: state and errors at this instant. measured: i_d, i_q at this instant, turned with

@@ -50,7 +50,8 @@ static void fail(drive_t *drive, const fault_t *fault)
 }
 
 /* Act on the event of a part that can find a fault too. */
-static void follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
+ALWAYS_INLINED static inline void follow_or_fail(drive_t *drive, drive_event_t event,
+                                                 const fault_t *fault)
 {
     if (event == DRIVE_EVENT_FAULT) {
         fail(drive, fault);
@@ -367,13 +368,15 @@ static bool is_other_filter(const torque_filter_cfg_t *one, const torque_filter_
 static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
 {
     const drive_cfg_t *const before = drive->cfg;
-    const nn_observer_cfg_t observer = drive->model.observer;
+    const int32_t flux_q27 = drive->model.observer.flux_q27;
+    const int32_t saliency_q13 = drive->model.observer.saliency_q13;
     model_nominal_t nominal;
 
     drive->cfg = cfg;
     nominal = drive_nominal(drive);
     model_change(&drive->model, &cfg->model, &nominal);
-    nn_observer_change(&drive->observer, &observer, &drive->model.observer, angle_before(drive));
+    nn_observer_change(&drive->observer, &drive->model.observer, flux_q27, saliency_q13,
+                       angle_before(drive));
     modulator_change(&drive->modulator, &before->modulator, &cfg->modulator);
     derating_change(&drive->derating, &before->derating, &cfg->derating);
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
@@ -429,7 +432,7 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
  * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a part of the tick: 7
  * instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
  */
-INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+INLINES_ALL RARE void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
         drive->cfg =
