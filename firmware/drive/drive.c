@@ -50,8 +50,7 @@ static void fail(drive_t *drive, const fault_t *fault)
 }
 
 /* Act on the event of a part that can find a fault too. */
-ALWAYS_INLINED static inline void follow_or_fail(drive_t *drive, drive_event_t event,
-                                                 const fault_t *fault)
+static void follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
 {
     if (event == DRIVE_EVENT_FAULT) {
         fail(drive, fault);
@@ -432,7 +431,7 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
  * All that it calls is a copy of its own. If the tick shared it, the compiler would not make it a part of the tick: 7
  * instructions of a RUN tick on a Cortex-M4, 20 of one at rest.
  */
-INLINES_ALL RARE void drive_change(drive_t *drive, const drive_cfg_t *cfg)
+INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
         drive->cfg =

@@ -7,12 +7,6 @@
 #define INLINES_ALL __attribute__((flatten))
 
 /*
- * For what each tick goes through. The compiler inlines only so much into one program, and what is called seldom takes its
- * share: without this a call of follow_or_fail() costs up to 20 instructions of a tick.
- */
-#define ALWAYS_INLINED __attribute__((always_inline))
-
-/*
  * For what a start does once. As a part of the tick's functions it would take their registers: 4 % of a RUN tick on a
  * Cortex-M0+.
  */
