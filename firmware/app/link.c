@@ -30,7 +30,7 @@ static uint32_t now(const link_t *link)
 }
 
 /* The line is a person's again. */
-static void give_back(link_t *link)
+static void return_line(link_t *link)
 {
     link_stream_end(&link->stream);
     live_config_forget(link->live);
@@ -108,21 +108,21 @@ static void answer_waiting(link_t *link)
             become_linked(link);
         } else if (type == (uint8_t)LINK_BYE) {
             link_guard_leave(&link->guard);
-            give_back(link);
+            return_line(link);
         } else {
             /* the line stays whose it is */
         }
     }
 }
 
-static void watch(link_t *link)
+static void watch_line(link_t *link)
 {
     const live_config_t *const live = link->live;
     const uint32_t pause = units_ticks(&live->about.rotation, PAUSE_US);
     const uint32_t timeout = live->in_force->cfg.link.timeout_ticks;
 
     if (link->is_linked && link_guard_is_silent(&link->guard, now(link), pause)) {
-        give_back(link);
+        return_line(link);
     }
     if (link_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
         link_say(link, STOPS);
@@ -202,7 +202,7 @@ void link_step(link_t *link)
     link_receive(link);
     answer_waiting(link);
     live_config_step(link->live);
-    watch(link);
+    watch_line(link);
     console_step(&link->console);
     speak(link);
     link_send(link);

@@ -148,7 +148,7 @@ static const char *do_command(link_t *link, const uint8_t *body)
     return why;
 }
 
-static void do_line(link_t *link, const question_t *question)
+static void take_line(link_t *link, const question_t *question)
 {
     console_forget(&link->console);
     for (uint32_t k = 0U; k < question->length; k++) {
@@ -159,9 +159,9 @@ static void do_line(link_t *link, const question_t *question)
 }
 
 /* As many words as there are from `first` on, and `count` at most. */
-static uint32_t words_there(uint32_t first, uint32_t count, uint32_t all)
+static uint32_t words_there(uint32_t first, uint32_t count, uint32_t total)
 {
-    const uint32_t left = (first < all) ? (all - first) : 0U;
+    const uint32_t left = (first < total) ? (total - first) : 0U;
 
     return smaller(smaller(count, LINK_READ_WORDS_MAX), left);
 }
@@ -273,7 +273,7 @@ static void answer_question(link_t *link, const question_t *question)
         put_why(&link->out, do_command(link, body));
         break;
     case LINK_LINE:
-        do_line(link, question);
+        take_line(link, question);
         break;
     case LINK_READ:
         put_block(link, body);

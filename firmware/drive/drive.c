@@ -391,9 +391,7 @@ static void measure_again_with(drive_t *drive, const drive_cfg_t *cfg)
 {
     align_t *const align = &drive->align;
 
-    if (drive->cfg->crc == cfg->crc) {
-        /* nothing is another */
-    } else if (drive->state == DRIVE_STATE_FLYING_START) {
+    if (drive->state == DRIVE_STATE_FLYING_START) {
         flying_start_reset(&drive->flying_start);
     } else if ((drive->state == DRIVE_STATE_ALIGN) && (align->phase != ALIGN_PULL)) {
         align_reset_held(align, &cfg->startup.align, align->current_ref);
@@ -434,8 +432,8 @@ static void adopt(drive_t *drive, const drive_cfg_t *cfg)
 INLINES_ALL NEVER_INLINED void drive_change(drive_t *drive, const drive_cfg_t *cfg)
 {
     if (cfg->crc == drive->cfg->crc) {
-        drive->cfg =
-            cfg; /* the same in another place: who follows the drive by its inputs sees no change */
+        /* The same in another place: who follows the drive by its inputs sees no change. */
+        drive->cfg = cfg;
     } else if (config_change_refused(drive->cfg, cfg) == NULL) {
         adopt(drive, cfg);
     } else {

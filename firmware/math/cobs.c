@@ -35,7 +35,10 @@ bool cobs_decode(cobs_decoder_t *decoder, uint8_t in, uint8_t *out)
         *out = in;
     } else {
         gives = decoder->zero;
-        decoder->left = (in > 0U) ? (in - 1U) : 0U;
+        decoder->left = in;
+        if (in > 0U) {
+            decoder->left--;
+        }
         decoder->zero = in < LONGEST;
         *out = 0U;
     }

@@ -76,7 +76,7 @@ typedef struct {
     bool began;
 } code_t;
 
-static bool is_change(const recorder_entry_t *entry)
+static bool is_of_change(const recorder_entry_t *entry)
 {
     return (entry->word[MARK_WORD] & CHANGE_MARK) != 0U;
 }
@@ -159,7 +159,7 @@ static void limit_first(sums_t *sums)
 {
     const uint32_t most = sums->count * (ESCAPE_BITS + VALUE_BITS);
 
-    for (uint32_t k = 0U; k < PREDICTIONS; k++) {
+    for (uint32_t k = 0U; (sums->count <= FIRST_ONES) && (k < PREDICTIONS); k++) {
         sums->z[k] = (sums->z[k] < most) ? sums->z[k] : most;
     }
 }
@@ -170,7 +170,7 @@ static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint
     const recorder_entry_t *found = NULL;
 
     for (uint32_t k = 0U; (k < count) && (found == NULL); k++) {
-        found = is_change(&entries[k]) ? NULL : &entries[k];
+        found = is_of_change(&entries[k]) ? NULL : &entries[k];
     }
     return found;
 }
@@ -182,7 +182,7 @@ static recorder_entry_t changing_bits(const recorder_entry_t *entries, uint32_t 
     recorder_entry_t bits = {{0U, 0U, 0U, 0U}};
 
     for (uint32_t k = 0U; (k < count) && (first != NULL); k++) {
-        if (!is_change(&entries[k])) {
+        if (!is_of_change(&entries[k])) {
             bits.word[0] |= entries[k].word[0] ^ first->word[0];
             bits.word[1] |= entries[k].word[1] ^ first->word[1];
             bits.word[3] |= entries[k].word[3] ^ first->word[3];
@@ -203,13 +203,11 @@ static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t c
         learn_first(&history, value_of(first, channel));
     }
     for (uint32_t k = 0U; k < count; k++) {
-        if (!is_change(&entries[k]) && (&entries[k] != first)) {
+        if (!is_of_change(&entries[k]) && (&entries[k] != first)) {
             const uint32_t value = (entries[k].word[word] >> shift) & VALUE_MASK;
 
             add_difference(&sums, &history, value);
-            if (sums.count <= FIRST_ONES) {
-                limit_first(&sums);
-            }
+            limit_first(&sums);
             learn(&history, value);
         }
     }
@@ -251,13 +249,13 @@ static void plan_channel(channel_t *channel, const sums_t *sums)
 }
 
 /* The code of the first channel carries the escape of a change. So it counts as constant only where there is none. */
-static void plan(code_t *code, const recorder_entry_t *entries, uint32_t count)
+static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
     const recorder_entry_t changing = changing_bits(entries, count);
     bool has_change = false;
 
     for (uint32_t k = 0U; k < count; k++) {
-        has_change = has_change || is_change(&entries[k]);
+        has_change = has_change || is_of_change(&entries[k]);
     }
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
         const bool has_escape = has_change && (channel == 0U);
@@ -280,10 +278,10 @@ typedef struct {
     uint32_t length; /* whole bytes */
     uint32_t bits;   /* of the byte that is not whole */
     uint32_t count;
-} writer_t;
+} bits_out_t;
 
 /* At most 24 bits, those above are 0. */
-static void put_bits(writer_t *writer, uint32_t value, uint32_t count)
+static void put_bits(bits_out_t *writer, uint32_t value, uint32_t count)
 {
     writer->bits |= value << writer->count;
     writer->count += count;
@@ -297,14 +295,14 @@ static void put_bits(writer_t *writer, uint32_t value, uint32_t count)
     }
 }
 
-static void put_zeros_to_end(writer_t *writer)
+static void put_zeros_to_end(bits_out_t *writer)
 {
     if (writer->count > 0U) {
         put_bits(writer, 0U, BYTE_BITS - writer->count);
     }
 }
 
-static bool has_room(const writer_t *writer)
+static bool has_room(const bits_out_t *writer)
 {
     return (writer->length + ((writer->count > 0U) ? 1U : 0U)) <= writer->room;
 }
@@ -314,7 +312,7 @@ static uint32_t ones(uint32_t count)
     return ((uint32_t)1U << count) - 1U;
 }
 
-static void put_rice(writer_t *writer, uint32_t folded, uint32_t rice)
+static void put_rice(bits_out_t *writer, uint32_t folded, uint32_t rice)
 {
     const uint32_t quotient = folded >> rice;
 
@@ -328,13 +326,13 @@ static void put_rice(writer_t *writer, uint32_t folded, uint32_t rice)
     }
 }
 
-static void put_word(writer_t *writer, uint32_t word)
+static void put_word(bits_out_t *writer, uint32_t word)
 {
     put_bits(writer, word & VALUE_MASK, VALUE_BITS);
     put_bits(writer, word >> VALUE_BITS, VALUE_BITS);
 }
 
-static void put_change(writer_t *writer, const code_t *code, const recorder_entry_t *entry)
+static void code_change(bits_out_t *writer, const code_t *code, const recorder_entry_t *entry)
 {
     if (code->began) {
         put_bits(writer, ESCAPE_CHANGE, ESCAPE_BITS);
@@ -346,7 +344,7 @@ static void put_change(writer_t *writer, const code_t *code, const recorder_entr
     put_word(writer, entry->word[3]);
 }
 
-static void put_first(writer_t *writer, code_t *code, const recorder_entry_t *entry)
+static void code_first(bits_out_t *writer, code_t *code, const recorder_entry_t *entry)
 {
     put_bits(writer, 0U, 1U);
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
@@ -362,7 +360,7 @@ static void put_first(writer_t *writer, code_t *code, const recorder_entry_t *en
     }
 }
 
-static void put_next(writer_t *writer, code_t *code, const recorder_entry_t *entry)
+static void code_frame(bits_out_t *writer, code_t *code, const recorder_entry_t *entry)
 {
     for (uint32_t k = 0U; k < CHANNELS; k++) {
         channel_t *const channel = &code->channels[k];
@@ -376,14 +374,14 @@ static void put_next(writer_t *writer, code_t *code, const recorder_entry_t *ent
     }
 }
 
-static void put_entry(writer_t *writer, code_t *code, const recorder_entry_t *entry)
+static void put_entry(bits_out_t *writer, code_t *code, const recorder_entry_t *entry)
 {
-    if (is_change(entry)) {
-        put_change(writer, code, entry);
+    if (is_of_change(entry)) {
+        code_change(writer, code, entry);
     } else if (code->began) {
-        put_next(writer, code, entry);
+        code_frame(writer, code, entry);
     } else {
-        put_first(writer, code, entry);
+        code_first(writer, code, entry);
         code->began = true;
     }
 }
@@ -399,11 +397,11 @@ uint32_t frame_code_encode(const recorder_entry_t *entries, uint32_t count, uint
                            uint32_t room, uint32_t *length)
 {
     code_t code;
-    writer_t writer = {.bytes = bytes, .room = room};
-    writer_t whole;
+    bits_out_t writer = {.bytes = bytes, .room = room};
+    bits_out_t whole;
     uint32_t done = 0U;
 
-    plan(&code, entries, count);
+    plan_code(&code, entries, count);
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
         put_bits(&writer, mode_of(&code.channels[channel]), MODE_BITS);
     }
@@ -425,9 +423,9 @@ typedef struct {
     uint32_t length; /* in bits */
     uint32_t at;
     bool is_bad; /* a bit was asked for behind the end, or means nothing */
-} reader_t;
+} bits_in_t;
 
-static uint32_t get_bit(reader_t *reader)
+static uint32_t get_bit(bits_in_t *reader)
 {
     uint32_t bit = 0U;
 
@@ -440,7 +438,7 @@ static uint32_t get_bit(reader_t *reader)
     return bit;
 }
 
-static uint32_t get_bits(reader_t *reader, uint32_t count)
+static uint32_t get_bits(bits_in_t *reader, uint32_t count)
 {
     uint32_t value = 0U;
 
@@ -451,7 +449,7 @@ static uint32_t get_bits(reader_t *reader, uint32_t count)
 }
 
 /* Ones up to the next 0, which is taken too; ONES_MAX at most, without what follows. */
-static uint32_t get_ones(reader_t *reader)
+static uint32_t get_ones(bits_in_t *reader)
 {
     uint32_t count = 0U;
 
@@ -462,7 +460,7 @@ static uint32_t get_ones(reader_t *reader)
 }
 
 /* What stands behind `quotient` ones. */
-static uint32_t get_rice(reader_t *reader, uint32_t quotient, uint32_t rice)
+static uint32_t get_rice(bits_in_t *reader, uint32_t quotient, uint32_t rice)
 {
     uint32_t folded;
 
@@ -474,7 +472,7 @@ static uint32_t get_rice(reader_t *reader, uint32_t quotient, uint32_t rice)
     return folded;
 }
 
-static void get_change(reader_t *reader, recorder_entry_t *entry)
+static void get_change(bits_in_t *reader, recorder_entry_t *entry)
 {
     entry->word[0] = get_bits(reader, 2U * VALUE_BITS);
     entry->word[1] = get_bits(reader, 2U * VALUE_BITS);
@@ -487,7 +485,7 @@ static void set_value(recorder_entry_t *entry, uint32_t channel, uint32_t value)
     entry->word[places[channel].word] |= value << places[channel].shift;
 }
 
-static void get_first(reader_t *reader, code_t *code, recorder_entry_t *entry)
+static void get_first(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
     for (uint32_t channel = 0U; channel < CHANNELS; channel++) {
         const uint32_t length = get_bits(reader, LENGTH_BITS);
@@ -500,33 +498,36 @@ static void get_first(reader_t *reader, code_t *code, recorder_entry_t *entry)
     }
 }
 
-/* True when it is a change in place of a frame. */
-static bool get_next(reader_t *reader, code_t *code, recorder_entry_t *entry)
+/* The next value of a channel that is not constant. True when it is the escape of a change in place of it. */
+static bool get_value(bits_in_t *reader, channel_t *channel)
+{
+    const uint32_t quotient = get_ones(reader);
+    const bool changes = (quotient == ONES_MAX) && (get_bit(reader) != 0U);
+
+    if (!changes) {
+        const uint32_t folded = get_rice(reader, quotient, channel->rice);
+
+        learn(channel, (predict(channel, channel->prediction) + unfold(folded)) & VALUE_MASK);
+    }
+    return changes;
+}
+
+/* True when it is a change in place of a frame: its escape is in the first channel, and in no other. */
+static bool get_next(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
     bool changes = false;
 
     for (uint32_t k = 0U; (k < CHANNELS) && !changes; k++) {
         channel_t *const channel = &code->channels[k];
-        uint32_t value = channel->v1;
 
-        if (channel->prediction != CONSTANT) {
-            const uint32_t quotient = get_ones(reader);
-
-            changes = (quotient == ONES_MAX) && (get_bit(reader) != 0U);
-            reader->is_bad = reader->is_bad || (changes && (k != 0U));
-            if (!changes) {
-                const uint32_t folded = get_rice(reader, quotient, channel->rice);
-
-                value = (predict(channel, channel->prediction) + unfold(folded)) & VALUE_MASK;
-                learn(channel, value);
-            }
-        }
-        set_value(entry, k, value);
+        changes = (channel->prediction != CONSTANT) && get_value(reader, channel);
+        reader->is_bad = reader->is_bad || (changes && (k != 0U));
+        set_value(entry, k, channel->v1);
     }
     return changes;
 }
 
-static void get_entry(reader_t *reader, code_t *code, recorder_entry_t *entry)
+static void get_entry(bits_in_t *reader, code_t *code, recorder_entry_t *entry)
 {
     bool changes;
 
@@ -545,7 +546,7 @@ static void get_entry(reader_t *reader, code_t *code, recorder_entry_t *entry)
     }
 }
 
-static void get_modes(reader_t *reader, code_t *code)
+static void get_modes(bits_in_t *reader, code_t *code)
 {
     for (uint32_t k = 0U; k < CHANNELS; k++) {
         const uint32_t mode = get_bits(reader, MODE_BITS);
@@ -554,7 +555,9 @@ static void get_modes(reader_t *reader, code_t *code)
         *channel = (channel_t){.prediction = CONSTANT};
         reader->is_bad = reader->is_bad || (mode > (PREDICTIONS * RICES));
         if (mode > 0U) {
-            channel->prediction = (prediction_t)((mode - 1U) / RICES);
+            const uint32_t prediction = (mode - 1U) / RICES;
+
+            channel->prediction = (prediction_t)prediction;
             channel->rice = (mode - 1U) % RICES;
         }
     }
@@ -562,7 +565,7 @@ static void get_modes(reader_t *reader, code_t *code)
 }
 
 /* Less than a byte is left, and that is zeros. */
-static bool ends_here(reader_t *reader)
+static bool ends_here(bits_in_t *reader)
 {
     const uint32_t left = reader->length - reader->at;
 
@@ -573,7 +576,7 @@ bool frame_code_decode(const uint8_t *bytes, uint32_t length, recorder_entry_t *
                        uint32_t count)
 {
     const bool is_count = (count >= 1U) && (count <= FRAME_CODE_ENTRIES_MAX);
-    reader_t reader = {.bytes = bytes, .length = length * BYTE_BITS};
+    bits_in_t reader = {.bytes = bytes, .length = length * BYTE_BITS};
     code_t code;
 
     get_modes(&reader, &code);

@@ -204,9 +204,9 @@ const char *recorder_init(recorder_t *recorder, recorder_entry_t *entries, uint3
 static uint32_t number_after(const recorder_t *recorder)
 {
     const uint32_t newest = recorder_newest(recorder);
-    const uint32_t next = ((newest == 0U) ? recorder->ended : newest) + 1U;
+    const uint32_t before = (newest == 0U) ? recorder->ended : newest;
 
-    return (next == 0U) ? 1U : next;
+    return (before == UINT32_MAX) ? 1U : (before + 1U);
 }
 
 /*
@@ -319,15 +319,24 @@ static uint32_t segment_before(uint32_t segment)
     return (segment == 0U) ? (RECORDER_SEGMENTS - 1U) : (segment - 1U);
 }
 
-static uint32_t count_entries(const recorder_t *recorder, uint32_t segment)
+/* Of a segment up to `end`, found by halves: a reader asks in each of its passes. */
+static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
+                              const recorder_entry_t *end)
 {
     const recorder_entry_t *const first = first_of(recorder, segment);
-    uint32_t count = 0U;
+    uint32_t least = 0U;
+    uint32_t most = recorder->segment_entries;
 
-    while (&first[count] < recorder->segments[segment].end) {
-        count++;
+    while (least < most) {
+        const uint32_t middle = (least + most) / 2U;
+
+        if (&first[middle] < end) {
+            least = middle + 1U;
+        } else {
+            most = middle;
+        }
     }
-    return count;
+    return least;
 }
 
 /* The other one of the two that a history can have; NULL when it can have only one. */
@@ -338,7 +347,7 @@ static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_c
     return (end == begin) ? recorder->before : end;
 }
 
-static bool is_change(const recorder_entry_t *entry)
+static bool is_entry_of_change(const recorder_entry_t *entry)
 {
     return (entry->word[2] & CHANGE_MARK) != 0U;
 }
@@ -349,13 +358,14 @@ static bool has_only_two(const recorder_t *recorder, uint32_t segment, const dri
     const drive_cfg_t *const other = other_config(recorder, begin);
     const uint32_t other_crc = (other == NULL) ? begin->crc : other->crc;
     const recorder_entry_t *const first = first_of(recorder, segment);
-    const uint32_t count = count_entries(recorder, segment);
+    const uint32_t count = count_entries(recorder, segment, recorder->segments[segment].end);
     bool known = true;
 
     for (uint32_t at = 0U; at < count; at++) {
         const uint32_t crc = first[at].word[3];
 
-        known = known && (!is_change(&first[at]) || (crc == begin->crc) || (crc == other_crc));
+        known =
+            known && (!is_entry_of_change(&first[at]) || (crc == begin->crc) || (crc == other_crc));
     }
     return known;
 }
@@ -403,8 +413,10 @@ recorder_history_t recorder_history(const recorder_t *recorder)
                 ((recorder->current + RECORDER_SEGMENTS + 1U) - count) % RECORDER_SEGMENTS;
         }
         for (uint32_t k = 0U; k < count; k++) {
+            const uint32_t segment = (history.first + k) % RECORDER_SEGMENTS;
+
             history.of_segment[k] =
-                count_entries(recorder, (history.first + k) % RECORDER_SEGMENTS);
+                count_entries(recorder, segment, recorder->segments[segment].end);
             history.entries += history.of_segment[k];
         }
     }
@@ -442,7 +454,6 @@ static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_vie
 {
     const recorder_segment_t *const about = &recorder->segments[segment];
     const recorder_entry_t *end = recorder->at;
-    ptrdiff_t written;
 
     barrier_compiler();
     view->complete = (recorder->current != segment) || recorder->frozen;
@@ -451,8 +462,7 @@ static void fill_view(const recorder_t *recorder, uint32_t segment, recorder_vie
         end = about->end;
     }
     view->first = first_of(recorder, segment);
-    written = end - view->first;
-    view->entries = (uint32_t)written;
+    view->entries = count_entries(recorder, segment, end);
     view->follows = about->follows;
     view->config_crc = about->config_crc;
     view->state = &recorder->states[segment];
@@ -468,7 +478,7 @@ const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
     for (uint32_t at = 0U; at < history->entries; at++) {
         const recorder_entry_t *const entry = recorder_entry(recorder, history, at);
 
-        found = found || (is_change(entry) && (entry->word[3] != begin->crc));
+        found = found || (is_entry_of_change(entry) && (entry->word[3] != begin->crc));
     }
     return found ? other : NULL;
 }
@@ -476,14 +486,13 @@ const drive_cfg_t *recorder_further_config(const recorder_t *recorder,
 bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view)
 {
     const uint32_t newest = recorder_newest(recorder);
+    const bool may_be = (number != 0U) && ((newest - number) < RECORDER_SEGMENTS);
     bool found = false;
 
-    if ((number != 0U) && ((newest - number) < RECORDER_SEGMENTS)) {
-        for (uint32_t k = 0U; k < RECORDER_SEGMENTS; k++) {
-            if (recorder->segments[k].number == number) {
-                fill_view(recorder, k, view);
-                found = true;
-            }
+    for (uint32_t k = 0U; may_be && (k < RECORDER_SEGMENTS); k++) {
+        if (recorder->segments[k].number == number) {
+            fill_view(recorder, k, view);
+            found = true;
         }
     }
     return found;
@@ -492,7 +501,7 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)
 {
     const uint32_t *const word = entry->word;
-    const bool is_frame = !is_change(entry);
+    const bool is_frame = !is_entry_of_change(entry);
     drive_in_t *const in = &frame->in;
     drive_out_t *const out = &frame->out;
 

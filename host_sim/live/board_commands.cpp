@@ -29,10 +29,10 @@ using debug::Outcome;
 constexpr double TWO_PI = 6.28318530717958647693;
 constexpr double Q16 = 65536.0;
 constexpr int DUMP_TRIES = 5;
-constexpr double DUMP_S = 120;       // of all its lines at 9600 baud and less
-constexpr double DUMP_SILENT_S = 2;  // the line that says its end is lost
-constexpr double PASS_S = 0.02;      // between two looks at what has come
-constexpr double WAIT_MAX_S = 86400; // a day
+constexpr double PASS_S = 0.02;         // between two looks at what has come
+constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
+constexpr int DUMP_SILENT_PASSES = 100; // 2 s: the line that says its end is lost
+constexpr double WAIT_MAX_S = 86400;    // a day
 constexpr std::size_t DIFFERENCES_SHOWN = 3;
 
 Answer done(const std::string &text = "")
@@ -184,7 +184,7 @@ Answer BoardCommands::set(const std::string &assignment)
     }
     Answer answer = apply(config);
     if (answer.outcome == Outcome::done) {
-        files_ = wanted;
+        files_ = std::move(wanted);
         answer.text = fmt::format(
             "ok: {}", fmt::join(differences(now.cfg, build(config), DIFFERENCES_SHOWN), ", "));
     }
@@ -242,12 +242,11 @@ bool BoardCommands::dump_once()
         surroundings_.say("board: " + why);
         return false;
     }
-    double silent_s = 0;
-    for (double all_s = 0; !dump_ended_ && silent_s < DUMP_SILENT_S && all_s < DUMP_S;
-         all_s += PASS_S) {
+    int silent = 0; // passes in a row without a line of it
+    for (int pass = 0; !dump_ended_ && silent < DUMP_SILENT_PASSES && pass < DUMP_PASSES; pass++) {
         const std::size_t had = dump_.size();
         surroundings_.pass(PASS_S);
-        silent_s = dump_.size() == had ? silent_s + PASS_S : 0;
+        silent = dump_.size() == had ? silent + 1 : 0;
     }
     return true;
 }

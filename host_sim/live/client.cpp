@@ -135,7 +135,7 @@ void Client::wait_for_answer(const Question &question)
     const double until_s = channel_.now_s() + question.answer_s;
     const uint64_t broken = reader_.broken();
     while (!answered_ && channel_.now_s() < until_s &&
-           !(question.impatient && reader_.broken() != broken)) {
+           (!question.impatient || reader_.broken() == broken)) {
         poll(until_s - channel_.now_s());
     }
 }

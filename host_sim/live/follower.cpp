@@ -272,18 +272,18 @@ void Follower::ask_for_state()
     if (refused) {
         tried_ = candidate_->number;
         candidate_.reset();
-    } else if (state_.size() >= identity_.state_words) {
-        begin();
+    } else if (candidate_ && state_.size() >= identity_.state_words) {
+        const SegmentInfo info = *candidate_;
+        candidate_.reset();
+        begin(info);
     }
 }
 
-void Follower::begin()
+void Follower::begin(const SegmentInfo &info)
 {
-    const SegmentInfo info = *candidate_;
     const std::string why = know(info.config_crc) ? shadow_.begin(info, state_)
                                                   : "its configuration is not in force any more";
     tried_ = info.number;
-    candidate_.reset();
     if (!why.empty()) {
         reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
         stream_->forget_before(info.number + 1);

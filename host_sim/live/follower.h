@@ -123,7 +123,7 @@ private:
     void judge_line();
     void hear(const SegmentInfo &info);
     void ask_for_state();
-    void begin();
+    void begin(const SegmentInfo &info);
     bool ask_for_missing();
     void compute();
     void close_gap(int64_t tick);

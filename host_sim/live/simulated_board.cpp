@@ -110,7 +110,7 @@ void SimulatedBoard::background()
     recorder_service(&recorder_, &app.drive);
     link_step(&link_);
     // The console takes back a clear of the script.
-    if (spare.request != NO_REQUEST && !(clears && app.drive.state != DRIVE_STATE_FAULT)) {
+    if (spare.request != NO_REQUEST && (!clears || app.drive.state == DRIVE_STATE_FAULT)) {
         run_.leave_to_user();
     }
 }

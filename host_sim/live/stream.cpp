@@ -105,10 +105,10 @@ std::optional<Stretch> Stream::take(uint32_t first)
     if (at == parts_.end() || !at->second.info) {
         return std::nullopt;
     }
-    stretch.begin = *at->second.info;
+    stretch.begin = at->second.info.value();
     for (uint32_t number = first; at != parts_.end() && at->first == number; ++at, number++) {
         if (number != first && at->second.info) {
-            stretch.end = *at->second.info;
+            stretch.end = at->second.info.value();
             forget_before(number);
             return stretch;
         }
@@ -116,7 +116,7 @@ std::optional<Stretch> Stream::take(uint32_t first)
             return std::nullopt;
         }
         for (const auto &entry : at->second.entries) {
-            stretch.entries.push_back(*entry);
+            stretch.entries.push_back(entry.value());
         }
     }
     return std::nullopt;
