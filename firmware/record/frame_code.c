@@ -176,19 +176,19 @@ static const recorder_entry_t *first_frame(const recorder_entry_t *entries, uint
 }
 
 /* The bits in which any frame differs from the first one, in the places of a frame. */
-static recorder_entry_t changing_bits(const recorder_entry_t *entries, uint32_t count)
+static void find_changing_bits(const recorder_entry_t *entries, uint32_t count,
+                               recorder_entry_t *bits)
 {
     const recorder_entry_t *const first = first_frame(entries, count);
-    recorder_entry_t bits = {{0U, 0U, 0U, 0U}};
 
+    *bits = (recorder_entry_t){{0U, 0U, 0U, 0U}};
     for (uint32_t k = 0U; (k < count) && (first != NULL); k++) {
         if (!is_of_change(&entries[k])) {
-            bits.word[0] |= entries[k].word[0] ^ first->word[0];
-            bits.word[1] |= entries[k].word[1] ^ first->word[1];
-            bits.word[3] |= entries[k].word[3] ^ first->word[3];
+            bits->word[0] |= entries[k].word[0] ^ first->word[0];
+            bits->word[1] |= entries[k].word[1] ^ first->word[1];
+            bits->word[3] |= entries[k].word[3] ^ first->word[3];
         }
     }
-    return bits;
 }
 
 static sums_t sum_up(const recorder_entry_t *entries, uint32_t count, uint32_t channel)
@@ -251,9 +251,10 @@ static void plan_channel(channel_t *channel, const sums_t *sums)
 /* The code of the first channel carries the escape of a change. So it counts as constant only where there is none. */
 static void plan_code(code_t *code, const recorder_entry_t *entries, uint32_t count)
 {
-    const recorder_entry_t changing = changing_bits(entries, count);
+    recorder_entry_t changing;
     bool has_change = false;
 
+    find_changing_bits(entries, count, &changing);
     for (uint32_t k = 0U; k < count; k++) {
         has_change = has_change || is_of_change(&entries[k]);
     }
