@@ -3,11 +3,14 @@
 
 #define HEAT_BITS (10U) /* of the heat's Q24 below its Q14 */
 #define HEAT_MAX_Q24 (0x40000000)
-#define GAIN_BITS (16U) /* heat_gain / 2^16 */
-#define GAIN_HALF (0x8000U)
-#define HEAT_MAX (0x40000000UL) /* as above; 2^57 after the largest shift */
-#define VOLTAGE_SHIFT (2U)      /* of the voltage's filter, in slow periods */
-#define DISTANCE_MAX (65535)    /* beyond the zero of a fade: a heat is up to 2^20 */
+#define HEAT_MAX (0x40000000U) /* as above */
+#define HEAT_MAX_BITS (30U)
+#define RATIO_BITS (16U)
+#define SPLIT_BITS (15U)
+#define SPLIT_MASK (0x7FFFU)
+#define WORD_BITS (32U)
+#define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
+#define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
 {
@@ -18,21 +21,50 @@ void derating_reset(derating_t *derating, const derating_cfg_t *cfg)
     };
 }
 
-/* The square in the middle is at the shift of before. Rounded to nearest, so that the same configuration changes no bit. */
+/* heat · 2^up, where top · 2^15 + rest, rest below 2^15, is the heat. Saturated, rounded down. */
+static int32_t heat_shifted_up(uint32_t top, uint32_t rest, uint32_t up)
+{
+    uint32_t heat = HEAT_MAX;
+
+    if ((top | rest) == 0U) {
+        heat = 0U;
+    } else if ((up < HEAT_MAX_BITS) && (top <= (HEAT_MAX >> up))) {
+        const uint32_t lower =
+            (up <= SPLIT_BITS) ? (rest >> (SPLIT_BITS - up)) : (rest << (up - SPLIT_BITS));
+
+        heat = (top << up) + lower;
+    } else {
+        /* as hot as it can be */
+    }
+    return (int32_t)((heat < HEAT_MAX) ? heat : HEAT_MAX);
+}
+
+/*
+ * The heat in the other scale is heat · ratio · 2^(shift − RATIO_BITS), with a ratio below 2^15: two products of 32 bits
+ * hold it, because a Cortex-M0+ has no longer ones. Rounded down; the same configuration changes no bit.
+ */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to)
 {
-    const int32_t up = (int32_t)to->heat_shift - (int32_t)from->heat_shift;
-    const uint64_t heat = (uint64_t)derating->heat_q24 << GAIN_BITS;
-    const uint64_t square = heat / (uint64_t)from->heat_gain;
-    const uint64_t there = ((square * (uint64_t)to->heat_gain) + GAIN_HALF) >> GAIN_BITS;
-    uint64_t converted;
+    const uint32_t heat = fx_unsigned(derating->heat_q24);
+    const uint32_t gain = (uint32_t)from->heat_gain;
+    uint32_t ratio = (((uint32_t)to->heat_gain << RATIO_BITS) + (gain / 2U)) / gain;
+    int32_t shift = ((int32_t)to->heat_shift - (int32_t)from->heat_shift) - 1;
+    uint32_t low;
+    uint32_t top;
 
-    if (up >= 0) {
-        converted = (there > HEAT_MAX) ? HEAT_MAX : (there << (uint32_t)up);
-    } else {
-        converted = there >> (uint32_t)(-up);
+    while (ratio > SPLIT_MASK) {
+        ratio >>= 1U;
+        shift++;
     }
-    derating->heat_q24 = (converted < HEAT_MAX) ? (int32_t)converted : HEAT_MAX_Q24;
+    low = (heat & SPLIT_MASK) * ratio;
+    top = ((heat >> SPLIT_BITS) * ratio) + (low >> SPLIT_BITS);
+    if (shift >= 0) {
+        derating->heat_q24 = heat_shifted_up(top, low & SPLIT_MASK, (uint32_t)shift);
+    } else {
+        const uint32_t down = (uint32_t)(-shift);
+
+        derating->heat_q24 = (down < WORD_BITS) ? (int32_t)(top >> down) : 0;
+    }
 }
 
 int32_t derating_share(const fade_t *fade, int32_t x)

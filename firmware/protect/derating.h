@@ -82,7 +82,10 @@ typedef struct {
 /* Heat 0, no derating. */
 void derating_reset(derating_t *derating, const derating_cfg_t *cfg);
 
-/* Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`. */
+/*
+ * Take over another configuration: the heat becomes what the same square of the current is in the scale of `to`, to 2^-14 of
+ * it, saturated. Control interrupt only.
+ */
 void derating_change(derating_t *derating, const derating_cfg_t *from, const derating_cfg_t *to);
 
 /* Returns the share at x, Q15, 0…32767. |zero − x| ≤ 65535. */

@@ -41,6 +41,12 @@ step_t units_step(const units_rotation_t *rotation, int32_t rpm)
     exit(0);
 }
 
+uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us)
+{
+    (void)rotation;
+    return us;
+}
+
 int32_t units_rpm(const units_rotation_t *rotation, step_t step)
 {
     (void)rotation;
