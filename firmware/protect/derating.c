@@ -8,7 +8,6 @@
 #define RATIO_BITS (16U)
 #define SPLIT_BITS (15U)
 #define SPLIT_MASK (0x7FFFU)
-#define WORD_BITS (32U)
 #define VOLTAGE_SHIFT (2U)   /* of the voltage's filter, in slow periods */
 #define DISTANCE_MAX (65535) /* beyond the zero of a fade: a heat is up to 2^20 */
 
@@ -49,21 +48,27 @@ void derating_change(derating_t *derating, const derating_cfg_t *from, const der
     const uint32_t gain = (uint32_t)from->heat_gain;
     uint32_t ratio = (((uint32_t)to->heat_gain << RATIO_BITS) + (gain / 2U)) / gain;
     int32_t shift = ((int32_t)to->heat_shift - (int32_t)from->heat_shift) - 1;
+    int32_t halvings = 0;
     uint32_t low;
     uint32_t top;
 
-    while (ratio > SPLIT_MASK) {
-        ratio >>= 1U;
-        shift++;
+    for (int32_t k = 1; k <= (int32_t)RATIO_BITS; k++) {
+        if (ratio > SPLIT_MASK) {
+            ratio >>= 1U;
+            halvings = k;
+        }
     }
+    ratio &= SPLIT_MASK; /* as it is, said to the proof */
+    shift += halvings;
     low = (heat & SPLIT_MASK) * ratio;
     top = ((heat >> SPLIT_BITS) * ratio) + (low >> SPLIT_BITS);
     if (shift >= 0) {
         derating->heat_q24 = heat_shifted_up(top, low & SPLIT_MASK, (uint32_t)shift);
     } else {
-        const uint32_t down = (uint32_t)(-shift);
+        const uint32_t down = (uint32_t)(-shift); /* 1…28 */
+        const uint32_t less = top >> down;
 
-        derating->heat_q24 = (down < WORD_BITS) ? (int32_t)(top >> down) : 0;
+        derating->heat_q24 = (int32_t)less;
     }
 }
 

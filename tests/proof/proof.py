@@ -38,11 +38,12 @@ ENTRIES = {"proof_init": DRIVE, "proof_startup": DRIVE, "proof_startup_regulated
            "proof_plain_regulated": DRIVE, "proof_change": DRIVE, "proof_change_regulated": DRIVE,
            "proof_recorder": RECORDER}
 CHECK = "check_state"  # what each entry ends with
-NO_PART_OF_IT = {f"{name}.{kind}" for name in ("config_block", "drive_words", "fault_text", "recorder_dump", "words")
+NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "drive_words", "fault_text", "frame_code",
+                                               "recorder_dump", "words")
                  for kind in "ch"}  # not called in a tick
 BACKGROUND = {  # of the recorder
-    "count_entries", "count_segments", "fill_view", "has_only_two", "is_change", "is_configured", "is_nearly_full", "is_over",
-    "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
+    "count_entries", "count_segments", "fill_view", "has_only_two", "is_configured", "is_entry_of_change",
+    "is_nearly_full", "is_over", "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
     "recorder_find", "recorder_follow", "recorder_further_config", "recorder_history", "recorder_hold", "recorder_release",
     "recorder_newest", "recorder_service", "recorder_unpack", "segment_after", "segment_before", "trigger",
 }
