@@ -105,6 +105,22 @@ static void test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it(void)
     TEST_ASSERT_EACH_EQUAL_UINT8(0x55U, back, 255U);
 }
 
+static void test_a_piece_of_253_bytes_has_a_zero_behind_it(void)
+{
+    uint8_t code[256];
+    uint8_t back[260];
+    bool whole = false;
+
+    memset(code, 0x55, sizeof code);
+    code[0] = 254U;
+    code[254] = 2U;
+    TEST_ASSERT_EQUAL_UINT32(255U, decode(code, 256U, back, &whole));
+    TEST_ASSERT_TRUE(whole);
+    TEST_ASSERT_EACH_EQUAL_UINT8(0x55U, back, 253U);
+    TEST_ASSERT_EQUAL_UINT8(0U, back[253]);
+    TEST_ASSERT_EQUAL_UINT8(0x55U, back[254]);
+}
+
 static void test_a_code_that_is_cut_is_not_whole(void)
 {
     uint8_t back[CODE_MAX];
@@ -120,6 +136,7 @@ int main(void)
     RUN_TEST(test_examples_have_the_codes_that_are_published);
     RUN_TEST(test_bytes_of_each_length_and_density_of_zeros_come_back);
     RUN_TEST(test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it);
+    RUN_TEST(test_a_piece_of_253_bytes_has_a_zero_behind_it);
     RUN_TEST(test_a_code_that_is_cut_is_not_whole);
     return UNITY_END();
 }

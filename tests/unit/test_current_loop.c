@@ -477,6 +477,34 @@ static void test_current_step_on_a_motor_settles_as_designed_without_moving_the_
     }
 }
 
+/* An LSB of the voltage is 2^11 of the integral. */
+static void test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis(void)
+{
+    loop.pi_d.integral_q26 = 5;
+    loop.pi_q.integral_q26 = -7;
+    current_loop_take_over(&loop, (dq_t){1000, -300});
+    TEST_ASSERT_EQUAL_INT32(5 + (1000 * 2048), loop.pi_d.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(-7 - (300 * 2048), loop.pi_q.integral_q26);
+}
+
+/* From the lower end, so that the integral's own limit takes nothing off. */
+static void test_no_more_than_the_largest_voltage_is_taken_over(void)
+{
+    const int32_t end = 67108864;
+    const int32_t most = 32767 * 2048;
+
+    loop.pi_d.integral_q26 = -end;
+    loop.pi_q.integral_q26 = -end;
+    current_loop_take_over(&loop, (dq_t){60000, 60000});
+    TEST_ASSERT_EQUAL_INT32(most - end, loop.pi_d.integral_q26);
+    TEST_ASSERT_EQUAL_INT32(most - end, loop.pi_q.integral_q26);
+    loop.pi_d.integral_q26 = end - 1;
+    loop.pi_q.integral_q26 = end - 1;
+    current_loop_take_over(&loop, (dq_t){-60000, -60000});
+    TEST_ASSERT_EQUAL_INT32((end - 1) - most, loop.pi_d.integral_q26);
+    TEST_ASSERT_EQUAL_INT32((end - 1) - most, loop.pi_q.integral_q26);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -503,5 +531,7 @@ int main(void)
     RUN_TEST(test_q_integral_saturates_at_one_while_an_emf_stays_beyond_the_circle);
     RUN_TEST(test_voltage_leaves_the_circle_as_soon_as_the_error_turns);
     RUN_TEST(test_current_step_on_a_motor_settles_as_designed_without_moving_the_other_axis);
+    RUN_TEST(test_a_voltage_that_is_taken_over_goes_to_the_integral_of_its_axis);
+    RUN_TEST(test_no_more_than_the_largest_voltage_is_taken_over);
     return UNITY_END();
 }

@@ -1384,6 +1384,65 @@ static void test_printed_index_is_stable_below_a_kappa_of_t_over_tau_and_not_abo
     TEST_ASSERT_TRUE(above > PRINTED_TOLERANCE);
 }
 
+/*
+ * The network's current is (x̂ − φ/L_d) + j·ŷ/(L_q/L_d) in its own frame: what these two change by is what the states do, in
+ * the stationary frame. A product is rounded down to one in 2^13, which is `unit` of the state; sine and cosine to 2 of 2^15 of
+ * both parts; and two roundings down of one, doubled.
+ */
+static void test_other_weights_change_the_states_by_what_their_flux_and_saliency_do(void)
+{
+    seeded_t chance = {11U};
+
+    for (uint32_t k = 0U; k < 2000U; k++) {
+        const nn_observer_cfg_t before = cfg;
+        nn_observer_cfg_t now = cfg;
+        const angle_t at = seeded_u32(&chance);
+        const double turn = TWO_PI * at / TURN;
+        double unit;
+        double complex shift;
+        double tolerance;
+
+        now.current_shift = (uint32_t)seeded_in(&chance, 0, 9);
+        now.flux_q27 = before.flux_q27 + seeded_in(&chance, -9000000, 9000000);
+        now.saliency_q13 = before.saliency_q13 + seeded_in(&chance, -3000, 3000);
+        obs.alpha_q27 = seeded_in(&chance, -1000000, 1000000);
+        obs.beta_q27 = seeded_in(&chance, -1000000, 1000000);
+        obs.current.q = seeded_in(&chance, -16384, 16383);
+        unit = ldexp(1.0, 12 - (int)now.current_shift);
+        shift = CMPLX(now.flux_q27 - before.flux_q27,
+                      unit * obs.current.q * (now.saliency_q13 - before.saliency_q13) / 8192.0);
+        tolerance = unit + (4.0 * cabs(shift) / ONE) + 4.0;
+        shift = CMPLX(obs.alpha_q27, obs.beta_q27) + (shift * CMPLX(cos(turn), sin(turn)));
+        nn_observer_change(&obs, &now, before.flux_q27, before.saliency_q13, trig_sincos(at));
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance, creal(shift), obs.alpha_q27);
+        TEST_ASSERT_DOUBLE_WITHIN(tolerance, cimag(shift), obs.beta_q27);
+    }
+}
+
+/* At 0 and 90 degrees the parts are the states'. Cosine and sine are 32767: 2^-15 of the part less. */
+static void test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency(void)
+{
+    const int32_t nearly = STATE_LIMIT / 32768;
+    nn_observer_cfg_t now = cfg;
+
+    now.current_shift = 0U;
+    obs.alpha_q27 = STATE_LIMIT;
+    obs.beta_q27 = STATE_LIMIT;
+    obs.current.q = 0;
+    now.flux_q27 = cfg.flux_q27 + 50000000;
+    nn_observer_change(&obs, &now, cfg.flux_q27, cfg.saliency_q13, trig_sincos(0U));
+    TEST_ASSERT_EQUAL_INT32(STATE_LIMIT, obs.alpha_q27);
+    nn_observer_change(&obs, &now, cfg.flux_q27, cfg.saliency_q13, trig_sincos(0x40000000U));
+    TEST_ASSERT_EQUAL_INT32(STATE_LIMIT, obs.beta_q27);
+    now = cfg;
+    now.current_shift = 0U;
+    now.saliency_q13 = cfg.saliency_q13 + 20000;
+    obs.current.q = 16383;
+    obs.beta_q27 = -STATE_LIMIT;
+    nn_observer_change(&obs, &now, cfg.flux_q27, cfg.saliency_q13, trig_sincos(0U));
+    TEST_ASSERT_INT32_WITHIN(2 * nearly, 0, obs.beta_q27);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1442,5 +1501,7 @@ int main(void)
     RUN_TEST(test_estimates_find_a_motor_already_running_and_follow_it);
     RUN_TEST(test_published_law_follows_a_motor_with_exact_parameters);
     RUN_TEST(test_the_frame_sees_its_state_turned_exactly_at_every_speed);
+    RUN_TEST(test_other_weights_change_the_states_by_what_their_flux_and_saliency_do);
+    RUN_TEST(test_a_change_of_weights_saturates_each_state_and_the_part_of_the_saliency);
     return UNITY_END();
 }
