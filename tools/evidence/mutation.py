@@ -112,7 +112,7 @@ AREAS = (
     Area("app", tuple(f"firmware/app/{name}.c" for name in ("command_mailbox", "control_isr", "units")), APP, (37, 40),
          sample=52, looked_at=60, tests=("test_control_isr",)),
     Area("console", tuple(f"firmware/app/{name}.c" for name in ("commander", "console", "status", "temperature", "text")), APP,
-         (44, 45), sample=60, tests=("test_console",)),
+         (44, 45), sample=60, tests=("test_console", "test_link")),
     Area("store", tuple(f"firmware/app/{name}.c" for name in ("store", "stored_config")), APP, (86, 99), sample=60, looked_at=120),
     # `killed` is of all there were before the first look at them.
     Area("identification", ("firmware/app/identify*.c",), APP, (1581, 1729), sample=60),
