@@ -48,6 +48,7 @@ void commander_set_speed(app_t *app, step_t speed)
     drive_command_t command = command_mailbox_take(&app->mailbox);
 
     command.target = speed;
+    command.mode = (uint8_t)DRIVE_MODE_SPEED;
     command_mailbox_post(&app->mailbox, &command);
 }
 
@@ -57,26 +58,53 @@ static bool is_too_fast(const drive_command_t *command, step_t speed_max)
            ((command->target > speed_max) || (command->target < -speed_max));
 }
 
-const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max)
+/* Why this target in this mode is none; NULL: it is one. */
+static const char *target_refused(const drive_command_t *command, step_t speed_max)
 {
-    const bool failed = app->drive.state == DRIVE_STATE_FAULT;
     const char *why = NULL;
 
     if (command->mode > (uint8_t)DRIVE_MODE_POSITION) {
         why = "the modes are 0, speed, and 1, position";
     } else if (is_too_fast(command, speed_max)) {
         why = "the speed is beyond that of the motor";
-    } else if (command->request == DRIVE_REQUEST_RUN) {
+    } else {
+        /* the drive can follow it */
+    }
+    return why;
+}
+
+/* Why there is no such request now; NULL: there is. */
+static const char *request_refused(const app_t *app, uint8_t what)
+{
+    const bool failed = app->drive.state == DRIVE_STATE_FAULT;
+    const char *why = NULL;
+
+    if (what == DRIVE_REQUEST_RUN) {
         why = failed ? LATCHED : NULL;
-    } else if (command->request == DRIVE_REQUEST_CLEAR) {
+    } else if (what == DRIVE_REQUEST_CLEAR) {
         why = failed ? NULL : NO_FAULT;
-    } else if (command->request != 0U) {
+    } else if (what != 0U) {
         why = "the requests are 0, stop, 1, run, and 2, clear";
     } else {
         /* a stop is always taken */
     }
+    return why;
+}
+
+const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max)
+{
+    const char *why = target_refused(command, speed_max);
+
     if (why == NULL) {
-        command_mailbox_post(&app->mailbox, command);
+        why = request_refused(app, command->request);
+        if (why == NULL) {
+            command_mailbox_post(&app->mailbox, command);
+        }
+    } else if (command->request == 0U) {
+        commander_stop(app); /* a motor that has to stop does so, whatever else the message says */
+        why = NULL;
+    } else {
+        /* that is the answer */
     }
     return why;
 }
@@ -90,13 +118,11 @@ void commander_limit_speed(app_t *app, step_t speed_max)
     }
 }
 
-void commander_slow_down(app_t *app)
+void commander_begin_anew(app_t *app)
 {
-    drive_command_t command = command_mailbox_take(&app->mailbox);
+    const drive_command_t none = {.target = 0, .mode = (uint8_t)DRIVE_MODE_SPEED, .request = 0U};
 
-    command.target = 0;
-    command.mode = (uint8_t)DRIVE_MODE_SPEED;
-    command_mailbox_post(&app->mailbox, &command);
+    command_mailbox_post(&app->mailbox, &none);
 }
 
 bool commander_is_at_rest(const app_t *app)

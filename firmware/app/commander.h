@@ -22,20 +22,21 @@ void commander_stop(app_t *app);
 /* Acknowledge the fault. Returns NULL, or why it is refused: there is none. */
 const char *commander_clear(app_t *app);
 
-/* The electrical speed from now on, also while the drive runs. The caller keeps to the motor's limit. */
+/* Speed mode with this electrical speed from now on, also while the drive runs. The caller keeps to the motor's limit. */
 void commander_set_speed(app_t *app, step_t speed);
 
 /*
  * A whole command. speed_max: of the motor, electrical, either way. Returns NULL, or why it is refused, and then the command in
- * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max.
+ * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max. A stop is
+ * never refused: with such a mode or speed it leaves those in force.
  */
 const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max);
 
 /* In speed mode the target in force stays within ±speed_max from now on, electrical. */
 void commander_limit_speed(app_t *app, step_t speed_max);
 
-/* Speed 0, in speed mode, while the request stays. */
-void commander_slow_down(app_t *app);
+/* As at the start: no request, and speed 0. For another motor, whose target is in other steps. */
+void commander_begin_anew(app_t *app);
 
 /* Whether the gates are open, and nothing in force closes them. */
 bool commander_is_at_rest(const app_t *app);

@@ -4,7 +4,6 @@
 #include "commander.h"
 #include "status.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #define DUMPING "a dump is under way"
@@ -15,13 +14,14 @@ void console_say(console_t *console, const char *line)
     text_end_line(&console->out);
 }
 
-/* `why` a command is refused; NULL: it is not. */
-static void answer(console_t *console, const char *why)
+/* `why` a command is refused; NULL: it is not. Returns whether it is done. */
+static bool answer(console_t *console, const char *why)
 {
     if (why != NULL) {
         text_add(&console->out, "error: ");
     }
     console_say(console, (why == NULL) ? "ok" : why);
+    return why == NULL;
 }
 
 /* Until it is dumped nothing else is recorded. */
@@ -39,22 +39,24 @@ static void show_status(console_t *console)
                 keeps_recording(console) ? ", keeps the recording of a fault: dump or record" : "");
 }
 
-static void set_speed(console_t *console, const char *argument)
+static bool set_speed(console_t *console, const char *argument)
 {
     const int32_t max_rpm = console->about->speed_max_rpm;
     int32_t rpm = 0;
     const bool good = text_to_number(argument, &rpm);
+    bool done = false;
 
     if (identify_is_busy(&console->identify)) {
-        answer(console, CONSOLE_MEASURING); /* the command's target is a word of the probe */
+        done = answer(console, CONSOLE_MEASURING); /* the target is a word of the probe */
     } else if (good && (rpm >= -max_rpm) && (rpm <= max_rpm)) {
         commander_set_speed(console->app, units_step(&console->about->rotation, rpm));
-        answer(console, NULL);
+        done = answer(console, NULL);
     } else {
         text_add(&console->out, "error: speed takes a whole number of rpm, at most ");
         text_number(&console->out, max_rpm, 0U);
         console_say(console, " either way");
     }
+    return done;
 }
 
 /* Why the recorder has nothing to do with a command now; NULL: it has. */
@@ -177,42 +179,56 @@ static void stop(console_t *console)
     commander_stop(console->app);
 }
 
-static void do_line(console_t *console)
+static void do_other_line(console_t *console)
 {
     const char *const line = console->line;
-    const char *const speed = text_after(line, "speed ");
 
-    if (speed != NULL) {
-        set_speed(console, speed);
-    } else if (same(line, "run")) {
-        answer(console, run(console));
-    } else if (same(line, "stop")) {
-        stop(console);
-        answer(console, NULL);
-    } else if (same(line, "clear")) {
-        answer(console, commander_clear(console->app));
-    } else if (same(line, "status")) {
+    if (same(line, "status")) {
         show_status(console);
     } else if (same(line, "dump")) {
-        answer(console, ask_for_dump(console));
+        (void)answer(console, ask_for_dump(console));
     } else if (same(line, "record")) {
-        answer(console, record_anew(console));
-    } else if (same(line, "identify")) {
-        answer(console, identify(console));
+        (void)answer(console, record_anew(console));
     } else {
-        answer(console,
-               "the commands are run, stop, clear, speed RPM, status, dump, record, identify");
+        (void)answer(
+            console,
+            "the commands are run, stop, clear, speed RPM, status, dump, record, identify");
     }
 }
 
-void console_take(console_t *console, uint8_t byte)
+/* Whether it commands the drive. */
+static bool do_line(console_t *console)
+{
+    const char *const line = console->line;
+    const char *const speed = text_after(line, "speed ");
+    bool commands = false;
+
+    if (speed != NULL) {
+        commands = set_speed(console, speed);
+    } else if (same(line, "run")) {
+        commands = answer(console, run(console));
+    } else if (same(line, "stop")) {
+        stop(console);
+        commands = answer(console, NULL);
+    } else if (same(line, "clear")) {
+        commands = answer(console, commander_clear(console->app));
+    } else if (same(line, "identify")) {
+        commands = answer(console, identify(console));
+    } else {
+        do_other_line(console);
+    }
+    return commands;
+}
+
+bool console_take(console_t *console, uint8_t byte)
 {
     const bool ends = (byte == (uint8_t)'\r') || (byte == (uint8_t)'\n');
+    bool commands = false;
 
     if (ends && (console->length > 0U)) {
         console->line[console->length] = '\0';
         console->length = 0U;
-        do_line(console);
+        commands = do_line(console);
     } else if (ends) {
         /* nothing was typed */
     } else if (console->length < CONSOLE_LINE_MAX) {
@@ -221,6 +237,7 @@ void console_take(console_t *console, uint8_t byte)
     } else {
         console->line[0] = '?'; /* too long: no command starts so */
     }
+    return commands;
 }
 
 void console_forget(console_t *console)

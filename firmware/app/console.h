@@ -16,6 +16,7 @@
 #include "recorder_dump.h"
 #include "text.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define CONSOLE_LINE_MAX (31U)
@@ -49,8 +50,11 @@ void console_init(console_t *console, app_t *app, hal_t *hal, const about_t *abo
 /* Says a line. What does not fit behind what is still to be sent is lost. */
 void console_say(console_t *console, const char *line);
 
-/* Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is none. */
-void console_take(console_t *console, uint8_t byte);
+/*
+ * Takes a byte that was typed. A line ends with CR, LF or both and is done at once; an empty one is none. True when it ended
+ * a line that commands the drive, and was not refused.
+ */
+bool console_take(console_t *console, uint8_t byte);
 
 /* A line that was begun is forgotten. */
 void console_forget(console_t *console);

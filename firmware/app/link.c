@@ -8,6 +8,13 @@
 #define PAUSE_US (LINK_PAUSE_MS * 1000U)
 #define ALONE_US (100000U) /* a frame that goes no further for so long was none */
 
+/*
+ * The same times where the ticks stand still, as on a board that cannot start: nothing but the passes themselves can be
+ * counted there. A pass without work takes some µs. Between two ticks that run there never are so many.
+ */
+#define ALONE_PASSES (100000U)
+#define PAUSE_PASSES (LINK_PAUSE_MS * 1000U)
+
 #define STOPS "the link is silent: the drive stops"
 
 void link_init(link_t *link, live_config_t *live)
@@ -27,6 +34,19 @@ void link_say(link_t *link, const char *line)
 static uint32_t now(const link_t *link)
 {
     return hal_ticks(link->live->hal);
+}
+
+/* Passes in which the ticks stand still and nobody is heard. */
+static void count_still(link_t *link)
+{
+    const uint32_t tick = now(link);
+
+    if (tick == link->tick) {
+        link->still++;
+    } else {
+        link->still = 0U;
+    }
+    link->tick = tick;
 }
 
 /* The line is a person's again. */
@@ -52,6 +72,7 @@ static void take_framed(link_t *link, uint8_t byte)
     uint32_t length = 0U;
 
     link->byte_tick = now(link);
+    link->still = link->is_linked ? link->still : 0U;
     if (link_in_take(&link->in, byte, &length)) {
         take_message(link, length);
     }
@@ -62,8 +83,10 @@ static void take_byte(link_t *link, uint8_t byte)
 {
     if (link->is_linked || link->is_framing || (byte == LINK_FRAME_DELIMITER)) {
         take_framed(link, byte);
+    } else if (console_take(&link->console, byte)) {
+        link_guard_leave(&link->guard); /* the motor is that person's from now on */
     } else {
-        console_take(&link->console, byte);
+        /* more of a line, or one that leaves the drive alone */
     }
 }
 
@@ -71,8 +94,9 @@ static void take_byte(link_t *link, uint8_t byte)
 static void give_up_frame(link_t *link)
 {
     const uint32_t alone = units_ticks(&link->live->about.rotation, ALONE_US);
+    const bool stops = ((now(link) - link->byte_tick) > alone) || (link->still > ALONE_PASSES);
 
-    if (link->is_framing && !link->is_linked && ((now(link) - link->byte_tick) > alone)) {
+    if (link->is_framing && !link->is_linked && stops) {
         link_in_start(&link->in);
         link->is_framing = false;
     }
@@ -103,6 +127,7 @@ static void answer_waiting(link_t *link)
         const uint8_t type = link_answer(link, link->question);
 
         link->question = 0U;
+        link->still = 0U;
         link_guard_heard(&link->guard, now(link));
         if (type == (uint8_t)LINK_HELLO) {
             become_linked(link);
@@ -120,8 +145,10 @@ static void watch_line(link_t *link)
     const live_config_t *const live = link->live;
     const uint32_t pause = units_ticks(&live->about.rotation, PAUSE_US);
     const uint32_t timeout = live->in_force->cfg.link.timeout_ticks;
+    const bool silent =
+        link_guard_is_silent(&link->guard, now(link), pause) || (link->still > PAUSE_PASSES);
 
-    if (link->is_linked && link_guard_is_silent(&link->guard, now(link), pause)) {
+    if (link->is_linked && silent) {
         return_line(link);
     }
     if (link_guard_step(&link->guard, live->app, &link->console.identify, now(link), timeout)) {
@@ -199,6 +226,7 @@ static void link_send(link_t *link)
 
 void link_step(link_t *link)
 {
+    count_still(link);
     link_receive(link);
     answer_waiting(link);
     live_config_step(link->live);

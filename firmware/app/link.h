@@ -4,7 +4,7 @@
  *
  * It begins as a console. A person never types a 0x00, so that one begins a frame. LINK_HELLO makes the line the PC's:
  * what the console says travels in frames then. LINK_BYE, or LINK_PAUSE_MS without a good frame, gives it back to the
- * person.
+ * person. Where no tick runs, passes are counted instead, for about as long.
  *
  * It needs hal_receive(), hal_send() and hal_health() of the binding, and no chip. It runs in the background, and never
  * waits: a frame goes out in as many passes as the line takes.

@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 #define LOAD_MAX (100U)
+#define DUMP_FIRST "a dump is under way; ask again when it has ended"
 #define TAKES_WORDS (3U) /* bytes before the words of LINK_WRITE */
 
 /* A question in the buffer of what comes in. */
@@ -148,14 +149,20 @@ static const char *do_command(link_t *link, const uint8_t *body)
     return why;
 }
 
+static void take_character(link_t *link, uint8_t byte)
+{
+    if (console_take(&link->console, byte)) {
+        link_guard_commanded(&link->guard);
+    }
+}
+
 static void take_line(link_t *link, const question_t *question)
 {
     console_forget(&link->console);
     for (uint32_t k = 0U; k < question->length; k++) {
-        console_take(&link->console, question->body[k]);
+        take_character(link, question->body[k]);
     }
-    console_take(&link->console, (uint8_t)'\n');
-    link_guard_commanded(&link->guard);
+    take_character(link, (uint8_t)'\n');
 }
 
 /* As many words as there are from `first` on, and `count` at most. */
@@ -224,9 +231,9 @@ static const char *turn_stream(link_t *link, uint32_t on)
     } else if (recorder == NULL) {
         why = "there is no recorder";
     } else if (link->console.dump_phase != CONSOLE_DUMP_NONE) {
-        why = "a dump is under way; ask again when it has ended";
+        why = DUMP_FIRST;
     } else if (recorder->frozen && recorder->held) {
-        why = "the recording of a fault is kept; dump it, or begin anew with record";
+        why = "the flight recorder keeps a fault: read it with dump, or give it up with record";
     } else {
         link_stream_begin(&link->stream, recorder);
         link_stream_limit(&link->stream, (on == 1U) ? FRAME_CODE_ENTRIES_MAX : on);
@@ -234,8 +241,7 @@ static const char *turn_stream(link_t *link, uint32_t on)
     return why;
 }
 
-/* The questions about the block. */
-static void answer_block(link_t *link, const question_t *question)
+static live_config_verdict_t do_block(link_t *link, const question_t *question)
 {
     live_config_verdict_t verdict = {NULL, NULL};
 
@@ -252,6 +258,20 @@ static void answer_block(link_t *link, const question_t *question)
     default: /* LINK_DEFAULTS */
         verdict = live_config_restore(link->live);
         break;
+    }
+    return verdict;
+}
+
+/* The questions about the block. A dump reads the block that is not in force: meanwhile none is written there. */
+static void answer_block(link_t *link, const question_t *question)
+{
+    const bool dumps = link->console.dump_phase != CONSOLE_DUMP_NONE;
+    live_config_verdict_t verdict = {NULL, NULL};
+
+    if (dumps && (question->type != (uint8_t)LINK_STORE)) {
+        verdict.why = DUMP_FIRST;
+    } else {
+        verdict = do_block(link, question);
     }
     put_verdict(&link->out, &verdict);
 }

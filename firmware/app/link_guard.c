@@ -54,7 +54,7 @@ static bool begin_stopping(link_guard_t *guard, app_t *app, identify_t *identify
 
     identify_stop(identify);
     if (runs) {
-        commander_slow_down(app);
+        commander_set_speed(app, 0);
     }
     guard->stopping = runs;
     guard->watching = false;

@@ -19,6 +19,8 @@ typedef struct {
     bool is_linked;     /* the line is the PC's */
     bool is_framing;    /* the line is a person's, and a frame has begun */
     uint32_t byte_tick; /* when the last byte of that frame came in */
+    uint32_t tick;      /* of the last pass */
+    uint32_t still;     /* passes since the tick or the PC has gone on */
     uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none does */
     link_in_t in;
     link_out_t out;

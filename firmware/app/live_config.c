@@ -9,6 +9,7 @@
 #define NO_TICK "the control tick does not run"
 
 static const live_config_verdict_t DONE = {NULL, NULL};
+static const live_config_verdict_t NONE_PREPARED = {NULL, "no block was prepared"};
 
 void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t *about,
                       const drive_cfg_t *cfg)
@@ -21,9 +22,8 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
     stored_config_load(&live->stored, hal, cfg, &live->about);
     live->in_force = &live->stored.block;
     live->prepared = &live->other;
-    live->applied = (live_config_verdict_t){NULL, "no block was prepared"};
-    live->preparing = false;
     live->pending = false;
+    live_config_forget(live);
 }
 
 /* Then no change would ever be taken. */
@@ -71,6 +71,8 @@ live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32
 void live_config_forget(live_config_t *live)
 {
     live->preparing = false;
+    live->applied = NONE_PREPARED;
+    live->applied_crc = 0U;
 }
 
 /* Whether this image may run with the prepared block. */
@@ -118,15 +120,18 @@ live_config_verdict_t live_config_apply(live_config_t *live, uint32_t crc)
 {
     live_config_verdict_t verdict = pending_verdict(live);
 
-    if (verdict.why == NULL) {
-        if (live->preparing) {
-            live->preparing = false;
-            live->applied =
-                (live->prepared->cfg.crc == crc)
-                    ? change_to_prepared(live)
-                    : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
-        }
+    if (verdict.why != NULL) {
+        /* that is the answer */
+    } else if (live->preparing) {
+        live->preparing = false;
+        live->applied =
+            (live->prepared->cfg.crc == crc)
+                ? change_to_prepared(live)
+                : (live_config_verdict_t){NULL, "another block was prepared; write it again"};
+        live->applied_crc = crc;
         verdict = live->applied;
+    } else {
+        verdict = (live->applied_crc == crc) ? live->applied : NONE_PREPARED;
     }
     return verdict;
 }
@@ -142,7 +147,7 @@ live_config_verdict_t live_config_restore(live_config_t *live)
     live_config_verdict_t verdict = pending_verdict(live);
 
     if (verdict.why == NULL) {
-        live->preparing = false;
+        live_config_forget(live);
         stored_config_of_image(live->prepared, live->about_of_image, live->cfg_of_image);
         if (!is_same(live->prepared, live->in_force)) {
             verdict = change_to_prepared(live);
@@ -175,6 +180,17 @@ live_config_verdict_t live_config_store(live_config_t *live)
     return verdict;
 }
 
+/* A target is in steps of the motor that it was asked for. When the drive has begun anew, it may be another motor. */
+static void adapt_command(const live_config_t *live, const drive_cfg_t *before)
+{
+    if (config_change_refused(before, &live->in_force->cfg) == NULL) {
+        commander_limit_speed(live->app,
+                              units_step(&live->about.rotation, live->about.speed_max_rpm));
+    } else {
+        commander_begin_anew(live->app);
+    }
+}
+
 void live_config_step(live_config_t *live)
 {
     if (live->pending && !app_changes(live->app)) {
@@ -184,7 +200,6 @@ void live_config_step(live_config_t *live)
         live->prepared = before;
         live->pending = false;
         stored_config_about(live->in_force, &live->about);
-        commander_limit_speed(live->app,
-                              units_step(&live->about.rotation, live->about.speed_max_rpm));
+        adapt_command(live, &before->cfg);
     }
 }

@@ -4,7 +4,7 @@
  *
  * Preparing begins with the first word that is written: the prepared block is then a copy of the one in force. So a writer
  * needs to write the words that differ, and the CRCs. An apply ends the preparation, whatever comes of it. When it is
- * asked for once more, its verdict is the same again.
+ * asked for once more, with the same CRC, its verdict is the same again.
  *
  * Context: background, all of it; a tick may come in between anywhere.
  */
@@ -36,6 +36,7 @@ typedef struct {
     config_block_t *in_force;
     config_block_t *prepared;      /* the other one of the two */
     live_config_verdict_t applied; /* of the last apply */
+    uint32_t applied_crc;          /* that it was asked for with */
     bool preparing;                /* a word was written since the last apply */
     bool pending;                  /* the prepared block waits for the tick that takes it */
 } live_config_t;
@@ -51,7 +52,7 @@ void live_config_init(live_config_t *live, app_t *app, hal_t *hal, const about_t
 /* Writes word `at` of the prepared block; beyond its end it is refused, and while a change has not been taken. */
 live_config_verdict_t live_config_write(live_config_t *live, uint32_t at, uint32_t word);
 
-/* What was written since the last apply is forgotten. */
+/* The last apply and what was written since then are forgotten. */
 void live_config_forget(live_config_t *live);
 
 /*
@@ -69,7 +70,10 @@ bool live_config_can_store(const live_config_t *live);
 /* Stores the block in force (stored_config.h). */
 live_config_verdict_t live_config_store(live_config_t *live);
 
-/* Once a tick or more often: what a tick has taken is in force, and the facts of its motor are those of `about`. */
+/*
+ * Once a tick or more often: what a tick has taken is in force, and the facts of its motor are those of `about`. The speed
+ * that is asked for stays within its limit. Where the drive has begun anew nothing is asked for, and the speed is 0.
+ */
 void live_config_step(live_config_t *live);
 
 #endif

@@ -150,6 +150,9 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
     add_rpm(text, ", speed ", about, speed);
     if (command.request == DRIVE_REQUEST_PROBE) {
         text_add(text, " rpm, measuring the motor");
+    } else if (command.mode == (uint8_t)DRIVE_MODE_POSITION) {
+        add_quantity(text, " rpm, to turn ",
+                     units_hundredth_turns(&about->rotation, command.target), 2U);
     } else {
         add_rpm(text, " of ", about, command.target);
         text_add(text, " rpm");

@@ -51,6 +51,11 @@ step_t units_step(const units_rotation_t *rotation, int32_t rpm)
     return (step_t)divided(clamped(rpm, largest) * turn, MINUTE);
 }
 
+int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t position)
+{
+    return (int32_t)divided((int64_t)position * 100, (int64_t)rotation->pole_pairs * 65536);
+}
+
 /* 10^12 ps a second, two half-waves a period, ten tenths: halves · 5·10^12 stays below 2^53, ticks · tick_ps below 2^61. */
 int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint32_t ticks)
 {

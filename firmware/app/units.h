@@ -28,6 +28,9 @@ int32_t units_rpm(const units_rotation_t *rotation, step_t step);
  * can hold. */
 step_t units_step(const units_rotation_t *rotation, int32_t rpm);
 
+/* Position in Q16 electrical turns to hundredths of a turn of the shaft, rounded to nearest. Range: any position. */
+int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t position);
+
 /*
  * Frequency of `halves` half-waves in so many ticks, in tenths of Hz, rounded to nearest, saturated at INT32_MAX; 0 for
  * 0 ticks. halves: 0…1000.

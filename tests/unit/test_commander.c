@@ -76,6 +76,36 @@ static void test_a_run_is_not_taken_back(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
 }
 
+static void test_a_speed_ends_position_mode(void)
+{
+    const drive_command_t position = {
+        .target = -77, .mode = (uint8_t)DRIVE_MODE_POSITION, .request = 0U};
+
+    command_mailbox_post(&app.mailbox, &position);
+    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, taken().mode);
+    TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
+}
+
+static void test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none(void)
+{
+    static const drive_command_t stops[] = {
+        {.target = EXAMPLE_SPEED_STEP + 1, .mode = (uint8_t)DRIVE_MODE_SPEED},
+        {.target = INT32_MIN, .mode = (uint8_t)DRIVE_MODE_SPEED},
+        {.target = 0, .mode = 2U},
+        {.target = INT32_MAX, .mode = 255U}};
+
+    for (uint32_t k = 0U; k < (sizeof stops / sizeof stops[0]); k++) {
+        commander_set_speed(&app, 77);
+        TEST_ASSERT_NULL(commander_run(&app));
+        TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+        TEST_ASSERT_NULL(commander_command(&app, &stops[k], EXAMPLE_SPEED_STEP));
+        TEST_ASSERT_EQUAL_UINT8(0U, taken().request);
+        TEST_ASSERT_EQUAL_INT32(77, taken().target);
+        TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, taken().mode);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -85,5 +115,7 @@ int main(void)
     RUN_TEST(test_a_clear_is_in_force_until_the_fault_is_left_and_no_longer);
     RUN_TEST(test_where_there_is_no_fault_nothing_is_cleared);
     RUN_TEST(test_a_run_is_not_taken_back);
+    RUN_TEST(test_a_speed_ends_position_mode);
+    RUN_TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none);
     return UNITY_END();
 }

@@ -11,7 +11,9 @@
 #define HELP \
     "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
 #define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
-#define SHORT_WHILE (100U)      /* enough for any answer */
+#define PASSES_ALONE (100000U)  /* where no tick runs */
+#define PASSES_PAUSE (2000000U)
+#define SHORT_WHILE (100U) /* enough for any answer */
 
 static about_t of_image;
 static live_config_t live;
@@ -360,7 +362,7 @@ static void test_a_command_that_is_refused_changes_nothing(void)
     assert_command("", 0U, DRIVE_MODE_SPEED, 77);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP + 1);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, -EXAMPLE_SPEED_STEP - 1);
-    assert_command(too_fast, 0U, DRIVE_MODE_SPEED, INT32_MIN);
+    assert_command(too_fast, DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, INT32_MIN);
     assert_command("the modes are 0, speed, and 1, position", DRIVE_REQUEST_RUN, 2U, 0);
     assert_command(request, DRIVE_REQUEST_PROBE, DRIVE_MODE_SPEED, 0);
     assert_command(request, 3U, DRIVE_MODE_SPEED, 0);
@@ -572,8 +574,9 @@ static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_i
     hello();
     fail();
     passes(200U);
-    assert_verdict("the recording of a fault is kept; dump it, or begin anew with record",
-                   LINK_STREAM, &on, 1U);
+    assert_verdict(
+        "the flight recorder keeps a fault: read it with dump, or give it up with record",
+        LINK_STREAM, &on, 1U);
     assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
     assert_line("record");
     stream_on();
@@ -593,6 +596,39 @@ static void test_no_stream_begins_while_a_dump_is_under_way(void)
     line.room = SIZE_MAX;
     passes(SHORT_WHILE);
     TEST_ASSERT_FALSE(serial.stream.on);
+}
+
+static void assert_refused_by_a_dump(uint8_t type)
+{
+    static const char dumps[] = "a dump is under way; ask again when it has ended";
+    const line_message_t *const answer = line_find((uint8_t)(type + LINK_ANSWER));
+
+    TEST_ASSERT_NOT_NULL(answer);
+    TEST_ASSERT_EQUAL_UINT32(2U + strlen(dumps), answer->length);
+    TEST_ASSERT_EQUAL_MEMORY(dumps, &answer->bytes[2], strlen(dumps));
+}
+
+/* The dump reads the block that is not in force, where the words would go. */
+static void test_no_block_is_changed_while_a_dump_is_under_way(void)
+{
+    uint8_t word[7] = {30U, 0U, 1U};
+    uint8_t crc[4];
+
+    words_put(crc, live.in_force->cfg.crc);
+    words_put(&word[3], config_block_word(live.in_force, 30U));
+    hello();
+    line_ask(LINK_LINE, 1U, "dump", 4U);
+    line_ask(LINK_WRITE, 2U, word, sizeof word);
+    line_ask(LINK_APPLY, 3U, crc, sizeof crc);
+    line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
+    passes(20U * SHORT_WHILE);
+    line_listen();
+    assert_refused_by_a_dump(LINK_WRITE);
+    assert_refused_by_a_dump(LINK_APPLY);
+    assert_refused_by_a_dump(LINK_DEFAULTS);
+    TEST_ASSERT_NOT_NULL(strstr(line_said(), "dump ends"));
+    assert_verdict("", LINK_WRITE, word, sizeof word);
+    assert_verdict("", LINK_APPLY, crc, sizeof crc);
 }
 
 static void test_a_segments_state_is_read_in_pieces(void)
@@ -676,6 +712,34 @@ static void test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone(void)
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
 }
 
+/* The PC is gone, and the line is a person's, who commands the drive himself. */
+static void test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc(void)
+{
+    hello();
+    with_timeout(TICKS_OF_PAUSE + 5000U);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    line_listen();
+    assert_text("ok\r\n", "speed 100\n");
+    passes(6000U);
+    TEST_ASSERT_EQUAL_INT32(units_step(&ABOUT.rotation, 100),
+                            command_mailbox_take(&app.mailbox).target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command_mailbox_take(&app.mailbox).request);
+}
+
+/* Who looks, or asks for what is refused, has not taken the motor over. */
+static void test_a_line_that_does_not_command_the_drive_leaves_it_watched(void)
+{
+    hello();
+    with_timeout(TICKS_OF_PAUSE + 5000U);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    passes(TICKS_OF_PAUSE + SHORT_WHILE);
+    line_type("status\nspeed 999999\nx\n");
+    passes(6000U);
+    TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
+}
+
 static void test_a_question_waits_while_a_frame_is_on_its_way(void)
 {
     hello();
@@ -714,6 +778,49 @@ static void test_a_board_that_does_not_start_is_asked_why_all_the_same(void)
     TEST_ASSERT_NOT_NULL(strstr(line_said(), "INIT, speed"));
 }
 
+static void start_without_ticks(void)
+{
+    memset(&app, 0, sizeof app);
+    hardware.ticks = 0U;
+    link_init(&serial, &live);
+}
+
+static void passes_without_ticks(uint32_t count)
+{
+    for (uint32_t k = 0U; k < count; k++) {
+        link_step(&serial);
+    }
+    line_listen();
+}
+
+static void test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever(void)
+{
+    start_without_ticks();
+    line_byte(0U);
+    passes_without_ticks(PASSES_ALONE);
+    line_type("stop\n");
+    passes_without_ticks(SHORT_WHILE);
+    TEST_ASSERT_EQUAL_STRING_MESSAGE("", line.text, "a frame may still come");
+    line_new();
+    passes_without_ticks(PASSES_ALONE + 2U);
+    line_type("stop\n");
+    passes_without_ticks(SHORT_WHILE);
+    TEST_ASSERT_EQUAL_STRING("ok\r\n", line.text);
+}
+
+static void
+test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it(void)
+{
+    start_without_ticks();
+    line_ask(LINK_HELLO, 1U, &(const uint8_t){LINK_VERSION}, 1U);
+    passes_without_ticks(PASSES_PAUSE - SHORT_WHILE);
+    line_ask(LINK_PING, 2U, NULL, 0U);
+    passes_without_ticks(PASSES_PAUSE - SHORT_WHILE);
+    TEST_ASSERT_TRUE(serial.is_linked);
+    passes_without_ticks(2U * SHORT_WHILE);
+    TEST_ASSERT_FALSE(serial.is_linked);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -746,12 +853,17 @@ int main(void)
     RUN_TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again);
     RUN_TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up);
     RUN_TEST(test_no_stream_begins_while_a_dump_is_under_way);
+    RUN_TEST(test_no_block_is_changed_while_a_dump_is_under_way);
     RUN_TEST(test_a_segments_state_is_read_in_pieces);
     RUN_TEST(test_a_segment_that_is_not_there_has_no_state_and_no_entries);
     RUN_TEST(test_entries_are_sent_again);
     RUN_TEST(test_a_silent_pc_brings_the_motor_to_rest_when_the_configuration_says_so);
     RUN_TEST(test_without_a_timeout_a_motor_runs_on_when_the_pc_is_gone);
+    RUN_TEST(test_a_person_who_commands_the_drive_ends_the_watching_for_the_pc);
+    RUN_TEST(test_a_line_that_does_not_command_the_drive_leaves_it_watched);
     RUN_TEST(test_a_question_waits_while_a_frame_is_on_its_way);
     RUN_TEST(test_a_board_that_does_not_start_is_asked_why_all_the_same);
+    RUN_TEST(test_without_ticks_a_zero_does_not_keep_a_person_away_for_ever);
+    RUN_TEST(test_without_ticks_a_pc_that_is_gone_gives_the_line_back_and_one_that_asks_keeps_it);
     return UNITY_END();
 }

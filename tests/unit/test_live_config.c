@@ -10,6 +10,7 @@
 
 #define RUNNING "cannot change while the drive runs; stop the drive first"
 #define PENDING "the change before has not been taken yet; ask again"
+#define NO_BLOCK "no block was prepared"
 #define OTHER_BLOCK "another block was prepared; write it again"
 
 static about_t of_image;
@@ -146,7 +147,7 @@ static void test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_res
 /* Its answer may have been lost on the line. */
 static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect(void)
 {
-    assert_verdict(NULL, "no block was prepared", live_config_apply(&live, live.in_force->cfg.crc));
+    assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, live.in_force->cfg.crc));
     run();
     want_scale();
     write_wanted();
@@ -160,6 +161,30 @@ static void test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_ef
     take();
     assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
     TEST_ASSERT_FALSE(app_changes(&app));
+}
+
+/* Whoever asks for a block that he has not written must not take the verdict about another one for its own. */
+static void test_only_the_crc_of_the_last_apply_has_its_verdict_again(void)
+{
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
+    take();
+    assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc ^ 1U));
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
+    live_config_forget(&live);
+    assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc));
+}
+
+static void test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated(void)
+{
+    want_gain();
+    write_wanted();
+    assert_verdict(NULL, NULL, live_config_apply(&live, wanted.cfg.crc));
+    take();
+    assert_verdict(NULL, NULL, live_config_restore(&live));
+    take();
+    assert_verdict(NULL, NO_BLOCK, live_config_apply(&live, wanted.cfg.crc));
 }
 
 static void test_words_that_were_refused_are_not_part_of_what_is_prepared_next(void)
@@ -282,6 +307,27 @@ static void test_a_speed_in_force_stays_within_the_new_limit(void)
     TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
 }
 
+/* The target is in electrical steps of the motor before. */
+static void test_where_the_drive_begins_anew_no_target_is_left(void)
+{
+    const drive_command_t position = {.target = 77, .mode = (uint8_t)DRIVE_MODE_POSITION};
+
+    command_mailbox_post(&app.mailbox, &position);
+    want_gain();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.cfg.crc);
+    take();
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(77, command_mailbox_take(&app.mailbox).target, "it goes on");
+    want_scale();
+    write_wanted();
+    (void)live_config_apply(&live, wanted.cfg.crc);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(77, command_mailbox_take(&app.mailbox).target, "not taken");
+    take();
+    TEST_ASSERT_EQUAL_INT32(0, command_mailbox_take(&app.mailbox).target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, command_mailbox_take(&app.mailbox).mode);
+    TEST_ASSERT_EQUAL_UINT8(0U, command_mailbox_take(&app.mailbox).request);
+}
+
 static void test_the_configuration_of_the_image_comes_back(void)
 {
     wanted.about.speed_max_rpm = 1000;
@@ -341,6 +387,8 @@ int main(void)
     RUN_TEST(test_changes_follow_each_other_with_the_words_that_differ);
     RUN_TEST(test_a_setting_that_cannot_change_in_run_is_named_and_changes_at_rest);
     RUN_TEST(test_an_apply_that_is_asked_for_again_has_the_same_verdict_and_no_effect);
+    RUN_TEST(test_only_the_crc_of_the_last_apply_has_its_verdict_again);
+    RUN_TEST(test_after_the_configuration_of_the_image_no_verdict_of_before_is_repeated);
     RUN_TEST(test_words_that_were_refused_are_not_part_of_what_is_prepared_next);
     RUN_TEST(test_another_crc_than_that_of_the_prepared_block_is_refused);
     RUN_TEST(test_a_preparation_that_is_forgotten_begins_anew_with_the_block_in_force);
@@ -350,6 +398,7 @@ int main(void)
     RUN_TEST(test_without_a_tick_no_change_is_taken_up);
     RUN_TEST(test_name_and_motor_of_the_block_in_force_are_those_of_about);
     RUN_TEST(test_a_speed_in_force_stays_within_the_new_limit);
+    RUN_TEST(test_where_the_drive_begins_anew_no_target_is_left);
     RUN_TEST(test_the_configuration_of_the_image_comes_back);
     RUN_TEST(test_the_block_in_force_is_stored_at_rest_and_the_next_start_takes_it);
     RUN_TEST(test_a_store_is_there_where_any_unit_can_be_read);

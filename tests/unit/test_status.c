@@ -76,6 +76,15 @@ static void test_the_speed_is_that_of_the_drive(void)
     TEST_ASSERT_EQUAL_STRING_LEN("RUN, speed -2000 of 0 rpm", status(), 25U);
 }
 
+/* 3 turns of the shaft with 2 pole pairs are 6 electrical ones. */
+static void test_a_position_is_asked_for_in_turns_and_is_no_speed(void)
+{
+    const drive_command_t position = {.target = 6 * 65536, .mode = (uint8_t)DRIVE_MODE_POSITION};
+
+    command_mailbox_post(&app.mailbox, &position);
+    TEST_ASSERT_EQUAL_STRING_LEN("INIT, speed 0 rpm, to turn 3.00, phases ", status(), 40U);
+}
+
 /* The command's target is a word of the probe then. */
 static void test_while_the_motor_is_measured_no_speed_is_asked_for(void)
 {
@@ -141,6 +150,7 @@ int main(void)
     RUN_TEST(test_before_the_first_tick_there_is_no_temperature);
     RUN_TEST(test_it_begins_with_the_state);
     RUN_TEST(test_the_speed_is_that_of_the_drive);
+    RUN_TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed);
     RUN_TEST(test_while_the_motor_is_measured_no_speed_is_asked_for);
     RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_fault_has_its_advice_in_brackets);

@@ -163,6 +163,21 @@ static void test_ticks_of_a_time_are_whole_ones_and_at_least_one(void)
     TEST_ASSERT_EQUAL_UINT32(1U, units_ticks(&two_khz, 1U));
 }
 
+/* Of 2 pole pairs a turn is 131072: a hundredth is 1310.72, and half of one rounds away from zero. */
+static void test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range(void)
+{
+    static const units_rotation_t two = {.pole_pairs = 2U, .tick_ps = 100000000U};
+    static const units_rotation_t one = {.pole_pairs = 1U, .tick_ps = 100000000U};
+
+    TEST_ASSERT_EQUAL_INT32(0, units_hundredth_turns(&two, 655));
+    TEST_ASSERT_EQUAL_INT32(1, units_hundredth_turns(&two, 656));
+    TEST_ASSERT_EQUAL_INT32(0, units_hundredth_turns(&two, -655));
+    TEST_ASSERT_EQUAL_INT32(-1, units_hundredth_turns(&two, -656));
+    TEST_ASSERT_EQUAL_INT32(300, units_hundredth_turns(&two, 6 * 65536));
+    TEST_ASSERT_EQUAL_INT32(3276800, units_hundredth_turns(&one, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-3276800, units_hundredth_turns(&one, INT32_MIN));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -175,5 +190,6 @@ int main(void)
     RUN_TEST(test_a_frequency_is_that_of_half_as_many_waves_in_the_time);
     RUN_TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time);
     RUN_TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one);
+    RUN_TEST(test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range);
     return UNITY_END();
 }
