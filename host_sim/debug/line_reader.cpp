@@ -45,7 +45,9 @@ int next_key(std::FILE *from)
     sigset_t interrupt;
     sigset_t before;
     sigemptyset(&interrupt);
-    sigaddset(&interrupt, SIGINT);
+    for (const int signal : ending_signals()) {
+        sigaddset(&interrupt, signal);
+    }
     sigprocmask(SIG_BLOCK, &interrupt, &before);
     bool ready = false;
     bool broken = false;
@@ -81,7 +83,7 @@ public:
             if (text == nullptr) {
                 std::fputc('\n', stdout);
             }
-        } while (text == nullptr && was_interrupted());
+        } while (text == nullptr && was_interrupted() && !was_ended());
         if (text == nullptr) {
             return std::nullopt;
         }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "board_commands.h"
 
+#include "about_text.h"
 #include "fault_line.h"
 #include "found_fault.h"
+#include "header.h"
+#include "identity.h"
 #include "names.h"
 #include "output_file.h"
 #include "reader.h"
@@ -34,6 +37,7 @@ constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
 constexpr int DUMP_SILENT_PASSES = 100; // 2 s: the line that says its end is lost
 constexpr double WAIT_MAX_S = 86400;    // a day
 constexpr std::size_t DIFFERENCES_SHOWN = 3;
+constexpr const char *MEASURED = "the motor is being measured; stop ends that";
 
 Answer done(const std::string &text = "")
 {
@@ -66,6 +70,14 @@ bool ends_with(const std::string &text, const std::string &end)
            text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+// What is compiled into an image is another, which no block carries.
+bool is_of_image(const Config &before, const Config &after)
+{
+    return identity_of(before).board != identity_of(after).board ||
+           about_name(before) != about_name(after) || before.board.baud != after.board.baud ||
+           recorder_segment_entries(before.board) != recorder_segment_entries(after.board);
+}
+
 } // namespace
 
 BoardCommands::BoardCommands(Follower &follower, const FileChoice &files, Surroundings surroundings)
@@ -90,45 +102,83 @@ std::string BoardCommands::help()
            "quit";
 }
 
-// The last one of this session; before, the one that the board has.
-drive_command_t BoardCommands::in_force() const
+// What the drive is told. The shadow may be older than the last command of this session; once it is not, it has also what the
+// board has done by itself: a stop when nobody was heard, the words of a measurement.
+std::optional<drive_command_t> BoardCommands::in_force() const
 {
-    if (commanded_) {
-        return *commanded_;
+    const bool newer = commanded_in_ == follower_.connections() &&
+                       follower_.now_s() < commanded_s_ + follower_.oldest_s();
+    std::optional<drive_command_t> now = newer ? commanded_ : follower_.shadow().command();
+    if (now) {
+        now->request &= static_cast<uint8_t>(~DRIVE_REQUEST_CLEAR);
     }
-    const bool known = follower_.shadow().is_in_step();
-    return known ? follower_.shadow().sim().in().command : drive_command_t{};
+    const bool measures = now && (now->request & DRIVE_REQUEST_PROBE) != 0;
+    if (now && !measures && now->mode > DRIVE_MODE_POSITION) {
+        now = drive_command_t{0, DRIVE_MODE_SPEED, now->request}; // what a measurement left
+    }
+    return now;
+}
+
+void BoardCommands::remember(const std::optional<drive_command_t> &command)
+{
+    commanded_ = command;
+    commanded_s_ = follower_.now_s();
+    commanded_in_ = follower_.connections();
 }
 
 Answer BoardCommands::command(const drive_command_t &command)
 {
     const std::string why = follower_.client().command(command);
     if (why.empty()) {
-        commanded_ = command;
-        commanded_->request = command.request & static_cast<uint8_t>(~DRIVE_REQUEST_CLEAR);
+        remember(command);
     }
     return of_verdict(why);
 }
 
+// The command in force with something else in it.
+Answer BoardCommands::amend(const std::function<void(drive_command_t &)> &change)
+{
+    std::optional<drive_command_t> wanted = in_force();
+    if (!wanted) {
+        return refused(fmt::format("not in step yet: {}; ask again",
+                                   follower_.no_stream().empty()
+                                       ? "what the drive is told is not known"
+                                       : follower_.no_stream()));
+    }
+    if ((wanted->request & DRIVE_REQUEST_PROBE) != 0) {
+        return refused(MEASURED);
+    }
+    change(*wanted);
+    return command(*wanted);
+}
+
+// Also when the command in force is not known, or is a word of a measurement. Then the next one does not build on this one.
+Answer BoardCommands::request(uint8_t what)
+{
+    const std::optional<drive_command_t> now = in_force();
+    const bool known = now && (now->request & DRIVE_REQUEST_PROBE) == 0;
+    drive_command_t wanted = known ? *now : drive_command_t{};
+    wanted.request = what;
+    const Answer answer = command(wanted);
+    if (!known && answer.outcome == Outcome::done) {
+        remember(std::nullopt);
+    }
+    return answer;
+}
+
 Answer BoardCommands::run()
 {
-    drive_command_t wanted = in_force();
-    wanted.request = DRIVE_REQUEST_RUN;
-    return command(wanted);
+    return amend([](drive_command_t &wanted) { wanted.request = DRIVE_REQUEST_RUN; });
 }
 
-Answer BoardCommands::stop()
+// The shadow does not know of it at once.
+Answer BoardCommands::identify()
 {
-    drive_command_t wanted = in_force();
-    wanted.request = 0;
-    return command(wanted);
-}
-
-Answer BoardCommands::clear()
-{
-    drive_command_t wanted = in_force();
-    wanted.request = DRIVE_REQUEST_CLEAR;
-    return command(wanted);
+    const std::string why = follower_.client().line("identify");
+    if (why.empty()) {
+        remember(drive_command_t{0, DRIVE_MODE_SPEED, DRIVE_REQUEST_PROBE});
+    }
+    return of_verdict(why);
 }
 
 Answer BoardCommands::speed(const std::string &value)
@@ -139,10 +189,10 @@ Answer BoardCommands::speed(const std::string &value)
         return refused(
             fmt::format("speed takes rpm, at most {} either way, found \"{}\"", most, value));
     }
-    drive_command_t wanted = in_force();
-    wanted.mode = DRIVE_MODE_SPEED;
-    wanted.target = static_cast<int32_t>(std::lround(follower_.bases().step_from_rpm(*rpm)));
-    return command(wanted);
+    return amend([&](drive_command_t &wanted) {
+        wanted.mode = DRIVE_MODE_SPEED;
+        wanted.target = static_cast<int32_t>(std::lround(follower_.bases().step_from_rpm(*rpm)));
+    });
 }
 
 Answer BoardCommands::position(const std::string &value)
@@ -157,10 +207,10 @@ Answer BoardCommands::position(const std::string &value)
                         "either way, found \"{}\"",
                         INT32_MAX / Q16 / follower_.bases().pole_pairs, value));
     }
-    drive_command_t wanted = in_force();
-    wanted.mode = DRIVE_MODE_POSITION;
-    wanted.target = static_cast<int32_t>(std::lround(target));
-    return command(wanted);
+    return amend([&](drive_command_t &wanted) {
+        wanted.mode = DRIVE_MODE_POSITION;
+        wanted.target = static_cast<int32_t>(std::lround(target));
+    });
 }
 
 // The board goes on with what it has where the configuration in force is not that of the files: a `set` would change more
@@ -177,8 +227,13 @@ Answer BoardCommands::set(const std::string &assignment)
             wanted.motor, wanted.board, wanted.tuning,
             fmt::join(differences(of_files, now.cfg, DIFFERENCES_SHOWN), ", ")));
     }
+    const Config before = load(wanted);
     wanted.set.push_back(assignment);
     const Config config = load(wanted);
+    const std::string key = debug::trimmed(assignment.substr(0, assignment.find('=')));
+    if (is_of_image(before, config)) {
+        return refused(key + " is in the image only: build and flash");
+    }
     if (build(config).crc == now.cfg.crc) {
         return done("ok, and no number of the drive is another one");
     }
@@ -187,6 +242,9 @@ Answer BoardCommands::set(const std::string &assignment)
         files_ = std::move(wanted);
         answer.text = fmt::format(
             "ok: {}", fmt::join(differences(now.cfg, build(config), DIFFERENCES_SHOWN), ", "));
+    } else {
+        answer.text =
+            fmt::format("{}: {}", key, answer.text); // the board knows only its own name of it
     }
     return answer;
 }
@@ -316,8 +374,8 @@ Answer BoardCommands::execute(const std::string &line)
     const std::string rest = blank == std::string::npos ? "" : debug::trimmed(text.substr(blank));
     const std::vector<std::pair<const char *, std::function<Answer()>>> table = {
         {"run", [this] { return run(); }},
-        {"stop", [this] { return stop(); }},
-        {"clear", [this] { return clear(); }},
+        {"stop", [this] { return request(0); }},
+        {"clear", [this] { return request(DRIVE_REQUEST_CLEAR); }},
         {"speed", [&] { return speed(rest); }},
         {"position", [&] { return position(rest); }},
         {"set", [&] { return set(rest); }},
@@ -327,7 +385,7 @@ Answer BoardCommands::execute(const std::string &line)
         {"status", [this] { return status(); }},
         {"record", [&] { return record(rest); }},
         {"debug", [&] { return step_through(rest); }},
-        {"identify", [this] { return of_verdict(follower_.client().line("identify")); }},
+        {"identify", [this] { return identify(); }},
         {"wait", [&] { return wait(rest); }},
         {"help", [] { return done(help()); }},
         {"quit", [] { return Answer{Outcome::quit, ""}; }},

@@ -37,9 +37,10 @@ public:
 
 private:
     debug::Answer command(const drive_command_t &command);
+    debug::Answer amend(const std::function<void(drive_command_t &)> &change);
+    debug::Answer request(uint8_t what);
     debug::Answer run();
-    debug::Answer stop();
-    debug::Answer clear();
+    debug::Answer identify();
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer set(const std::string &assignment);
@@ -50,15 +51,19 @@ private:
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;
-    drive_command_t in_force() const;
+    std::optional<drive_command_t> in_force() const;
+    void remember(const std::optional<drive_command_t> &command);
     void take_line(const std::string &line);
     bool dump_once();
 
     Follower &follower_;
     FileChoice files_;
     Surroundings surroundings_;
-    std::optional<drive_command_t> commanded_; // by this session
-    std::string line_;                         // of the console, so far
+    std::optional<drive_command_t>
+        commanded_; // last, by this session; none: only a part of it is known
+    double commanded_s_ = 0;
+    uint64_t commanded_in_ = 0; // connection; 0: none
+    std::string line_;          // of the console, so far
     bool dumping_ = false;
     std::string dump_;
     bool dump_ended_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "command_source.h"
 
+#include "interrupt.h"
+
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -30,7 +32,7 @@ public:
     std::optional<std::string> next(const std::string &prompt) override
     {
         std::optional<std::string> line = source_.next();
-        while (!line && !source_.has_ended()) {
+        while (!line && !source_.has_ended() && !debug::was_ended()) {
             poll(nullptr, 0, WAIT_MS);
             line = source_.next();
         }

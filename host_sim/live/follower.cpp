@@ -86,6 +86,7 @@ void Follower::refuse_others() const
 
 void Follower::connect()
 {
+    connections_++;
     identity_ = client_.hello();
     refuse_others();
     (void)block_in_force();
@@ -96,7 +97,19 @@ void Follower::connect()
         throw LinkError("the board has no flight recorder: there is nothing to stream");
     }
     begin_stream();
+    if (!no_stream_.empty()) {
+        (void)client_.line(
+            "status"); // in place of what the ticks would show: a fault with its advice
+    }
     heard_s_ = client_.now_s();
+}
+
+// The stream may be at the oldest segment of the ring, and the shadow has those that it has not taken.
+double Follower::oldest_s() const
+{
+    constexpr double S_PER_PS = 1e-12;
+    constexpr double RINGS = 2;
+    return RINGS * RECORDER_SEGMENTS * identity_.segment_entries * identity_.tick_ps * S_PER_PS;
 }
 
 // A recording that is kept holds the stream up: it begins when somebody has taken the recording.
@@ -208,6 +221,7 @@ void Follower::hear(const SegmentInfo &info)
     }
     if (info.number + RECORDER_SEGMENTS <= stream_->newest()) {
         stream_ = std::make_unique<Stream>(identity_.segment_entries); // the board counts anew
+        recorders_++;
         candidate_.reset();
         tried_ = 0;
         if (shadow_.is_in_step()) {
@@ -267,12 +281,15 @@ void Follower::ask_for_state()
     const Client::Piece piece =
         client_.state(candidate_->number, static_cast<uint16_t>(state_.size()),
                       careful_ ? STATE_SHORT : LINK_READ_WORDS_MAX);
+    if (!candidate_) {
+        return; // the board has begun anew, and said so before its answer
+    }
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
     if (refused) {
         tried_ = candidate_->number;
         candidate_.reset();
-    } else if (candidate_ && state_.size() >= identity_.state_words) {
+    } else if (state_.size() >= identity_.state_words) {
         const SegmentInfo info = *candidate_;
         candidate_.reset();
         begin(info);
@@ -281,8 +298,13 @@ void Follower::ask_for_state()
 
 void Follower::begin(const SegmentInfo &info)
 {
-    const std::string why = know(info.config_crc) ? shadow_.begin(info, state_)
-                                                  : "its configuration is not in force any more";
+    const uint64_t recorder = recorders_;
+    const bool known = know(info.config_crc);
+    if (recorder != recorders_) {
+        return; // the board has begun anew: there is no such segment any more
+    }
+    const std::string why =
+        known ? shadow_.begin(info, state_) : "its configuration is not in force any more";
     tried_ = info.number;
     if (!why.empty()) {
         reporter_.say(fmt::format("segment {} is no begin: {}", info.number, why));
@@ -307,8 +329,9 @@ bool Follower::ask_for_missing()
     if (!missing) {
         return false;
     }
+    const uint64_t recorder = recorders_;
     const Client::Again again = client_.again(missing->segment, missing->first, missing->count);
-    if (again == Client::Again::nothing) {
+    if (again == Client::Again::nothing && recorder == recorders_) {
         stream_->ends_before(*missing);
     }
     return true;
@@ -318,7 +341,11 @@ void Follower::compute()
 {
     while (const std::optional<Stretch> stretch = stream_->take(at_)) {
         const std::optional<uint32_t> unknown = shadow_.unknown_config(*stretch);
-        if (unknown && !know(*unknown)) {
+        const bool known = !unknown || know(*unknown);
+        if (!shadow_.is_in_step()) {
+            return; // the board has begun anew meanwhile
+        }
+        if (!known) {
             lose(fmt::format("the configuration {:08x} was not in force long enough to be read",
                              *unknown));
             return;

@@ -90,6 +90,18 @@ public:
     {
         return gaps_;
     }
+    // How often the board has been asked who it is: what was told before may be forgotten.
+    uint64_t connections() const
+    {
+        return connections_;
+    }
+    // What the shadow has, while it is in step, is not older: the ring would have lost it.
+    double oldest_s() const;
+    // Why the board sends none of its ticks; empty when it does.
+    const std::string &no_stream() const
+    {
+        return no_stream_;
+    }
     double now_s() const
     {
         return client_.now_s();
@@ -154,6 +166,8 @@ private:
     uint64_t judged_whole_ = 0; // by then
     uint64_t judged_broken_ = 0;
     uint64_t departures_ = 0;
+    uint64_t connections_ = 0;
+    uint64_t recorders_ = 0; // how often the board's recorder was seen to begin anew
 };
 
 } // namespace nf::live

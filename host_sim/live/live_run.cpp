@@ -78,6 +78,12 @@ public:
         return ended_;
     }
 
+    // Some tick is there.
+    bool has_begun() const
+    {
+        return first_s_.has_value();
+    }
+
     void close()
     {
         if (trace_) {
@@ -104,6 +110,7 @@ public:
     bool run();
 
 private:
+    void follow_to_the_end();
     void connect();
     void warn_of_a_slow_line();
     void get_into_step();
@@ -119,7 +126,7 @@ private:
     Channel &channel_;
     const LiveOptions &options_;
     LiveOutputs outputs_;
-    bool person_;
+    bool person_;                           // types, and sees what comes
     std::unique_ptr<CommandSource> source_; // none: a person types
     std::unique_ptr<LiveView> view_;
     Follower follower_;
@@ -134,9 +141,9 @@ private:
 
 LiveRun::LiveRun(Channel &channel, const LiveOptions &options)
     : channel_(channel), options_(options), outputs_(options),
-      person_(options.script.empty() && isatty(STDIN_FILENO) != 0),
+      person_(options.script.empty() && isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0),
       source_(person_ ? nullptr : std::make_unique<CommandSource>(options.script)),
-      view_(isatty(STDOUT_FILENO) != 0 && person_ ? terminal_view() : plain_view()),
+      view_(person_ ? terminal_view() : plain_view()),
       follower_(channel, outputs_,
                 {[this](const std::string &line) { say(line); },
                  [this](const std::string &text) { commands_.take_text(text); }},
@@ -172,7 +179,7 @@ void LiveRun::warn_of_a_slow_line()
     const double needed = baud_needed(PS_PER_S / identity.tick_ps);
     if (options_.baud != 0 && identity.baud < needed) {
         say(fmt::format("the line is too slow for all ticks: {} baud, {:.0f} needed (board.baud of "
-                        "the board file, and --baud); there will be gaps",
+                        "the board file, and --baud); there may be gaps",
                         identity.baud, std::ceil(needed)));
     }
 }
@@ -241,6 +248,26 @@ bool LiveRun::converse(const RecordedRun &run)
     return debug::converse(session, *reader, stdout);
 }
 
+// Joins a thread that ends when its flag is set, also when an exception passes.
+class Joining
+{
+public:
+    Joining(std::thread &thread, std::atomic<bool> &ends) : thread_(thread), ends_(ends)
+    {
+    }
+    ~Joining()
+    {
+        ends_ = true;
+        thread_.join();
+    }
+    Joining(const Joining &) = delete;
+    Joining &operator=(const Joining &) = delete;
+
+private:
+    std::thread &thread_;
+    std::atomic<bool> &ends_;
+};
+
 // The board is followed all the same: it stops a motor that nobody asks for.
 bool LiveRun::step_through(const RecordedRun &run)
 {
@@ -257,9 +284,11 @@ bool LiveRun::step_through(const RecordedRun &run)
             problem = std::current_exception();
         }
     });
-    const bool good = converse(run);
-    done = true;
-    following.join();
+    bool good = false;
+    {
+        const Joining joining(following, done);
+        good = converse(run);
+    }
     stepping_ = false;
     view_->enter();
     for (const std::string &line : std::exchange(waiting_, {})) {
@@ -271,15 +300,28 @@ bool LiveRun::step_through(const RecordedRun &run)
     return good;
 }
 
-bool LiveRun::run()
+void LiveRun::follow_to_the_end()
 {
-    const debug::InterruptWatch watch;
-    begun_s_ = channel_.now_s();
     connect();
     get_into_step();
     while (!is_over()) {
         take_lines();
         step();
+    }
+}
+
+// What was measured is kept whatever ends it. Of a board that was never followed there is nothing: a file of before stays.
+bool LiveRun::run()
+{
+    const debug::InterruptWatch watch(debug::ending_signals());
+    begun_s_ = channel_.now_s();
+    try {
+        follow_to_the_end();
+    } catch (...) {
+        if (outputs_.has_begun()) {
+            outputs_.close();
+        }
+        throw;
     }
     outputs_.close();
     try {

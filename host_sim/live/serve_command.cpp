@@ -70,7 +70,7 @@ void serve(const ServeArguments &arguments, const ServeFiles &files)
     Pty pty(arguments.link);
     const std::string &port = arguments.link.empty() ? pty.port() : arguments.link;
     say(fmt::format("serving on {}; connect with: motorsim live {}", pty.port(), port));
-    const debug::InterruptWatch watch;
+    const debug::InterruptWatch watch(debug::ending_signals());
     Serving serving;
     serving.pace = arguments.pace;
     serving.stops = debug::was_interrupted;

@@ -70,6 +70,13 @@ std::string Shadow::begin(const SegmentInfo &info, const std::vector<uint32_t> &
     return "";
 }
 
+std::optional<drive_command_t> Shadow::command() const
+{
+    return kept_.empty() || kept_.back().steps.empty()
+               ? std::nullopt
+               : std::optional<drive_command_t>(kept_.back().steps.back().in.command);
+}
+
 std::optional<uint32_t> Shadow::unknown_config(const Stretch &stretch) const
 {
     for (const recorder_entry_t &entry : stretch.entries) {

@@ -71,6 +71,8 @@ public:
     {
         return *sim_;
     }
+    // What the last tick was told; nothing before the first one since it is in step.
+    std::optional<drive_command_t> command() const;
     uint64_t hashes_compared() const
     {
         return compared_;

@@ -396,6 +396,113 @@ void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
                refused, fixed);
 }
 
+const drive_command_t &told(const Bench &bench)
+{
+    return bench.log.frames.back().command;
+}
+
+// Nobody is on the line.
+void leave_alone(Bench &bench, double seconds)
+{
+    const double until_s = bench.line.now_s() + seconds;
+    while (bench.line.now_s() < until_s) {
+        (void)bench.line.read(PASS_S);
+    }
+}
+
+constexpr double SETTLES_S = 2; // from power-up to a motor that the script has in RUN
+
+void a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on()
+{
+    Bench bench(scripted("60"));
+    leave_alone(bench, SETTLES_S);
+    bench.follower.connect();
+    for (const char *line : {"speed 1000", "position 1", "run"}) {
+        TEST_ASSERT_EQUAL(0, bench.refusal_of(line).find("not in step yet: "));
+    }
+    bench.pass(RESYNC_S);
+    TEST_ASSERT_EQUAL(DRIVE_REQUEST_RUN, told(bench).request);
+    bench.do_line("speed 1000");
+    bench.pass(0.1);
+    TEST_ASSERT_EQUAL(DRIVE_REQUEST_RUN, told(bench).request);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
+}
+
+void a_stop_before_the_command_in_force_is_known_stops()
+{
+    Bench bench(scripted("60"));
+    leave_alone(bench, SETTLES_S);
+    bench.follower.connect();
+    bench.do_line("stop");
+    TEST_ASSERT_EQUAL(0, bench.refusal_of("speed 1000").find("not in step yet: "));
+    bench.pass(RESYNC_S);
+    TEST_ASSERT_EQUAL(0, told(bench).request);
+}
+
+void a_speed_does_not_start_a_motor_that_the_board_has_stopped()
+{
+    constexpr double TIMEOUT_S = 0.4;
+    constexpr double SILENCE_S = 20; // a ramp to rest is in it
+    Bench bench(scripted("60", {fmt::format("tuning.command_timeout_s={}", TIMEOUT_S)}));
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    bench.do_line("run");
+    bench.do_line("speed 1000");
+    bench.pass(SETTLES_S);
+    TEST_ASSERT_EQUAL(DRIVE_REQUEST_RUN, told(bench).request);
+    leave_alone(bench, SILENCE_S);
+    TEST_ASSERT_EQUAL(0, told(bench).request);
+    bench.pass(RESYNC_S);
+    bench.do_line("speed 500");
+    bench.pass(0.1);
+    TEST_ASSERT_EQUAL(0, told(bench).request);
+}
+
+void a_speed_does_not_end_a_measurement_and_a_stop_does()
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    bench.do_line("stop");
+    bench.pass(10);
+    bench.do_line("identify");
+    for (int k = 0; k < 20; k++) {
+        TEST_ASSERT_EQUAL_STRING("the motor is being measured; stop ends that",
+                                 bench.refusal_of("speed 500").c_str());
+        bench.pass(0.1);
+    }
+    TEST_ASSERT_EQUAL_MESSAGE(DRIVE_REQUEST_PROBE, told(bench).request, bench.all_said().c_str());
+    bench.do_line("stop");
+    bench.pass(0.1);
+    TEST_ASSERT_EQUAL(0, told(bench).request);
+}
+
+void a_fault_whose_recording_is_kept_is_said_with_its_advice()
+{
+    Bench bench(
+        scripted("60", {"scenario.fault=[{time_s = 1, what = \"adc_a_high\", until_s = 1.1}]"}));
+    leave_alone(bench, SETTLES_S);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, bench.log.states.back());
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    TEST_ASSERT_TRUE(bench.all_said().find("no stream: the recording of a fault is kept") !=
+                     std::string::npos);
+    TEST_ASSERT_TRUE_MESSAGE(bench.all_said().find("board: FAULT") != std::string::npos,
+                             bench.all_said().c_str());
+}
+
+void a_key_of_the_image_is_refused_and_a_refused_key_is_named()
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(SETTLES_S);
+    fmt::print("{}\n", bench.refusal_of("set motor.pole_pairs=5"));
+    for (const char *key :
+         {"board.recorder_entries=2048", "board.baud=230400", "motor.name=\"x\""}) {
+        fmt::print("{}\n", bench.refusal_of(std::string("set ") + key));
+    }
+}
+
 } // namespace
 
 extern "C" void setUp()
@@ -412,6 +519,12 @@ int main()
     RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
+    RUN_TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on);
+    RUN_TEST(a_stop_before_the_command_in_force_is_known_stops);
+    RUN_TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped);
+    RUN_TEST(a_speed_does_not_end_a_measurement_and_a_stop_does);
+    RUN_TEST(a_fault_whose_recording_is_kept_is_said_with_its_advice);
+    RUN_TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named);
     RUN_TEST(the_configuration_in_force_may_be_given_again);
     RUN_TEST(
         each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refused_by_name);
