@@ -67,6 +67,26 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given)
                                   block_name));
 }
 
+void check(const std::string &block_name, const FileChoice &given)
+{
+    if (!given.motor.empty()) {
+        (void)load_motor(given.motor);
+    }
+    if (!given.board.empty()) {
+        (void)load_board(given.board);
+    }
+    FileChoice files = given;
+    files.set.clear();
+    if (std::optional<FileChoice> found = search(block_name, files)) {
+        found->set = given.set;
+        (void)load(*found);
+    } else if (!given.tuning.empty()) {
+        (void)load_parts(list_motors().front(), list_boards().front(), given.tuning);
+    } else {
+        // files of another block, which can be read
+    }
+}
+
 Config load(const FileChoice &choice)
 {
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);

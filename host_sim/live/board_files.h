@@ -23,6 +23,10 @@ struct FileChoice {
 // give when no shipped files have these names.
 FileChoice choice_of(const std::string &block_name, const FileChoice &given);
 
+// Whether what is given can be read, and its keys be set, for a block of this name. Throws ConfigError. That the names do not
+// go with the block is no reason: the files may be adopted.
+void check(const std::string &block_name, const FileChoice &given);
+
 // Throws ConfigError.
 Config load(const FileChoice &choice);
 

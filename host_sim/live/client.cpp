@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client.h"
 
+#include "line_rate.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -76,6 +78,16 @@ Words words_of(BodyReader &reader, link_question_t type)
 Client::Client(Channel &channel, const Timing &timing, Listener listener)
     : channel_(channel), timing_(timing), listener_(std::move(listener))
 {
+}
+
+void Client::has_rate(uint32_t baud)
+{
+    constexpr double AROUND = LINK_CRC_BYTES + 3; // delimiters and COBS
+    constexpr double QUESTION = 16 + AROUND;      // the longest that is asked once
+    constexpr double BYTES = QUESTION + 2 * (LINK_MESSAGE_BYTES_MAX + AROUND);
+    if (baud != 0) {
+        timing_.ring_s = std::max(timing_.ring_s, BYTES * BITS_OF_A_BYTE / baud);
+    }
 }
 
 void Client::poll(double wait_s)

@@ -127,6 +127,10 @@ public:
     // The whole block, prepared and applied.
     std::string write_block(const config_block_t &block);
 
+    // The rate of the line: the answer to a question that is asked once is waited for as long as it may take, behind a message that
+    // is on its way.
+    void has_rate(uint32_t baud);
+
     double now_s() const
     {
         return channel_.now_s();

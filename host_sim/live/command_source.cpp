@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -59,6 +60,11 @@ CommandSource::CommandSource(const std::string &path)
 {
     if (file_ < 0) {
         throw std::runtime_error(fmt::format("{}: cannot read: {}", path, std::strerror(errno)));
+    }
+    struct stat kind = {};
+    if (fstat(file_, &kind) == 0 && S_ISDIR(kind.st_mode)) {
+        close(file_);
+        throw std::runtime_error(path + ": is a directory, no file of commands");
     }
 }
 

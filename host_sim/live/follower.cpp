@@ -26,6 +26,10 @@ constexpr double JUDGED_S = 0.25;
 constexpr uint64_t BAD_ONE_IN = 10;
 constexpr uint64_t GOOD_ONE_IN = 50;
 
+// Ticks that are not shown for so long: a person hears of it from time to time.
+constexpr double UNSHOWN_S = 1;
+constexpr double SAID_AGAIN_S = 5;
+
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
@@ -89,6 +93,7 @@ void Follower::connect()
     connections_++;
     identity_ = client_.hello();
     refuse_others();
+    client_.has_rate(identity_.baud);
     (void)block_in_force();
     stream_ = std::make_unique<Stream>(identity_.segment_entries);
     candidate_.reset();
@@ -102,6 +107,8 @@ void Follower::connect()
             "status"); // in place of what the ticks would show: a fault with its advice
     }
     heard_s_ = client_.now_s();
+    shown_s_ = heard_s_;
+    overwritten_ = false;
 }
 
 // The stream may be at the oldest segment of the ring, and the shadow has those that it has not taken.
@@ -263,11 +270,22 @@ void Follower::keep_alive()
     }
 }
 
+void Follower::tell_unshown()
+{
+    const double now_s = client_.now_s();
+    if (overwritten_ && now_s - shown_s_ > UNSHOWN_S && now_s - told_s_ > SAID_AGAIN_S) {
+        told_s_ = now_s;
+        reporter_.say("not in step: the ring of the board is overwritten before its state is read; "
+                      "a higher baud rate or a larger recorder_entries helps");
+    }
+}
+
 // Word by word of a segment that the ring still has: the newest when the one before is gone.
 void Follower::ask_for_state()
 {
     const bool gone = candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
     if (!candidate_ || gone) {
+        overwritten_ = overwritten_ || gone;
         tried_ = candidate_ ? candidate_->number : tried_;
         candidate_ = stream_->newest_after(tried_);
         state_.clear();
@@ -287,6 +305,7 @@ void Follower::ask_for_state()
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
     if (refused) {
+        overwritten_ = true;
         tried_ = candidate_->number;
         candidate_.reset();
     } else if (state_.size() >= identity_.state_words) {
@@ -358,9 +377,12 @@ void Follower::compute()
             return;
         }
         close_gap(first);
+        shown_s_ = client_.now_s();
+        overwritten_ = false;
         at_ = stretch->end.number;
     }
     if (stream_->is_lost(at_)) {
+        overwritten_ = true;
         lose("the line was too slow or too bad");
     }
 }
@@ -374,6 +396,7 @@ void Follower::step(double wait_s)
         asked = ask_for_missing();
     } else {
         ask_for_state();
+        tell_unshown();
     }
     client_.poll(asked || candidate_ ? 0 : wait_s);
     if (shadow_.is_in_step()) {

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -134,6 +135,7 @@ private:
     void begin_stream();
     void judge_line();
     void hear(const SegmentInfo &info);
+    void tell_unshown();
     void ask_for_state();
     void begin(const SegmentInfo &info);
     bool ask_for_missing();
@@ -158,10 +160,13 @@ private:
     std::vector<Gap> gaps_;
     Health health_{};
     double pinged_s_ = 0;
-    double heard_s_ = 0;    // when a frame came in last
-    uint64_t heard_ = 0;    // and how many by then
-    bool careful_ = false;  // the line spoils long messages
-    std::string no_stream_; // why there is none
+    double heard_s_ = 0;       // when a frame came in last
+    uint64_t heard_ = 0;       // and how many by then
+    bool careful_ = false;     // the line spoils long messages
+    std::string no_stream_;    // why there is none
+    double shown_s_ = 0;       // when the last ticks were
+    bool overwritten_ = false; // since then the ring had lost what was asked for
+    double told_s_ = -std::numeric_limits<double>::infinity();
     double judged_s_ = 0;
     uint64_t judged_whole_ = 0; // by then
     uint64_t judged_broken_ = 0;

@@ -58,6 +58,19 @@ void describe_outputs(CLI::App &command, LiveArguments &arguments)
         ->type_name("SECONDS");
 }
 
+void refuse_what_does_not_go_together(const LiveArguments &arguments)
+{
+    const bool follows = !arguments.port.empty();
+    const bool serves = !arguments.serve.scenario.empty();
+    if (follows == serves) {
+        throw ChannelError(follows ? "name a port or --simulate SCENARIO, not both"
+                                   : "name a port, or --simulate SCENARIO");
+    }
+    if (follows && !(arguments.serve.with.empty() && arguments.serve.link.empty())) {
+        throw ChannelError("--with and --link are for --simulate: a port has its board");
+    }
+}
+
 } // namespace
 
 void describe(CLI::App &command, LiveArguments &arguments)
@@ -90,9 +103,7 @@ void describe(CLI::App &command, LiveArguments &arguments)
 bool live(LiveArguments arguments)
 {
     const FileChoice &files = arguments.files;
-    if (arguments.port.empty() == arguments.serve.scenario.empty()) {
-        throw ChannelError("name a port, or --simulate SCENARIO");
-    }
+    refuse_what_does_not_go_together(arguments);
     if (arguments.port.empty()) {
         serve(arguments.serve, {files.motor, files.board, files.set});
         return true;

@@ -168,6 +168,7 @@ void LiveRun::say(const std::string &line)
 void LiveRun::connect()
 {
     follower_.connect();
+    check(follower_.about().name, options_.files);
     const Identity &identity = follower_.identity();
     say(fmt::format("{}, {:g} ticks per s", follower_.about().name, PS_PER_S / identity.tick_ps));
     warn_of_a_slow_line();

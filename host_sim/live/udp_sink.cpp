@@ -54,6 +54,18 @@ double value_of(const SignalInfo &signal, const Tick &tick)
     return word ? static_cast<double>(raw_value(signal, tick).value_or(0)) : si_value(signal, tick);
 }
 
+// A name of a service is looked up; of a number the system takes any, and cuts it off.
+void refuse_port(const std::string &address, const std::string &port)
+{
+    const bool number = port.find_first_not_of("0123456789") == std::string::npos;
+    constexpr std::size_t DIGITS_MAX = 5;
+    constexpr unsigned long PORT_MAX = 65535;
+    const bool is_long = port.size() > DIGITS_MAX;
+    if (number && (is_long || std::stoul(port) == 0 || std::stoul(port) > PORT_MAX)) {
+        throw ChannelError(fmt::format("{}: the port is 1 to {}", address, PORT_MAX));
+    }
+}
+
 } // namespace
 
 std::string udp_text(const Tick &tick)
@@ -75,6 +87,7 @@ UdpSink::UdpSink(const std::string &address, unsigned every) : every_(every)
     if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
         throw ChannelError(fmt::format("{}: --udp takes HOST:PORT", address));
     }
+    refuse_port(address, address.substr(colon + 1));
     addrinfo wanted{};
     wanted.ai_socktype = SOCK_DGRAM;
     addrinfo *found = nullptr;

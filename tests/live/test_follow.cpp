@@ -233,13 +233,22 @@ void assert_gaps_are_those_named(const Bench &bench)
 void a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong()
 {
     constexpr double THIRD = 0.01 / 3;
+    constexpr double FOLLOWED_S = 20;
+    constexpr double RING_S = 4096 / TICKS_PER_S; // at most: an entry is a tick or a change
+    constexpr std::size_t GAPS_MAX = 5; // so that two thirds of the time are left at least
     const nf::Config config = scripted("60", {"board.recorder_entries=4096", "board.baud=760000"});
     Bench bench(config, {THIRD, THIRD, THIRD});
     bench.follower.connect();
-    bench.pass(20);
+    bench.pass(FOLLOWED_S);
     TEST_ASSERT_EQUAL_MESSAGE(0, bench.follower.departures(), bench.all_said().c_str());
     TEST_ASSERT_EQUAL(0, bench.shown.wrong);
     assert_gaps_are_those_named(bench);
+    // It is in step within RESYNC_S of the start and of each gap, and never behind by more than the ring at the end.
+    TEST_ASSERT_LESS_OR_EQUAL(GAPS_MAX, bench.follower.gaps().size());
+    const double followed_s =
+        FOLLOWED_S - RESYNC_S * static_cast<double>(1 + bench.follower.gaps().size()) - RING_S;
+    TEST_ASSERT_GREATER_THAN(followed_s * TICKS_PER_S, bench.shown.ticks.size());
+    TEST_ASSERT_GREATER_THAN((FOLLOWED_S - RESYNC_S) * TICKS_PER_S, bench.shown.ticks.back());
     // The motor does what it does without anybody on the line.
     SimulatedBoard alone(config);
     BoardLog log;
@@ -396,6 +405,45 @@ void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
                refused, fixed);
 }
 
+// A state is 276 words in 9 messages, some 1250 bytes; a segment of 1024 entries some 2200: at 115200 baud they take 0.3 s, and the
+// ring of 4096 entries has a segment for 0.31 to 0.41 s. With 1408 entries it has it for 0.14 s at most.
+void at_115200_baud_a_large_ring_is_shown_in_part_and_a_small_one_is_said_to_be_overwritten()
+{
+    constexpr double FOLLOWED_S = 10;
+    constexpr double SHOWN_S =
+        1; // a segment of 0.1 s in each second; a board that is never in step has none
+    const auto config = [](const char *entries) {
+        return nf::load_scenario("s2_robust", {"adc"},
+                                 {"scenario.duration_s=60", "board.baud=115200",
+                                  std::string("board.recorder_entries=") + entries});
+    };
+    for (const char *entries : {"1408", "4096"}) {
+        BoardLog log;
+        SimulatedBoard board(config(entries));
+        BoardChannel line(board, &log);
+        ShownTicks shown(log);
+        std::vector<std::string> said;
+        Follower follower(
+            line, shown,
+            {[&](const std::string &text) { said.push_back(text); }, [](const std::string &) {}},
+            {});
+        follower.connect();
+        while (line.now_s() < FOLLOWED_S) {
+            follower.step(PASS_S);
+        }
+        TEST_ASSERT_EQUAL(0, shown.wrong);
+        const bool is_said = std::any_of(said.begin(), said.end(), [](const std::string &text) {
+            return text.find("not in step: the ring of the board is overwritten") == 0;
+        });
+        const bool is_large = std::string(entries) == "4096";
+        TEST_ASSERT_EQUAL_MESSAGE(
+            is_large, static_cast<double>(shown.ticks.size()) > SHOWN_S * TICKS_PER_S, entries);
+        TEST_ASSERT_TRUE_MESSAGE(is_large || is_said, entries);
+        fmt::print("{} entries, 115200 baud: {} ticks of {} shown, {} gaps\n", entries,
+                   shown.ticks.size(), log.hashes.size(), follower.gaps().size());
+    }
+}
+
 const drive_command_t &told(const Bench &bench)
 {
     return bench.log.frames.back().command;
@@ -452,7 +500,7 @@ void a_speed_does_not_start_a_motor_that_the_board_has_stopped()
     TEST_ASSERT_EQUAL(DRIVE_REQUEST_RUN, told(bench).request);
     leave_alone(bench, SILENCE_S);
     TEST_ASSERT_EQUAL(0, told(bench).request);
-    bench.pass(RESYNC_S);
+    bench.pass(QUICK.silent_s + 2 * RESYNC_S); // it is asked who it is, first
     bench.do_line("speed 500");
     bench.pass(0.1);
     TEST_ASSERT_EQUAL(0, told(bench).request);
@@ -460,11 +508,11 @@ void a_speed_does_not_start_a_motor_that_the_board_has_stopped()
 
 void a_speed_does_not_end_a_measurement_and_a_stop_does()
 {
-    Bench bench(scripted("60"));
+    Bench bench(scripted("60", {"scenario.load=[]"}));
     bench.follower.connect();
+    bench.pass(0.2);
+    bench.do_line("stop"); // before it turns
     bench.pass(RESYNC_S);
-    bench.do_line("stop");
-    bench.pass(10);
     bench.do_line("identify");
     for (int k = 0; k < 20; k++) {
         TEST_ASSERT_EQUAL_STRING("the motor is being measured; stop ends that",
@@ -479,9 +527,14 @@ void a_speed_does_not_end_a_measurement_and_a_stop_does()
 
 void a_fault_whose_recording_is_kept_is_said_with_its_advice()
 {
-    Bench bench(
-        scripted("60", {"scenario.fault=[{time_s = 1, what = \"adc_a_high\", until_s = 1.1}]"}));
-    leave_alone(bench, SETTLES_S);
+    constexpr double BEHIND_THE_FAULT_S =
+        55; // the fault is at 50 s of the script, which begins behind power-up
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    bench.do_line("run");
+    bench.follower.leave();
+    leave_alone(bench, BEHIND_THE_FAULT_S);
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, bench.log.states.back());
     bench.follower.connect();
     bench.pass(RESYNC_S);
@@ -496,11 +549,13 @@ void a_key_of_the_image_is_refused_and_a_refused_key_is_named()
     Bench bench(scripted("60"));
     bench.follower.connect();
     bench.pass(SETTLES_S);
-    fmt::print("{}\n", bench.refusal_of("set motor.pole_pairs=5"));
-    for (const char *key :
-         {"board.recorder_entries=2048", "board.baud=230400", "motor.name=\"x\""}) {
-        fmt::print("{}\n", bench.refusal_of(std::string("set ") + key));
+    TEST_ASSERT_EQUAL(0, bench.refusal_of("set motor.pole_pairs=1").find("motor.pole_pairs: "));
+    for (const char *set : {"set board.recorder_entries=2048", "set board.baud=230400",
+                            "set motor.name=\"another\""}) {
+        TEST_ASSERT_TRUE(bench.refusal_of(set).find("is in the image only: build and flash") !=
+                         std::string::npos);
     }
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, bench.log.states.back());
 }
 
 } // namespace
@@ -519,6 +574,8 @@ int main()
     RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
+    RUN_TEST(
+        at_115200_baud_a_large_ring_is_shown_in_part_and_a_small_one_is_said_to_be_overwritten);
     RUN_TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on);
     RUN_TEST(a_stop_before_the_command_in_force_is_known_stops);
     RUN_TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped);
