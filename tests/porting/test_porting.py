@@ -47,6 +47,12 @@ uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us)
     return us;
 }
 
+int32_t units_hundredth_turns(const units_rotation_t *rotation, int32_t turns_q16)
+{
+    (void)rotation;
+    return turns_q16;
+}
+
 int32_t units_rpm(const units_rotation_t *rotation, step_t step)
 {
     (void)rotation;
