@@ -102,13 +102,18 @@ std::optional<Stretch> Stream::take(uint32_t first)
 {
     Stretch stretch{};
     auto at = parts_.find(first);
-    if (at == parts_.end() || !at->second.info) {
+    if (at == parts_.end()) {
         return std::nullopt;
     }
-    stretch.begin = at->second.info.value();
+    const std::optional<SegmentInfo> begin = at->second.info;
+    if (!begin) {
+        return std::nullopt;
+    }
+    stretch.begin = *begin;
     for (uint32_t number = first; at != parts_.end() && at->first == number; ++at, number++) {
-        if (number != first && at->second.info) {
-            stretch.end = at->second.info.value();
+        const std::optional<SegmentInfo> info = at->second.info;
+        if (number != first && info) {
+            stretch.end = *info;
             forget_before(number);
             return stretch;
         }
