@@ -103,7 +103,10 @@ static void enlarge_pulse(identify_t *identify)
     }
 }
 
-/* Why the answers of the three axes are not those of a motor; NULL: they may be. */
+/*
+ * Why the answers of the three axes are not those of a motor; NULL: they may be. One turned axis is no reason here: a phase that
+ * stands out is judged by its resistance.
+ */
 static const char *find_wrong_phase(const identify_rest_t *rest)
 {
     static const char *const open[IDENTIFY_AXES] = {"phase a is open", "phase b is open",
@@ -129,7 +132,7 @@ static const char *find_wrong_phase(const identify_rest_t *rest)
             straight = axis;
         }
     }
-    /* an open phase turns the current of the others, so it is named first */
+    /* An open phase turns the current of the others: where there is one, it is the reason. */
     if ((why == NULL) && (turned == IDENTIFY_AXES)) {
         why =
             "a current sensor is reversed, or the wires or the sensors of all three phases are exchanged";
