@@ -233,7 +233,7 @@ static const char *turn_stream(link_t *link, uint32_t on)
     } else if (link->console.dump_phase != CONSOLE_DUMP_NONE) {
         why = DUMP_FIRST;
     } else if (recorder->frozen && recorder->held) {
-        why = "the flight recorder keeps a fault: read it with dump, or give it up with record";
+        why = "the recording of a fault is kept until it is read or given up";
     } else {
         link_stream_begin(&link->stream, recorder);
         link_stream_limit(&link->stream, (on == 1U) ? FRAME_CODE_ENTRIES_MAX : on);

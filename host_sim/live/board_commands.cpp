@@ -9,6 +9,7 @@
 #include "names.h"
 #include "output_file.h"
 #include "reader.h"
+#include "run_recording.h"
 #include "trimmed.h"
 
 #include <cmath>
@@ -95,7 +96,7 @@ std::string BoardCommands::help()
            "defaults                the image's own configuration becomes the one in force\n"
            "store                   the configuration in force survives the next start\n"
            "status                  what the drive does\n"
-           "record FILE             the flight recorder's recording, for `motorsim replay`\n"
+           "record FILE             the ticks that are kept, up to the last fault, for `motorsim replay`\n"
            "debug [SECONDS]         step through the last seconds, forwards and backwards\n"
            "identify                the drive measures its motor\n"
            "wait SECONDS            before the next command\n"
@@ -310,13 +311,9 @@ bool BoardCommands::dump_once()
 }
 
 // A line that is lost or damaged is not sent again: the whole dump is.
-Answer BoardCommands::record(const std::string &path)
+Answer BoardCommands::record_ring(OutputFile &file)
 {
-    if (path.empty()) {
-        return refused("record takes the name of a file");
-    }
     std::string problem = "the board does not send it";
-    OutputFile file(path);
     dumping_ = true;
     for (int k = 0; k < DUMP_TRIES && !problem.empty(); k++) {
         try {
@@ -333,8 +330,35 @@ Answer BoardCommands::record(const std::string &path)
         return refused("no recording: " + problem);
     }
     file.write(dump_);
-    file.close();
-    return done(fmt::format("ok: `motorsim replay {}`", path));
+    return done("ok: the board's ring");
+}
+
+Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file) const
+{
+    const replay::RunRecording recording = replay::recording_of(run, follower_.recorder_about());
+    file.write(recording.text);
+    return done(fmt::format("ok: {:.4g} s from tick {} on, up to {}",
+                            static_cast<double>(recording.ticks) * run.image.bases.control_period_s,
+                            recording.first,
+                            recording.ends_in_fault ? "the last fault" : "the last tick shown"));
+}
+
+// While it is followed the board's ring does not stop at a fault: the ticks that were shown have it.
+Answer BoardCommands::record(const std::string &path)
+{
+    constexpr std::size_t TICKS_MIN = 2;
+    if (path.empty()) {
+        return refused("record takes the name of a file");
+    }
+    OutputFile file(path);
+    const std::optional<RecordedRun> run = follower_.shadow().run(follower_.kept_s());
+    const bool is_shown = run && run->frames.size() >= TICKS_MIN;
+    Answer answer = is_shown ? record_shown(*run, file) : record_ring(file);
+    if (answer.outcome == Outcome::done) {
+        file.close();
+        answer.text += fmt::format(": `motorsim replay {}`", path);
+    }
+    return answer;
 }
 
 Answer BoardCommands::wait(const std::string &seconds)

@@ -5,6 +5,7 @@
 #include "board_files.h"
 #include "commands.h"
 #include "follower.h"
+#include "output_file.h"
 
 #include <functional>
 #include <optional>
@@ -48,6 +49,8 @@ private:
     debug::Answer apply(const Config &config);
     debug::Answer defaults();
     debug::Answer record(const std::string &path);
+    debug::Answer record_ring(OutputFile &file);
+    debug::Answer record_shown(const RecordedRun &run, OutputFile &file) const;
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;

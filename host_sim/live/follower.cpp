@@ -5,6 +5,7 @@
 #include "recording.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 extern "C" {
@@ -153,13 +154,22 @@ void Follower::leave()
     client_.bye();
 }
 
+recorder_about_t Follower::recorder_about(const config_about_t &about) const
+{
+    recorder_about_t said{};
+    said.tick_ps = identity_.tick_ps;
+    said.current_full_scale_ua = identity_.current_full_scale_ua;
+    said.bus_full_scale_uv = identity_.bus_full_scale_uv;
+    said.pole_pairs = about.pole_pairs;
+    static_assert(sizeof said.build == sizeof identity_.build);
+    std::memcpy(said.build, identity_.build.data(), sizeof said.build);
+    recorder_about_name(&said, about.name);
+    return said;
+}
+
 void Follower::learn(const config_block_t &block)
 {
-    recorder_about_t about{};
-    about.tick_ps = identity_.tick_ps;
-    about.current_full_scale_ua = identity_.current_full_scale_ua;
-    about.bus_full_scale_uv = identity_.bus_full_scale_uv;
-    about.pole_pairs = block.about.pole_pairs;
+    const recorder_about_t about = recorder_about(block.about);
     try {
         replay::check_scales(about);
     } catch (const replay::RecordingError &error) {

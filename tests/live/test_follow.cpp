@@ -4,6 +4,8 @@
 #include "cfg_rows.h"
 #include "lossy_channel.h"
 #include "output_file.h"
+#include "reader.h"
+#include "replay.h"
 #include "trace.h"
 #include "watched_board.h"
 
@@ -544,6 +546,68 @@ void a_fault_whose_recording_is_kept_is_said_with_its_advice()
                              bench.all_said().c_str());
 }
 
+nf::replay::Recording recorded(Bench &bench)
+{
+    const std::string path = std::filesystem::temp_directory_path() / "nf_live_recorded.log";
+    bench.do_line("record " + path);
+    const nf::replay::Recording recording = nf::replay::read_file(path);
+    std::filesystem::remove(path);
+    return recording;
+}
+
+void a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again()
+{
+    constexpr double FAULT_S = 3; // behind power-up at the latest
+    constexpr double SETS_S = 0.3;
+    Bench bench(
+        scripted("60", {"scenario.fault=[{time_s = 2, what = \"adc_a_high\", until_s = 2.1}]"}));
+    bench.follower.connect();
+    bench.pass(0.5);
+    for (const char *line : {"run", "speed 900"}) {
+        bench.do_line(line);
+    }
+    for (const char *line :
+         {"set observer.kappa=0.024", "set observer.kappa=0.025", "set observer.kappa=0.026"}) {
+        bench.do_line(line);
+        bench.pass(SETS_S);
+    }
+    bench.pass(FAULT_S);
+    TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_FAULT, bench.log.states.back(), bench.all_said().c_str());
+    bench.do_line("clear");
+    bench.pass(0.2);
+    bench.do_line("run");
+    bench.pass(SETTLES_S);
+    const auto fault_tick = static_cast<int64_t>(
+        std::find(bench.log.states.begin(), bench.log.states.end(), DRIVE_STATE_FAULT) -
+        bench.log.states.begin());
+    const nf::replay::Recording recording = recorded(bench);
+    const nf::replay::Result result = nf::replay::replay(recording);
+    TEST_ASSERT_FALSE_MESSAGE(result.difference.has_value(),
+                              nf::replay::summary(recording, result).c_str());
+    TEST_ASSERT_EQUAL(FAULT_ADC_SATURATED, recording.fault().id);
+    TEST_ASSERT_EQUAL(fault_tick, recording.fault().tick);
+    TEST_ASSERT_EQUAL(fault_tick + 64, recording.last());
+    TEST_ASSERT_EQUAL(1,
+                      recording.run.changes.size()); // of four configurations it holds the last two
+    TEST_ASSERT_LESS_THAN(fault_tick - static_cast<int64_t>(SETS_S * TICKS_PER_S),
+                          recording.run.first());
+}
+
+void what_was_shown_can_be_recorded_when_the_board_has_gone()
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    const auto shown = static_cast<int64_t>(bench.shown.ticks.back());
+    leave_alone(bench, 2 * RESYNC_S); // the ring has forgotten what follows
+    while (bench.follower.shadow().is_in_step()) {
+        bench.follower.step(PASS_S);
+    }
+    const nf::replay::Recording recording = recorded(bench);
+    TEST_ASSERT_FALSE(nf::replay::replay(recording).difference.has_value());
+    TEST_ASSERT_EQUAL(shown, recording.last());
+}
+
 void a_key_of_the_image_is_refused_and_a_refused_key_is_named()
 {
     Bench bench(scripted("60"));
@@ -581,6 +645,8 @@ int main()
     RUN_TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped);
     RUN_TEST(a_speed_does_not_end_a_measurement_and_a_stop_does);
     RUN_TEST(a_fault_whose_recording_is_kept_is_said_with_its_advice);
+    RUN_TEST(a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again);
+    RUN_TEST(what_was_shown_can_be_recorded_when_the_board_has_gone);
     RUN_TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named);
     RUN_TEST(the_configuration_in_force_may_be_given_again);
     RUN_TEST(

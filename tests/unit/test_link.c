@@ -574,9 +574,8 @@ static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_i
     hello();
     fail();
     passes(200U);
-    assert_verdict(
-        "the flight recorder keeps a fault: read it with dump, or give it up with record",
-        LINK_STREAM, &on, 1U);
+    assert_verdict("the recording of a fault is kept until it is read or given up", LINK_STREAM,
+                   &on, 1U);
     assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
     assert_line("record");
     stream_on();
