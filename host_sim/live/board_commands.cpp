@@ -226,7 +226,7 @@ Answer BoardCommands::set(const std::string &assignment)
             "the configuration in force is not that of {}, {}, {}: {}. Give its files with --motor, "
             "--board and --tuning, or `adopt` theirs first",
             wanted.motor, wanted.board, wanted.tuning,
-            fmt::join(differences(of_files, now.cfg, DIFFERENCES_SHOWN), ", ")));
+            differences(of_files, now.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
     }
     const Config before = load(wanted);
     wanted.set.push_back(assignment);
@@ -241,8 +241,8 @@ Answer BoardCommands::set(const std::string &assignment)
     Answer answer = apply(config);
     if (answer.outcome == Outcome::done) {
         files_ = std::move(wanted);
-        answer.text = fmt::format(
-            "ok: {}", fmt::join(differences(now.cfg, build(config), DIFFERENCES_SHOWN), ", "));
+        answer.text =
+            "ok: " + differences(now.cfg, build(config), follower_.bases(), DIFFERENCES_SHOWN);
     } else {
         answer.text =
             fmt::format("{}: {}", key, answer.text); // the board knows only its own name of it

@@ -92,17 +92,27 @@ Config load(const FileChoice &choice)
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);
 }
 
-std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t &to,
-                                     std::size_t most)
+std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
+                        std::size_t most)
 {
-    std::vector<std::string> lines;
+    const Bases bases_from = rescaled(bases, from);
+    const Bases bases_to = rescaled(bases, to);
+    std::vector<std::string> some;
+    std::size_t more = 0;
     for (const CfgRow &row : cfg_rows()) {
-        if (raw_value(row, from) != raw_value(row, to) && lines.size() < most) {
-            lines.push_back(
-                fmt::format("{} {} to {}", row.path, raw_value(row, from), raw_value(row, to)));
+        const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
+        if (is_crc || raw_value(row, from) == raw_value(row, to)) {
+            continue;
+        }
+        if (some.size() < most) {
+            some.push_back(fmt::format("{} {} to {}", row.path, value_text(row, bases_from, from),
+                                       value_text(row, bases_to, to)));
+        } else {
+            more++;
         }
     }
-    return lines;
+    return fmt::format("{}{}", fmt::join(some, ", "),
+                       more == 0 ? "" : fmt::format(", and {} more", more));
 }
 
 } // namespace nf::live
