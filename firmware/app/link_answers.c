@@ -199,23 +199,26 @@ static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
     return verdict;
 }
 
-/* Of the state before a segment; none when the segment is not there. */
+/* Of the state before a segment; none when it is not there. It is kept while the PC asks for its words. */
 static void put_state(link_t *link, const uint8_t *body)
 {
-    const recorder_t *const recorder = link->live->app->recorder;
+    recorder_t *const recorder = link->live->app->recorder;
     const uint32_t segment = words_get(body);
     const uint32_t first = half_at(&body[4]);
-    recorder_view_t view = {0};
+    const drive_t *state = NULL;
     uint32_t count = 0U;
 
-    if ((recorder != NULL) && recorder_find(recorder, segment, &view)) {
+    if (recorder != NULL) {
+        state = recorder_keep_state(recorder, segment);
+    }
+    if (state != NULL) {
         count = words_there(first, body[6], drive_words_count());
     }
     link_out_word(&link->out, segment);
     link_out_half(&link->out, first);
     link_out_byte(&link->out, count);
     for (uint32_t k = 0U; k < count; k++) {
-        link_out_word(&link->out, drive_words_get(view.state, first + k));
+        link_out_word(&link->out, drive_words_get(state, first + k));
     }
 }
 

@@ -7,7 +7,8 @@
 #include <stddef.h>
 
 #define NONE (RECORDER_SEGMENTS) /* no segment */
-#define END (RECORDER_SEGMENTS)  /* the state after the last frame */
+#define END \
+    (RECORDER_SEGMENTS) /* the state after the last frame; before that, the one that a reader has kept */
 #define HALF_MASK (0xFFFFU)
 #define BYTE_MASK (0xFFU)
 #define COMPARE_MASK (0x7FFFU)
@@ -175,6 +176,7 @@ static void begin_anew(recorder_t *recorder)
     recorder->offered = false;
     recorder->gap = false;
     recorder->triggered = false;
+    recorder->kept = 0U;
     recorder->changed = false;
     barrier_compiler();
     recorder->frozen = false;
@@ -217,7 +219,9 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
 {
     const uint32_t tick = drive->tick;
 
-    if (next != END) {
+    if (next == END) {
+        recorder->kept = 0U;
+    } else {
         recorder->segments[next] =
             (recorder_segment_t){.number = number_after(recorder), .config_crc = drive->cfg->crc};
     }
@@ -496,6 +500,22 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
         }
     }
     return found;
+}
+
+const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number)
+{
+    const bool is_kept = (number != 0U) && (number == recorder->kept);
+    const drive_t *state = is_kept ? &recorder->states[END] : NULL;
+    recorder_view_t view = {0};
+
+    if (!is_kept && recorder_find(recorder, number, &view)) {
+        state = view.state;
+        if (!recorder->triggered) {
+            recorder->states[END] = *state;
+            recorder->kept = number;
+        }
+    }
+    return state;
 }
 
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)

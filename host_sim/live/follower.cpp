@@ -285,24 +285,32 @@ void Follower::tell_unshown()
     const double now_s = client_.now_s();
     if (overwritten_ && now_s - shown_s_ > UNSHOWN_S && now_s - told_s_ > SAID_AGAIN_S) {
         told_s_ = now_s;
-        reporter_.say("not in step: the ring of the board is overwritten before its state is read; "
-                      "a higher baud rate or a larger recorder_entries helps");
+        reporter_.say(
+            "not in step: the ring of the board is overwritten before its ticks have come; "
+            "a higher baud rate or a larger recorder_entries helps");
     }
 }
 
-// Word by word of a segment that the ring still has: the newest when the one before is gone.
+// The newest segment, when the one before is gone: the board keeps its state, but not its entries.
+void Follower::choose_candidate()
+{
+    const bool gone = candidate_ && stream_->has_lost(candidate_->number);
+    if (candidate_ && !gone) {
+        return;
+    }
+    overwritten_ = overwritten_ || gone;
+    tried_ = candidate_ ? candidate_->number : tried_;
+    candidate_ = stream_->newest_after(tried_);
+    state_.clear();
+    if (candidate_) {
+        stream_->forget_before(candidate_->number);
+    }
+}
+
+// Some words of it.
 void Follower::ask_for_state()
 {
-    const bool gone = candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
-    if (!candidate_ || gone) {
-        overwritten_ = overwritten_ || gone;
-        tried_ = candidate_ ? candidate_->number : tried_;
-        candidate_ = stream_->newest_after(tried_);
-        state_.clear();
-        if (candidate_) {
-            stream_->forget_before(candidate_->number);
-        }
-    }
+    choose_candidate();
     if (!candidate_) {
         return;
     }
@@ -401,10 +409,8 @@ void Follower::step(double wait_s)
 {
     keep_alive();
     judge_line();
-    bool asked = false;
-    if (shadow_.is_in_step()) {
-        asked = ask_for_missing();
-    } else {
+    const bool asked = ask_for_missing();
+    if (!shadow_.is_in_step()) {
         ask_for_state();
         tell_unshown();
     }

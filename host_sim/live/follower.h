@@ -146,6 +146,7 @@ private:
     void judge_line();
     void hear(const SegmentInfo &info);
     void tell_unshown();
+    void choose_candidate();
     void ask_for_state();
     void begin(const SegmentInfo &info);
     bool ask_for_missing();

@@ -95,7 +95,7 @@ void describe(CLI::App &command, LiveArguments &arguments)
                     "what the board's configuration has been set to, over the files; repeatable")
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
-    command.add_option("--keep", arguments.keep_s, "so many seconds for `debug`")
+    command.add_option("--keep", arguments.keep_s, "so many seconds for `debug` and `record`")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 600.0));
 }

@@ -138,11 +138,17 @@ std::optional<SegmentInfo> Stream::newest_after(uint32_t than) const
 }
 
 // The newest of its RECORDER_SEGMENTS overwrites the oldest.
+bool Stream::has_lost(uint32_t segment) const
+{
+    const auto at = parts_.find(segment);
+    const bool is_overwritten = segment + RECORDER_SEGMENTS <= newest_;
+    return is_overwritten && (at == parts_.end() || !is_whole(at->second));
+}
+
 bool Stream::is_lost(uint32_t first) const
 {
     for (uint32_t number = first; number + RECORDER_SEGMENTS <= newest_; number++) {
-        const auto at = parts_.find(number);
-        if (at == parts_.end() || !is_whole(at->second)) {
+        if (has_lost(number)) {
             return true;
         }
     }
