@@ -3,7 +3,9 @@
 #pragma once
 
 #include "channel.h"
+#include "receiver.h"
 
+#include <memory>
 #include <string>
 
 namespace nf::live
@@ -28,6 +30,7 @@ private:
 
     std::string path_;
     int file_;
+    std::unique_ptr<Receiver> receiver_;
 };
 
 } // namespace nf::live
