@@ -6,16 +6,16 @@
 
 #include <stddef.h>
 
-#define NONE (RECORDER_SEGMENTS) /* no segment */
-#define END \
-    (RECORDER_SEGMENTS) /* the state after the last frame; before that, the one that a reader has kept */
+#define NONE (RECORDER_SEGMENTS)  /* no segment */
+#define END (RECORDER_SEGMENTS)   /* in place of a segment: the recording ends */
+#define SPARE (RECORDER_SEGMENTS) /* the state that belongs to no segment */
 #define HALF_MASK (0xFFFFU)
 #define BYTE_MASK (0xFFU)
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
 
-_Static_assert(RECORDER_STATES == (END + 1U), "one state more than segments");
+_Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
 {
@@ -346,7 +346,7 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
 /* The other one of the two that a history can have; NULL when it can have only one. */
 static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
 {
-    const drive_cfg_t *const end = recorder->states[END].cfg;
+    const drive_cfg_t *const end = recorder->states[SPARE].cfg;
 
     return (end == begin) ? recorder->before : end;
 }
@@ -447,7 +447,7 @@ const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_h
 
 const drive_t *recorder_end_state(const recorder_t *recorder)
 {
-    return &recorder->states[END];
+    return &recorder->states[SPARE];
 }
 
 /*
@@ -505,13 +505,13 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
 const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number)
 {
     const bool is_kept = (number != 0U) && (number == recorder->kept);
-    const drive_t *state = is_kept ? &recorder->states[END] : NULL;
+    const drive_t *state = is_kept ? &recorder->states[SPARE] : NULL;
     recorder_view_t view = {0};
 
     if (!is_kept && recorder_find(recorder, number, &view)) {
         state = view.state;
         if (!recorder->triggered) {
-            recorder->states[END] = *state;
+            recorder->states[SPARE] = *state;
             recorder->kept = number;
         }
     }

@@ -32,8 +32,7 @@
 #include <stdint.h>
 
 #define RECORDER_SEGMENTS (4U)
-#define RECORDER_STATES \
-    (5U) /* before the first frame of each segment, and after the last frame or of a reader */
+#define RECORDER_STATES (RECORDER_SEGMENTS + 1U)
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
@@ -89,6 +88,10 @@ typedef struct {
     uint32_t segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];
+    /*
+     * Before the first frame of each segment. The last one belongs to no segment: while `kept` is not 0 it is the state that a reader
+     * has kept, in a frozen recording the state after the last frame.
+     */
     drive_t states[RECORDER_STATES];
 } recorder_t;
 

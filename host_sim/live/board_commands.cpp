@@ -2,6 +2,7 @@
 #include "board_commands.h"
 
 #include "about_text.h"
+#include "ends_with.h"
 #include "fault_line.h"
 #include "found_fault.h"
 #include "header.h"
@@ -12,8 +13,10 @@
 #include "run_recording.h"
 #include "trimmed.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <future>
 #include <utility>
 
 extern "C" {
@@ -63,12 +66,6 @@ std::optional<double> number(const std::string &text)
     const double value = std::strtod(text.c_str(), &end);
     const bool good = !text.empty() && *end == '\0' && std::isfinite(value);
     return good ? std::optional<double>(value) : std::nullopt;
-}
-
-bool ends_with(const std::string &text, const std::string &end)
-{
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 // What is compiled into an image is another, which no block carries.
@@ -198,7 +195,7 @@ Answer BoardCommands::speed(const std::string &value)
 
 Answer BoardCommands::position(const std::string &value)
 {
-    const bool degrees = ends_with(value, "deg");
+    const bool degrees = debug::ends_with(value, "deg");
     const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
     const double rad = found ? *found * TWO_PI / (degrees ? 360.0 : 1.0) : 0;
     const double target = follower_.bases().turns_from_mech_rad(rad) * Q16;
@@ -333,9 +330,17 @@ Answer BoardCommands::record_ring(OutputFile &file)
     return done("ok: the board's ring");
 }
 
-Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file) const
+// It takes some tenths of a second, and the board wants to hear somebody meanwhile.
+Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file)
 {
-    const replay::RunRecording recording = replay::recording_of(run, follower_.recorder_about());
+    std::future<replay::RunRecording> making =
+        std::async(std::launch::async, [&run, about = follower_.recorder_about()] {
+            return replay::recording_of(run, about);
+        });
+    while (making.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+        surroundings_.pass(PASS_S);
+    }
+    const replay::RunRecording recording = making.get();
     file.write(recording.text);
     return done(fmt::format("ok: {:.4g} s from tick {} on, up to {}",
                             static_cast<double>(recording.ticks) * run.image.bases.control_period_s,
@@ -352,7 +357,8 @@ Answer BoardCommands::record(const std::string &path)
     }
     OutputFile file(path);
     const std::optional<RecordedRun> run = follower_.shadow().run(follower_.kept_s());
-    const bool is_shown = run && run->frames.size() >= TICKS_MIN;
+    // A board that sends no ticks because it keeps a recording has what came after those that were shown.
+    const bool is_shown = follower_.no_stream().empty() && run && run->frames.size() >= TICKS_MIN;
     Answer answer = is_shown ? record_shown(*run, file) : record_ring(file);
     if (answer.outcome == Outcome::done) {
         file.close();
@@ -424,6 +430,8 @@ Answer BoardCommands::execute(const std::string &line)
             } catch (const ConfigError &error) {
                 return refused(error.what());
             } catch (const OutputError &error) {
+                return refused(error.what());
+            } catch (const LinkError &error) {
                 return refused(error.what());
             }
         }

@@ -4,6 +4,8 @@
 #include "about_text.h"
 #include "cfg_rows.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 
 #include <fmt/format.h>
@@ -92,6 +94,21 @@ Config load(const FileChoice &choice)
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);
 }
 
+namespace
+{
+
+// The CRC, and the exponent of another row's value, say nothing to a person.
+bool says_something(const CfgRow &row)
+{
+    const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
+    const bool is_exponent =
+        std::any_of(cfg_rows().begin(), cfg_rows().end(),
+                    [&](const CfgRow &other) { return other.exponent == &row; });
+    return !is_crc && !is_exponent;
+}
+
+} // namespace
+
 std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
                         std::size_t most)
 {
@@ -100,8 +117,7 @@ std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Ba
     std::vector<std::string> some;
     std::size_t more = 0;
     for (const CfgRow &row : cfg_rows()) {
-        const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
-        if (is_crc || raw_value(row, from) == raw_value(row, to)) {
+        if (!says_something(row) || raw_value(row, from) == raw_value(row, to)) {
             continue;
         }
         if (some.size() < most) {

@@ -30,7 +30,7 @@ void check(const std::string &block_name, const FileChoice &given);
 // Throws ConfigError.
 Config load(const FileChoice &choice);
 
-// The settings of the drive that differ, "observer.eta 0.024 to 0.025", and how many more there are than `most`. `bases`: of
+// The settings of the drive that differ, "observer.eta 569.75 to 449.81", and how many more there are than `most`. `bases`: of
 // the motor and board of both.
 std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
                         std::size_t most);

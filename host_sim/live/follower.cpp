@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "follower.h"
 
+#include "ends_with.h"
 #include "identity.h"
 #include "recording.h"
 
@@ -35,12 +36,6 @@ constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read aga
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
 constexpr const char *ASK_AGAIN = "ask again";
-
-bool ends_with(const std::string &text, const std::string &end)
-{
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 } // namespace
 
@@ -212,7 +207,7 @@ std::string Follower::change(const config_block_t &block)
 {
     learn(block);
     std::string why = client_.write_block(block);
-    for (int k = 0; k < BLOCK_TRIES && ends_with(why, ASK_AGAIN); k++) {
+    for (int k = 0; k < BLOCK_TRIES && debug::ends_with(why, ASK_AGAIN); k++) {
         client_.poll(options_.timing.ring_s);
         why = client_.apply(block.cfg.crc);
     }

@@ -131,10 +131,13 @@ Shadow::Advance Shadow::judge(const Stretch &stretch, const std::vector<Step> &s
 Shadow::Advance Shadow::advance(const Stretch &stretch, TickSink &sink)
 {
     const std::vector<Step> steps = steps_of(stretch);
-    const bool begins = !stretch.entries.empty() && is_change(stretch.entries.front());
+    if (stretch.entries.empty()) {
+        return {Verdict::gap, "the board's ring has overwritten a segment before it came"};
+    }
     const Advance found =
-        begins ? judge(stretch, steps)
-               : Advance{Verdict::departs, "the first entry of a segment is no change"};
+        is_change(stretch.entries.front())
+            ? judge(stretch, steps)
+            : Advance{Verdict::departs, "the first entry of a segment is no change"};
     if (found.verdict == Verdict::right) {
         compute(steps, sink);
     }

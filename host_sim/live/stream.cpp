@@ -93,7 +93,8 @@ std::optional<Missing> Stream::missing() const
 void Stream::ends_before(const Missing &missing)
 {
     Part *const at = part(missing.segment);
-    if (at != nullptr && !at->total && missing.first == at->entries.size()) {
+    const bool is_overwritten = missing.segment + RECORDER_SEGMENTS <= newest_;
+    if (at != nullptr && !is_overwritten && !at->total && missing.first == at->entries.size()) {
         at->total = missing.first;
     }
 }
@@ -121,7 +122,9 @@ std::optional<Stretch> Stream::take(uint32_t first)
             return std::nullopt;
         }
         for (const auto &entry : at->second.entries) {
-            stretch.entries.push_back(entry.value());
+            if (entry) {
+                stretch.entries.push_back(*entry);
+            }
         }
     }
     return std::nullopt;

@@ -65,7 +65,9 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     if (shadow.is_in_step()) {
         add_drive(rows, shadow.sim());
     } else {
-        rows.emplace_back("state", "not in step");
+        rows.emplace_back("state", follower.no_stream().empty()
+                                       ? "not in step"
+                                       : "not in step: " + follower.no_stream());
     }
     rows.emplace_back("processor",
                       fmt::format("load {} %, late ticks {}{}", health.load_pct, health.late_ticks,
@@ -181,10 +183,12 @@ private:
         }
     }
 
-    // As far as the width goes.
+    // As far as the width goes, above the line for input.
     static void put(int row, const std::string &text)
     {
-        mvaddnstr(row, 0, text.c_str(), COLS);
+        if (row < LINES - 1) {
+            mvaddnstr(row, 0, text.c_str(), COLS);
+        }
     }
 
     // Returns the row behind them.
@@ -223,7 +227,7 @@ private:
     {
         erase();
         draw_lines(draw_values() + 1);
-        put(LINES - 1, "> " + input_);
+        mvaddnstr(LINES - 1, 0, ("> " + input_).c_str(), COLS);
         refresh();
     }
 
