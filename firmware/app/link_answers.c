@@ -273,7 +273,7 @@ static live_config_verdict_t judge_block(link_t *link, const question_t *questio
 }
 
 /* The questions that do something. */
-static live_config_verdict_t judge(link_t *link, const question_t *question)
+static live_config_verdict_t judge_question(link_t *link, const question_t *question)
 {
     live_config_verdict_t verdict = {NULL, NULL};
 
@@ -300,7 +300,7 @@ static void answer_verdict(link_t *link, const question_t *question)
     const bool is_again = (link->last.type == question->type) && (link->last.tag == question->tag);
 
     if (!is_again) {
-        link->last.verdict = judge(link, question);
+        link->last.verdict = judge_question(link, question);
     }
     put_verdict(&link->out, &link->last.verdict);
 }
