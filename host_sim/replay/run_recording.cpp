@@ -65,8 +65,8 @@ RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about)
 {
     const Span span = span_of(run);
     // One segment holds all of it: each frame may come with a change of what it is told.
-    Writer writer(about, static_cast<uint32_t>(2 * (span.end - span.first) + RECORDER_ENTRIES_MIN),
-                  Writer::Until::end);
+    const auto frames = static_cast<uint32_t>(span.end - span.first);
+    Writer writer(about, 2 * frames + RECORDER_ENTRIES_MIN, Writer::Until::end);
     ScriptedRun ticks(run);
     for (std::size_t k = 0; k < span.end; k++) {
         const Tick tick = ticks.control();
