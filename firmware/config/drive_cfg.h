@@ -10,6 +10,7 @@
 #define DRIVE_CFG_H
 
 #include "current_loop.h"
+#include "current_reference.h"
 #include "derating.h"
 #include "fx.h"
 #include "model.h"
@@ -22,6 +23,7 @@
 #include "startup.h"
 #include "supervision.h"
 #include "torque_filter.h"
+#include "torque_loop.h"
 #include "virtual_resistance.h"
 
 #include <stdint.h>
@@ -33,13 +35,8 @@ typedef struct {
     uint32_t sensor_pole_pairs; /* electrical turns per turn of the angle sensor, 0…50; 0: none */
 } sampling_cfg_t;
 
-/* i_d* in RUN, with or without a start-up. */
+/* RUN, with or without a start-up. */
 typedef struct {
-    /* |i_d*| + |i_q*| / 2^floor_shift is at least this where the voltage allows it, Q15 of I_b, 0…16384 */
-    int32_t current_floor;
-    uint32_t floor_shift;  /* 0…1 */
-    int32_t current_slope; /* change of i_d* in a tick, Q15 of I_b, 1…16384 */
-    int32_t current_fall;  /* where it falls below current_floor, 1…16384 */
     /* share of a change of the speed reference that ω̂ takes on at once, 0…16384; 0: the published law */
     int32_t acceleration_q14;
 } run_cfg_t;
@@ -75,12 +72,14 @@ typedef struct {
     /* regulators of an imposed current: soft, so that the windings damp the rotor */
     current_loop_cfg_t hold_loop;
     startup_cfg_t startup;
+    current_reference_cfg_t current_reference;
     run_cfg_t run;
     model_cfg_t model;
     supervision_cfg_t supervision;
     oscillation_cfg_t oscillation;
     voltage_drive_cfg_t voltage_drive;
     torque_filter_cfg_t torque_filter;
+    torque_loop_cfg_t torque_loop;
     link_cfg_t link;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;

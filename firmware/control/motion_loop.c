@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #define Q32_TO_Q16 (65536)
+#define Q15_TO_Q26 (2048)
 #define CHANGE_MAX (0x40000000) /* between the largest speeds of both directions */
 #define DISTANCE_MAX (0x7000U) /* in units: 1.75 braking distances, the softest stop needs 1 + 2c */
 
@@ -92,44 +93,95 @@ static pi_cfg_t weakened(const pi_cfg_t *from, uint32_t kp_bits, uint32_t ki_bit
 }
 
 /*
- * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the
- * damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered
+ * The gains in force; *weak keeps them where they are not those of the configuration. K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which
+ * keeps the damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered
  * bandwidth: K_p/2, K_i/4.
  */
-static int32_t regulate_speed(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
-                              int32_t half_error_q15, int32_t fed, int32_t reach)
+static const pi_cfg_t *gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                                      pi_cfg_t *weak)
 {
     const bool soft = fx_abs(loop->reference) < cfg->soft_speed;
-    const pi_cfg_t *const gains = soft ? &cfg->soft : &cfg->pi;
     const uint32_t heavy = (loop->inertia_q17 >= SPEED_LOOP_HEAVY_Q17) ? 1U : 0U;
-    int32_t torque;
+    const pi_cfg_t *gains = soft ? &cfg->soft : &cfg->pi;
 
     if ((heavy | loop->halvings) != 0U) {
-        const pi_cfg_t weak = weakened(gains, loop->halvings, heavy + (2U * loop->halvings));
-
-        torque = pi_step(&loop->pi, &weak, half_error_q15, fed, reach);
-    } else {
-        torque = pi_step(&loop->pi, gains, half_error_q15, fed, reach);
+        *weak = weakened(gains, loop->halvings, heavy + (2U * loop->halvings));
+        gains = weak;
     }
-    return torque;
+    return gains;
+}
+
+/* Q15 of 2·Ω_b */
+static int32_t half_speed_error(const speed_loop_cfg_t *cfg, step_t reference, step_t measured)
+{
+    return fx_sat16(fx_asr(reference - measured, cfg->error_shift));
+}
+
+/*
+ * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends is odd, the shifted range reaches
+ * one LSB too far down; the fx_max() below cuts that off.
+ */
+static int32_t regulate_speed(speed_loop_t *loop, const pi_cfg_t *gains, int32_t half_error_q15,
+                              int32_t feed_forward, torque_range_t range)
+{
+    const int32_t middle = fx_asr(range.lower + range.upper, 1U);
+    const int32_t reach = range.upper - middle;
+    const int32_t beyond_middle =
+        pi_step(&loop->pi, gains, half_error_q15, feed_forward - middle, reach);
+
+    return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }
 
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range)
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
-    /*
-     * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends is odd, the
-     * shifted range reaches one LSB too far down; the fx_max() below cuts that off.
-     */
-    const int32_t middle = fx_asr(range.lower + range.upper, 1U);
-    const int32_t reach = range.upper - middle;
-    /* Q15 of 2·Ω_b */
-    const int32_t half_error_q15 = fx_sat16(fx_asr(loop->reference - measured, cfg->error_shift));
-    const int32_t beyond_middle =
-        regulate_speed(loop, cfg, half_error_q15, feed_forward - middle, reach);
+    pi_cfg_t weak;
+    const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
 
-    return fx_max(fx_sat15(middle + beyond_middle), range.lower);
+    return regulate_speed(loop, gains, half_speed_error(cfg, loop->reference, measured),
+                          feed_forward, range);
+}
+
+/* The integral as a mean of the current less that of the acceleration: what is left holds the load. */
+static void follow_load(speed_loop_t *loop, int32_t load, uint32_t shift)
+{
+    const int32_t missing_q26 = (load * Q15_TO_Q26) - loop->pi.integral_q26;
+
+    loop->pi.integral_q26 = fx_sat27(loop->pi.integral_q26 + fx_asr(missing_q26, shift));
+}
+
+int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                          const speed_window_t *window, step_t reference, step_t measured,
+                          int32_t wanted, torque_range_t range, speed_end_t *end)
+{
+    pi_cfg_t weak;
+    const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
+    const int32_t integral_q26 = loop->pi.integral_q26;
+    const step_t upper = fx_min(window->upper, cfg->speed_max);
+    const step_t lower = fx_max(window->lower, -cfg->speed_max);
+    const int32_t to_upper = half_speed_error(cfg, upper, measured);
+    const int32_t to_lower = half_speed_error(cfg, lower, measured);
+    const int32_t asked = fx_clamp(wanted, range.lower, range.upper);
+    const step_t limited = fx_clamp(reference, -cfg->speed_max, cfg->speed_max);
+    const int32_t of_inertia = inertia_torque(loop, cfg, limited - loop->reference);
+    int32_t current;
+
+    loop->reference = limited;
+    if (asked > pi_sum(gains, to_upper, integral_q26)) {
+        *end = SPEED_END_UPPER;
+        current = regulate_speed(loop, gains, to_upper, 0,
+                                 (torque_range_t){.lower = range.lower, .upper = asked});
+    } else if (asked < pi_sum(gains, to_lower, integral_q26)) {
+        *end = SPEED_END_LOWER;
+        current = regulate_speed(loop, gains, to_lower, 0,
+                                 (torque_range_t){.lower = asked, .upper = range.upper});
+    } else {
+        *end = SPEED_END_NONE;
+        current = fx_sat15(asked);
+        follow_load(loop, current - of_inertia, window->load_shift);
+    }
+    return current;
 }
 
 /* Moves to J what the integral has more than before, if J may go there. */

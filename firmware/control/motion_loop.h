@@ -68,11 +68,26 @@ typedef struct {
     step_t profile_speed; /* how fast it goes */
 } position_loop_t;
 
-/* Allowed range of i_q*, lower ≤ 0 ≤ upper, Q15 of I_b, ±16384. */
+/* Allowed range of i_q*, lower ≤ upper, Q15 of I_b, ±16384. That of a motor has 0 in it, that of a slope may not. */
 typedef struct {
     int32_t lower;
     int32_t upper;
 } torque_range_t;
+
+/* Speeds between which something else than the speed loop decides i_q*. */
+typedef struct {
+    step_t lower; /* ±2^29, ≤ upper */
+    step_t upper;
+    uint32_t
+        load_shift; /* between them the integral follows the load as a mean over 2^this slow periods, 0…14 */
+} speed_window_t;
+
+/* What decided i_q* in a window. */
+typedef enum {
+    SPEED_END_NONE = 0, /* what was wanted, within its range */
+    SPEED_END_LOWER,    /* the speed loop, at the lower end */
+    SPEED_END_UPPER
+} speed_end_t;
 
 /*
  * Halve the bandwidth, at most once, or give back the whole one. Half of K_p and a quarter of K_i keep the damping: in
@@ -109,6 +124,18 @@ void speed_loop_start(speed_loop_t *loop, step_t reference, int32_t current);
  */
 int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t reference,
                         step_t measured, torque_range_t range);
+
+/*
+ * One slow period within a window: i_q* is `wanted` (±16384) as long as the PI about either end allows it,
+ *     i_q* = K_p·(lower − ω) + I  ≤  wanted  ≤  K_p·(upper − ω) + I
+ * and else that end's PI. Both are continuous in ω, so nothing jumps. Between the ends I follows i_q* less what J·dω/dt takes: the
+ * load. The ends are limited to ±speed_max. An end takes over by 1/(2π·bandwidth) before the rotor would be there, and the rotor comes to rest at it. dω/dt is
+ * counted from the last reference, which the loop replaces by `reference`, limited to ±speed_max: give it the measured speed.
+ * Returns i_q*, saturated to `range` and −16384…16383; *end says who decided it.
+ */
+int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                          const speed_window_t *window, step_t reference, step_t measured,
+                          int32_t wanted, torque_range_t range, speed_end_t *end);
 
 /*
  * After a step on a ramp of speed control: what the integral has taken over in this step goes to J, or nothing where J would

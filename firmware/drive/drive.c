@@ -28,6 +28,7 @@ static void enter(drive_t *drive, drive_state_t state)
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
     if (state == DRIVE_STATE_RUN) {
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
         frame_plan_rotor(drive);
     }
 }
@@ -381,6 +382,9 @@ static void adopt_parts(drive_t *drive, const drive_cfg_t *cfg)
     speed_loop_change(&drive->speed_loop, &cfg->speed_loop);
     if (is_other_filter(&before->torque_filter, &cfg->torque_filter)) {
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+    }
+    if (run_torque_is_free(drive)) {
+        torque_loop_bridge(&drive->torque_loop); /* the window may end elsewhere */
     }
     drive->limits = protection_limits(&cfg->protection, drive_is_driving(drive->state));
     config_guard_reset(&drive->guard);

@@ -10,7 +10,8 @@
 
 typedef enum {
     DRIVE_MODE_SPEED = 0,
-    DRIVE_MODE_POSITION
+    DRIVE_MODE_POSITION,
+    DRIVE_MODE_TORQUE
 } drive_mode_t;
 
 #define DRIVE_REQUEST_RUN (0x01U)   /* level: run while set */
@@ -23,7 +24,10 @@ typedef enum {
 
 /* The user's command. */
 typedef struct {
-    /* SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns; in PROBE the value of the word in `mode` */
+    /*
+     * SPEED: step_t, + turns α towards β; POSITION: Q16 electrical turns; TORQUE: Q28 of T_b (current_reference.h), + drives
+     * forwards; in PROBE the value of the word in `mode`
+     */
     int32_t target;
     uint8_t mode; /* drive_mode_t; any other value counts as SPEED; in PROBE a probe_word_t */
     uint8_t request;

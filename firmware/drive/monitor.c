@@ -2,6 +2,7 @@
 #include "monitor.h"
 
 #include "io.h"
+#include "run.h"
 
 #include "trig.h"
 
@@ -92,6 +93,16 @@ static fault_id_t check_current(drive_t *drive, fault_t *fault)
     return id;
 }
 
+/* With a torque that was asked for a rotor may stand, so it does not count as one that the speed loop cannot move. */
+static bool is_at_limit(const drive_t *drive, int32_t torque)
+{
+    const bool asked =
+        run_torque_is_free(drive) && (drive->torque_loop.end == (uint8_t)SPEED_END_NONE);
+    const torque_range_t range = drive->torque_range;
+
+    return !asked && ((torque >= range.upper) || (torque <= range.lower));
+}
+
 static fault_id_t check_speed(drive_t *drive, fault_t *fault)
 {
     const supervision_cfg_t *const cfg = &drive->cfg->supervision;
@@ -101,18 +112,28 @@ static fault_id_t check_speed(drive_t *drive, fault_t *fault)
         .reference = drive->speed_loop.reference,
         .speed_limit = drive->model.observer.speed_limit,
         .current_ref = torque,
-        .torque_at_limit =
-            (torque >= drive->torque_range.upper) || (torque <= drive->torque_range.lower),
+        .torque_at_limit = is_at_limit(drive, torque),
     };
 
     return supervision_check_speed(&drive->supervision, cfg, &measured, fault);
 }
 
-/* What the user asks for: not the reference of the speed in position control, which follows the measured position. */
-static step_t motion_asked(const drive_t *drive)
+/*
+ * What the user asks for: not the reference of the speed in position control, which follows the measured position, nor in torque
+ * control, where it is the measured speed.
+ */
+static int32_t motion_asked(const drive_t *drive)
 {
-    return (drive->mode == (uint8_t)DRIVE_MODE_POSITION) ? drive->position_loop.profile_speed
-                                                         : drive->speed_loop.reference;
+    int32_t asked = drive->speed_loop.reference;
+
+    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
+        asked = drive->position_loop.profile_speed;
+    } else if (run_torque_is_free(drive)) {
+        asked = drive->torque_loop.reference_q28;
+    } else {
+        /* a speed */
+    }
+    return asked;
 }
 
 /* Lowers the bandwidth if that is configured and has not been done since the start. A voltage drive has another loop. */

@@ -346,7 +346,7 @@ void open_loop_plan(drive_t *drive, const drive_command_t *command)
         drive->speed_reference = fx_towards(drive->vector.step, 0, ramp);
         position_loop_reset(&drive->position_loop, drive->vector.position.turns_q32,
                             drive->vector.step);
-    } else if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
+    } else if (drive->mode != (uint8_t)DRIVE_MODE_POSITION) {
         drive->speed_reference = fx_towards(drive->vector.step, drive->speed_reference, ramp);
     } else {
         /* a position profile is soft near standstill by itself */

@@ -9,7 +9,6 @@
 #define TORQUE_ROUNDING_LOG2 (10U) /* the gain of the torque filter at rest is 1 within 2^-10 */
 #define Q14_TO_Q16 (4)
 #define Q16_TO_Q32 (65536)
-#define FREE_SIXTEENTHS (15) /* of the voltage, up to which i_d* may take some */
 #define NEAR_SHARE (4) /* within 1/4 of the hand-over speed of its reference a rotor follows it */
 
 void run_reset(drive_t *drive)
@@ -43,8 +42,18 @@ void run_reset_sensed(drive_t *drive)
     drive->speed_reference = drive->observer.speed;
 }
 
+/*
+ * The motion goes on as it is: the profile with this position and speed, the torque with the one that acts. To and from torque control
+ * it goes on a slope: the torque that was asked for is not what the speed loop would have.
+ */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
+    const uint8_t torque = (uint8_t)DRIVE_MODE_TORQUE;
+
+    if ((drive->mode == torque) || (mode == torque)) {
+        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
+        torque_loop_bridge(&drive->torque_loop);
+    }
     drive->mode = mode;
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }
@@ -58,7 +67,7 @@ static bool is_loaded(const drive_t *drive)
     const int32_t load = pi_output(&drive->speed_loop.pi);
     const int32_t onwards = (drive->speed_loop.reference < 0) ? -load : load;
 
-    return (drive->mode == (uint8_t)DRIVE_MODE_SPEED) &&
+    return (drive->mode != (uint8_t)DRIVE_MODE_POSITION) &&
            (onwards >= drive->cfg->startup.load_current);
 }
 
@@ -90,6 +99,40 @@ static step_t gentle(const drive_t *drive, step_t wanted)
     return next;
 }
 
+/* The lowest speed of torque control: that of RUN, and 0 where no current is imposed below it. */
+static step_t lowest_torque_speed(const drive_t *drive)
+{
+    return (drive->cfg->startup.current_hold != 0) ? lowest_speed(drive) : 0;
+}
+
+/* In RUN the torque, and the speed that it leads to; below RUN the speed that an imposed vector is to reach. */
+static void plan_torque(drive_t *drive, int32_t target_q28)
+{
+    const drive_cfg_t *const cfg = drive->cfg;
+    const bool was_bound = drive->torque_loop.bound;
+    step_t reference = torque_loop_aim(&cfg->torque_loop, target_q28);
+
+    if (drive->state == DRIVE_STATE_RUN) {
+        const torque_loop_in_t in = {
+            .target_q28 = target_q28,
+            .flux_q13 = drive_flux(drive),
+            .current = drive_current_in_force(drive).q,
+            .current_max = cfg->derating.current_max,
+            .speed = drive->observer.speed,
+            .reference = drive->speed_loop.reference,
+            .lowest = lowest_torque_speed(drive),
+            .ramp = cfg->startup.ramp,
+        };
+
+        reference = torque_loop_plan(&drive->torque_loop, &cfg->torque_loop, &in);
+        if (drive->torque_loop.bound && !was_bound) {
+            /* The slope begins here: from the speed of the rotor to it no acceleration is to be fed forward. */
+            drive->speed_loop.reference = reference;
+        }
+    }
+    drive->speed_reference = reference;
+}
+
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position)
 {
     const drive_cfg_t *const cfg = drive->cfg;
@@ -97,7 +140,9 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
     if (command->mode != drive->mode) {
         change_mode(drive, command->mode, position);
     }
-    if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
+    if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        plan_torque(drive, command->target);
+    } else if (drive->mode == (uint8_t)DRIVE_MODE_POSITION) {
         drive->speed_reference = position_loop_step(&drive->position_loop, &cfg->position_loop,
                                                     (int64_t)command->target * Q16_TO_Q32,
                                                     position->turns_q32, cfg->slow_ticks);
@@ -116,46 +161,23 @@ static bool is_slow(const drive_t *drive)
     return asked && (fx_abs(drive->observer.speed) < cfg->handover_speed);
 }
 
-/* The demand is within 1/16 of the largest voltage of this bus: i_d* takes ω·L_d·i_d of it, which the torque needs. */
-static bool lacks_voltage(const drive_t *drive)
-{
-    const int32_t limit = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
-    const int32_t near = fx_asr(limit * FREE_SIXTEENTHS, 4U);
-    const int32_t square = near * near;
-
-    return transforms_square(drive->derating.voltage) > (uint32_t)square;
-}
-
 /*
- * i_d* that keeps the current vector large enough that not all legs switch near their zero crossing. It comes before the torque
- * current is gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less
- * all of it 0.71. A load below hold_speed is alone there: lowest_speed() says why.
+ * What the next i_d* follows from. At low speed it rises to the current that will be imposed. A load below hold_speed is alone
+ * there: lowest_speed() says why.
  */
-static int32_t least_current_d(const drive_t *drive)
+static current_reference_in_t operating_point(const drive_t *drive)
 {
-    const run_cfg_t *const cfg = &drive->cfg->run;
-    const int32_t torque = fx_abs(drive->signals.current_ref.q);
-    const int32_t lacking = cfg->current_floor - fx_asr(torque, cfg->floor_shift);
-    const bool fast = fx_abs(drive->speed_reference) >= drive->cfg->startup.hold_speed;
+    const startup_cfg_t *const cfg = &drive->cfg->startup;
 
-    return ((lacking > 0) && fast && !lacks_voltage(drive)) ? lacking : 0;
-}
-
-/*
- * i_d* in RUN. At low speed it rises to the current that will be imposed. Above that it is the least current, which falls
- * slowly: the next torque current may be gone as soon as the last.
- */
-static int32_t next_current_d(const drive_t *drive)
-{
-    const run_cfg_t *const cfg = &drive->cfg->run;
-    const int32_t slope = cfg->current_slope * (int32_t)drive->cfg->slow_ticks;
-    const dq_t present = drive->signals.current_ref;
-    const bool slow = is_slow(drive);
-    const int32_t wanted = slow ? drive->cfg->startup.current_hold : least_current_d(drive);
-    const int32_t slower = cfg->current_fall * (int32_t)drive->cfg->slow_ticks;
-
-    return fx_max(fx_towards(present.d, wanted, slope),
-                  fx_min(present.d, cfg->current_floor) - slower);
+    return (current_reference_in_t){
+        .present = drive->signals.current_ref,
+        .speed = drive->speed_reference,
+        .floor_speed = cfg->hold_speed,
+        .imposed = is_slow(drive) ? cfg->current_hold : 0,
+        .voltage = drive->derating.voltage,
+        .voltage_max = modulator_limit(&drive->cfg->modulator, drive->signals.bus),
+        .ticks = (int32_t)drive->cfg->slow_ticks,
+    };
 }
 
 /* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
@@ -220,7 +242,7 @@ static void lead_estimate(drive_t *drive, step_t before)
 static bool is_to_be_held(const drive_t *drive)
 {
     const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool gentle_ramp = drive->mode == (uint8_t)DRIVE_MODE_SPEED;
+    const bool gentle_ramp = drive->mode != (uint8_t)DRIVE_MODE_POSITION;
     const step_t half = lowest_speed(drive) / 2;
     const step_t settled_speed = gentle_ramp ? (half + (half / 2)) : half;
     const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
@@ -230,20 +252,25 @@ static bool is_to_be_held(const drive_t *drive)
 
 /*
  * Near a hand-over i_d* takes most of the current that is allowed: a torque that took all of it as well would trip at
- * over-current. The least current of RUN is small enough to be left out.
+ * over-current.
  */
 static void narrow_torque_range(drive_t *drive)
 {
-    const int32_t current_d = drive->signals.current_ref.d;
+    drive->torque_range =
+        current_reference_range(&drive->cfg->current_reference, drive->torque_range,
+                                drive->signals.current_ref.d, drive->cfg->derating.current_max);
+}
 
-    if (current_d > drive->cfg->run.current_floor) {
-        const int32_t most = drive->cfg->derating.current_max;
-        const int32_t square = fx_max((most * most) - (current_d * current_d), 0);
-        const int32_t room = (int32_t)trig_sqrt((uint32_t)square);
+/* After a change of the mode the torque goes on a slope. */
+static torque_range_t reachable_range(const drive_t *drive)
+{
+    torque_range_t range = drive->torque_range;
 
-        drive->torque_range.upper = fx_min(drive->torque_range.upper, room);
-        drive->torque_range.lower = fx_max(drive->torque_range.lower, -room);
+    if (drive->torque_loop.bridging) {
+        range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                                    drive->signals.current_ref.q, range);
     }
+    return range;
 }
 
 /*
@@ -284,25 +311,69 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
     }
 }
 
-/* The torque current, and i_d*. HELD when the current is to be imposed. */
-static drive_event_t control_torque(drive_t *drive)
+/* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits, teaches or leads. */
+static void control_free_torque(drive_t *drive, torque_range_t range)
+{
+    const speed_window_t window = torque_loop_window(
+        &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
+    speed_end_t end = SPEED_END_NONE;
+
+    drive->signals.current_ref.q = speed_loop_within(
+        &drive->speed_loop, &drive->cfg->speed_loop, &window, drive->speed_reference,
+        drive->observer.speed, drive->torque_loop.current, range, &end);
+    drive->torque_loop.end = (uint8_t)end;
+}
+
+static void control_rotor_speed(drive_t *drive, torque_range_t range)
+{
+    drive->signals.current_ref.q =
+        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
+                        drive->observer.speed, range);
+}
+
+/* What a ramp of the speed leads to. */
+static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before,
+                        torque_range_t derated)
+{
+    wait_at_limit(drive, before, derated);
+    if (!drive->torque_loop.bridging) {
+        learn_inertia(drive, before, integral_before);
+    }
+    lead_estimate(drive, before);
+}
+
+/* The torque current, by the loop that has it. */
+static void control_current_q(drive_t *drive, torque_range_t derated)
 {
     const step_t before = drive->speed_loop.reference;
     const int32_t integral_before = drive->speed_loop.pi.integral_q26;
-    const torque_range_t derated = drive->torque_range;
-    drive_event_t event = DRIVE_EVENT_NONE;
+    const torque_range_t range = reachable_range(drive);
+    const bool unbound = run_torque_is_free(drive);
 
-    drive->signals.current_ref.d = next_current_d(drive);
-    narrow_torque_range(drive);
-    drive->signals.current_ref.q =
-        speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                        drive->observer.speed, drive->torque_range);
+    if (unbound) {
+        control_free_torque(drive, range);
+    } else {
+        control_rotor_speed(drive, range);
+    }
+    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, range);
     if (torque_filter_acts(&drive->cfg->torque_filter)) {
         filter_torque(drive);
     }
-    wait_at_limit(drive, before, derated);
-    learn_inertia(drive, before, integral_before);
-    lead_estimate(drive, before);
+    if (!unbound) {
+        follow_ramp(drive, before, integral_before, derated);
+    }
+}
+
+/* i_d*, and the torque current. HELD when the current is to be imposed. */
+static drive_event_t control_torque(drive_t *drive)
+{
+    const torque_range_t derated = drive->torque_range;
+    const current_reference_in_t point = operating_point(drive);
+    drive_event_t event = DRIVE_EVENT_NONE;
+
+    drive->signals.current_ref.d = current_reference_d(&drive->cfg->current_reference, &point);
+    narrow_torque_range(drive);
+    control_current_q(drive, derated);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);
         event = DRIVE_EVENT_HELD;

@@ -17,10 +17,16 @@ void run_reset(drive_t *drive);
 void run_reset_sensed(drive_t *drive);
 
 /*
- * Computes the speed reference of the next slow period: ramp, or position profile. position: of the frame in which the
+ * Computes the speed reference of the next slow period: ramp, position profile, or what a torque leads to. position: of the frame in which the
  * currents are controlled.
  */
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position);
+
+/* In torque control nothing but the torque decides i_q*, or an end of the window of speeds. */
+static inline bool run_torque_is_free(const drive_t *drive)
+{
+    return (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->torque_loop.bound;
+}
 
 /*
  * Speed PI and i_d*, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed current: then it

@@ -23,6 +23,7 @@
 #include "rotor_position.h"
 #include "supervision.h"
 #include "torque_filter.h"
+#include "torque_loop.h"
 #include "transforms.h"
 
 #include <stdbool.h>
@@ -136,6 +137,7 @@ typedef struct {
     supervision_t supervision;
     oscillation_t oscillation;
     torque_filter_t torque_filter; /* of i_q* in RUN with current control */
+    torque_loop_t torque_loop;     /* in RUN; the bridge in every mode */
     config_guard_t guard;
     fault_t fault; /* the last fault */
 } drive_t;
@@ -200,6 +202,12 @@ static inline model_nominal_t drive_nominal(const drive_t *drive)
                                      &drive->cfg->hold_loop};
 
     return nominal;
+}
+
+/* ψ: the flux that i_q* turns into torque. */
+static inline int32_t drive_flux(const drive_t *drive)
+{
+    return current_reference_flux(&drive->model.run_loop, drive_current_in_force(drive).d);
 }
 
 /* A speed in Q15 of Ω_b, saturated, rounded down. */

@@ -131,7 +131,7 @@ static bool is_at_end(const drive_t *drive)
 {
     const voltage_drive_cfg_t *const cfg = &drive->cfg->voltage_drive;
     const int32_t brake_max = cfg->compensator.brake_max;
-    const int32_t floor = drive->cfg->run.current_floor;
+    const int32_t floor = drive->cfg->current_reference.floor;
     const dq_t mean = virtual_resistance_mean(&drive->voltage_drive.damping);
 
     return (present_lead(drive->signals.voltage) <= (fx_asr(brake_max, END_SHIFT) - brake_max)) ||

@@ -25,7 +25,8 @@ namespace nf
 
 enum class DriveMode {
     speed,
-    position
+    position,
+    torque
 };
 
 // A command of the user and a load are at most so large, either sign, in a scenario and from a person.

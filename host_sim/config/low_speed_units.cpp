@@ -398,9 +398,11 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     return c;
 }
 
-run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
-                   const TuningSettings &tuning, const ModelScales &scales, const Model &m,
-                   const Bases &b)
+current_reference_cfg_t make_current_reference(const MotorSettings &motor,
+                                               const BoardSettings &board,
+                                               const TuningSettings &tuning,
+                                               const ModelScales &scales, const Model &m,
+                                               const Bases &b)
 {
     const bool crossing = scales.dead_time_s > 0 || scales.device_drop_v > 0;
     const double floor = crossing ? tuning.current_floor_pct / 100 : 0;
@@ -408,12 +410,18 @@ run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
     if (!(own.startup_current_pct > 0)) {
         own.startup_current_pct = 100;
     }
-    run_cfg_t c{};
-    keep(c.current_floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
+    current_reference_cfg_t c{};
+    keep(c.floor, floor * continuous_current(motor) / b.current_a * Q15, 0, Q14);
     const bool gives_over = tuning.method == ControlMethod::voltage_phase;
     c.floor_shift = gives_over ? 0 : 1;
-    c.current_slope = hold_slope(motor, board, own, m, b);
-    c.current_fall = gives_over ? c.current_slope : std::max(c.current_slope / CURRENT_FALL, 1);
+    c.slope = hold_slope(motor, board, own, m, b);
+    c.slope_down = gives_over ? c.slope : std::max(c.slope / CURRENT_FALL, 1);
+    return c;
+}
+
+run_cfg_t make_run(const TuningSettings &tuning)
+{
+    run_cfg_t c{};
     c.acceleration_q14 = static_cast<int32_t>(std::lround(tuning.observer_acceleration * Q14));
     return c;
 }

@@ -22,9 +22,13 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
                            const TuningSettings &tuning, const Model &m, const Bases &b);
 
 // i_d* in RUN, with or without a start-up.
-run_cfg_t make_run(const MotorSettings &motor, const BoardSettings &board,
-                   const TuningSettings &tuning, const ModelScales &scales, const Model &m,
-                   const Bases &b);
+current_reference_cfg_t make_current_reference(const MotorSettings &motor,
+                                               const BoardSettings &board,
+                                               const TuningSettings &tuning,
+                                               const ModelScales &scales, const Model &m,
+                                               const Bases &b);
+
+run_cfg_t make_run(const TuningSettings &tuning);
 
 // Current control of an imposed current, given that of RUN.
 current_loop_cfg_t make_hold_loop(const current_loop_cfg_t &run_loop, const MotorSettings &motor,

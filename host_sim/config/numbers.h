@@ -19,6 +19,7 @@ constexpr double Q13 = 8192.0;
 constexpr double Q14 = 16384.0;
 constexpr double Q15 = 32768.0;
 constexpr double Q27 = 134217728.0;
+constexpr double Q28 = 268435456.0;
 constexpr double Q30 = 1073741824.0;
 constexpr double MANTISSA_MAX = 32767.0;
 

@@ -5,6 +5,7 @@
 #include "numbers.h"
 #include "rules.h"
 #include "torque_filter_units.h"
+#include "torque_units.h"
 
 extern "C" {
 #include "config_check.h"
@@ -761,6 +762,11 @@ SettingError::SettingError(const char *key_, double value_, SettingLimit limit_,
 {
 }
 
+double Bases::torque_nm() const
+{
+    return BUS_CURRENT_FACTOR * pole_pairs * voltage_v * current_a / speed_el_rad_s;
+}
+
 double Bases::step_from_rpm(double rpm) const
 {
     return rad_s_from_rpm(rpm) * pole_pairs * control_period_s / TWO_PI * STEPS_PER_TURN;
@@ -858,10 +864,12 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.hold_loop = make_hold_loop(c.current_loop, motor, board, tuning, m, b);
     c.startup = make_startup(motor, board, tuning, m, b);
     check_imposed_power(c.startup, board, m, b);
-    c.run = make_run(motor, board, tuning, scales, m, b);
+    c.current_reference = make_current_reference(motor, board, tuning, scales, m, b);
+    c.run = make_run(tuning);
     c.model = make_model_cfg(motor, tuning, m, b);
     c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.torque_filter = make_torque_filter(tuning, b);
+    c.torque_loop = make_torque_loop(motor, tuning, c.speed_loop, b);
     c.link.timeout_ticks = command_timeout(tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);

@@ -41,6 +41,7 @@ struct Bases {
     int pole_pairs;
     step_t speed_limit; // of the estimate; below Ω_b
 
+    double torque_nm() const;               // T_b: Q28 one is the drive's unit of torque
     double step_from_rpm(double rpm) const; // mechanical rpm to step_t
     double rpm_from_step(double step) const;
     double turns_from_mech_rad(double rad) const; // mechanical angle to electrical turns

@@ -65,6 +65,8 @@ enum class Quantity {
     gradient,
     corner,
     flux_rate,
+    torque_q28,
+    torque_ramp,
     // Mantissas, see cfg.def.
     gain,
     gain_q16,

@@ -26,6 +26,8 @@ constexpr double OBSERVER_PER_REACTANCE = 0.5;
 // But at least this, whatever the dead time and the reactance: a step of half the torque then takes half the rated speed off before the loop
 // has answered. With less the rotor stalls, and exceeds its highest speed when the load goes.
 constexpr double SPEED_PER_TORQUE_LEAST = 1;
+// Torque: from none to the largest in the time of the speed loop, 1/ω of it: neither of the two waits for the other.
+//
 // Ramp and profile leave the rest of the torque to the load.
 constexpr double RAMP_TORQUE = 0.27;
 constexpr double PROFILE_TORQUE = 0.2;
@@ -117,6 +119,7 @@ constexpr Rule RULES[] = {
     {"speed_loop.low_speed_bandwidth_hz", &T::low_speed_bandwidth_hz, "board.dead_time_s",
      Open::below_zero},
     {"speed_loop.ramp_rpm_s", &T::speed_ramp_rpm_s, "motor.inertia_kg_m2"},
+    {"torque_loop.slope_nm_s", &T::torque_slope_nm_s, "motor.inertia_kg_m2"},
     {"position_loop.bandwidth_hz", &T::position_bandwidth_hz, "motor.inertia_kg_m2"},
     {"position_loop.speed_rpm", &T::position_speed_rpm, "motor.rated_speed_rpm"},
     {"position_loop.acceleration_rad_s2", &T::position_acceleration_rad_s2, "motor.inertia_kg_m2"},
@@ -295,6 +298,8 @@ void fill_motion(Filled &f, const Drive &drive)
            std::min(f.tuning.speed_bandwidth_hz,
                     quiet_rate(drive, f.tuning.handover_speed_pct) / TWO_PI));
     f.fill(&T::speed_ramp_rpm_s, ramp / rad_s_from_rpm(1));
+    f.fill(&T::torque_slope_nm_s,
+           drive.acceleration * drive.motor.inertia_kg_m2 * TWO_PI * f.tuning.speed_bandwidth_hz);
     f.fill(&T::position_bandwidth_hz, POSITION_SHARE * f.tuning.speed_bandwidth_hz);
     f.fill(&T::position_speed_rpm,
            std::min(PROFILE_SPEED * drive.motor.rated_speed_rpm, drive.motor.max_speed_rpm));

@@ -33,6 +33,7 @@ const std::vector<std::string> METRICS = {"speed_error_max_rpm",
                                           "angle_error_rms_deg",
                                           "speed_error_command_pct",
                                           "speed_error_load_pct",
+                                          "torque_error_settled_pct",
                                           "saturation_internal_count"};
 const std::map<std::string, bool> FLAGS = {{"locked", true}, {"limit_cycle", false}};
 const std::string ANY = "any";

@@ -168,6 +168,9 @@ const std::vector<Field> FIELDS = {
     {"speed_loop", "notch_width_pct", "%", 10, 100, OPTIONAL, tuning<&T::notch_width_pct>, "band that loses half of its power and more, of speed_loop.notch_hz; at most a quarter of the speed loop's rate", WITH_NOTCH},
     {"speed_loop", "torque_filter_hz", "Hz", 0, 5000, OPTIONAL, tuning<&T::torque_filter_hz>, "corner of a first-order low-pass of the torque current; 0: none"},
     {"speed_loop", "slow_ticks", "", 6, 100, NEEDED, tuning<&T::slow_ticks>, "control ticks in a period of the speed and position loop"},
+    {"torque_loop", "slope_nm_s", "N·m/s", 0, 1e9, OPTIONAL, tuning<&T::torque_slope_nm_s>, "how fast the torque of torque control changes; 0: by the motor"},
+    {"torque_loop", "speed_forward_rpm", "rpm", -1, 200000, OPTIONAL, tuning<&T::torque_forward_rpm>, "torque control turns the motor no faster; -1: motor.max_speed_rpm"},
+    {"torque_loop", "speed_backward_rpm", "rpm", -1, 200000, OPTIONAL, tuning<&T::torque_backward_rpm>, "likewise backwards, a magnitude"},
     {"position_loop", "bandwidth_hz", "Hz", 0, 500, OPTIONAL, tuning<&T::position_bandwidth_hz>, "of the position loop; 0: by the motor"},
     {"position_loop", "speed_rpm", "rpm", 0, 200000, OPTIONAL, tuning<&T::position_speed_rpm>, "speed limit of the profile; 0: by the motor"},
     {"position_loop", "acceleration_rad_s2", "rad/s²", 0, 1e7, OPTIONAL, tuning<&T::position_acceleration_rad_s2>, "acceleration limit of the profile, mechanical; 0: by the motor"},
@@ -258,6 +261,7 @@ const std::vector<Section> SECTIONS = {
     {"adaptation", {FileKind::tuning, FileKind::scenario}},
     {"current_loop", {FileKind::tuning, FileKind::scenario}},
     {"speed_loop", {FileKind::tuning, FileKind::scenario}},
+    {"torque_loop", {FileKind::tuning, FileKind::scenario}},
     {"position_loop", {FileKind::tuning, FileKind::scenario}},
     {"voltage_loop", {FileKind::tuning, FileKind::scenario}},
     {"phase_compensator", {FileKind::tuning, FileKind::scenario}},
@@ -273,7 +277,7 @@ using Words = std::vector<const char *>;
 
 Words words_of(const DriveMode *)
 {
-    return {"speed", "position"};
+    return {"speed", "position", "torque"};
 }
 
 Words words_of(const ControlMethod *)

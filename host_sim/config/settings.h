@@ -163,6 +163,9 @@ struct TuningSettings {
     double inertia_feed_forward = 0; // 0…1, share of J·dω/dt fed to the torque demand
     double notch_hz = 0;             // taken out of the torque current; 0: nothing
     double notch_width_pct = 70;     // of notch_hz
+    double torque_slope_nm_s = 0;    // how fast the torque asked for changes; 0: by the motor
+    double torque_forward_rpm = -1;  // where the speed loop takes over; -1: motor.max_speed_rpm
+    double torque_backward_rpm = -1; // likewise the other way, a magnitude
     double torque_filter_hz = 0;     // corner of the low-pass of the torque current; 0: none
     double position_bandwidth_hz = 0;
     double position_speed_rpm = 0;           // profile limits

@@ -25,10 +25,24 @@ const Choices POSITION = {
      "commanded angle of the shaft, mode \"position\""},
 };
 const Choices TORQUE = {
+    {"command", "torque_nm", "N·m", LOAD_MAX_NM, nullptr,
+     "commanded torque, mode \"torque\", + drives forwards"},
+    {"command", "torque_pct", "%", LOAD_MAX_PCT, &MotorSettings::rated_torque_nm,
+     "likewise, of motor.rated_torque_nm"},
+};
+const Choices LOAD = {
     {"load", "torque_nm", "N·m", LOAD_MAX_NM, nullptr, "load, against a positive speed"},
     {"load", "torque_pct", "%", LOAD_MAX_PCT, &MotorSettings::rated_torque_nm,
      "likewise, of motor.rated_torque_nm"},
 };
+
+const Choices &commands_in(DriveMode mode)
+{
+    if (mode == DriveMode::position) {
+        return POSITION;
+    }
+    return mode == DriveMode::torque ? TORQUE : SPEED;
+}
 
 std::vector<std::string> keys_of(const Choices &choices)
 {
@@ -104,7 +118,7 @@ const std::vector<EntryValue> &entry_values()
 {
     static const std::vector<EntryValue> all = [] {
         Choices values;
-        for (const Choices *choices : {&SPEED, &POSITION, &TORQUE}) {
+        for (const Choices *choices : {&SPEED, &POSITION, &TORQUE, &LOAD}) {
             values.insert(values.end(), choices->begin(), choices->end());
         }
         return values;
@@ -114,12 +128,12 @@ const std::vector<EntryValue> &entry_values()
 
 std::vector<TimedValue> read_commands(const Node &list, DriveMode mode, const MotorSettings &motor)
 {
-    return read_list(mode == DriveMode::speed ? SPEED : POSITION, list, motor);
+    return read_list(commands_in(mode), list, motor);
 }
 
 std::vector<TimedValue> read_loads(const Node &list, const MotorSettings &motor)
 {
-    return read_list(TORQUE, list, motor);
+    return read_list(LOAD, list, motor);
 }
 
 const EntryValue &speed_value(const Node &entry)

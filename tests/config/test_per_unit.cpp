@@ -625,22 +625,22 @@ void the_time_without_a_message()
 // Without a start of its own the run's current changes as with one of 100 %.
 void run()
 {
-    expect(0, motor_b().run.current_floor);
-    expect(0.25 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).run.current_floor);
+    expect(0, motor_b().current_reference.floor);
+    expect(0.25 * CONTINUOUS_Q15, motor_b({"board.dead_time_s=1e-6"}).current_reference.floor);
     // A 32nd of the slope, at least one; a voltage drive takes over from no i_d* at all, so it goes as it came.
-    expect(1, motor_b().run.current_fall);
-    expect(97 / 32,
-           motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"}).run.current_fall);
-    expect(10,
-           motor_b({"drive.method=voltage_phase", "drive.angle_source=sensor"}).run.current_fall);
+    expect(1, motor_b().current_reference.slope_down);
+    expect(97 / 32, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
+                        .current_reference.slope_down);
+    expect(10, motor_b({"drive.method=voltage_phase", "drive.angle_source=sensor"})
+                   .current_reference.slope_down);
     expect(16384, motor_b().run.acceleration_q14);
     expect(0.75 * 16384, motor_b({"observer.acceleration_feed_forward=0.75"}).run.acceleration_q14);
     expect(0, motor_b({"drive.angle_source=sensor", "observer.acceleration_feed_forward=1"})
                   .run.acceleration_q14);
-    expect(10, motor_b({"drive.angle_source=sensor"}).run.current_slope);
+    expect(10, motor_b({"drive.angle_source=sensor"}).current_reference.slope);
     // A hundredth of the inertia: 0.8/ω_n are 30 ticks of 96.6.
-    expect(97,
-           motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"}).run.current_slope);
+    expect(97, motor_b({"drive.angle_source=sensor", "motor.inertia_kg_m2=0.00011"})
+                   .current_reference.slope);
 }
 
 // 0.7 of critical damping beside R, 0.2·ω_n of integral.

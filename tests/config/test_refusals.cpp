@@ -97,7 +97,7 @@ void a_missing_setting_is_named_with_its_table()
          "motors/m.toml:1: motor.rated_torque_nm (1e-05 to 10000 N·m), motor.rated_speed_rpm (1 to 200000 "
          "rpm): are missing"},
         {"scenarios/s.toml", "mode = \"speed\"\n", "",
-         "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\" or \"position\""},
+         "scenarios/s.toml:4: scenario.mode: is missing; allowed: \"speed\", \"position\" or \"torque\""},
         {"scenarios/s.toml", "tuning = \"t\"\n", "",
          "scenarios/s.toml:1: tuning: is missing; allowed: t or a path ending in .toml"},
     };
@@ -146,9 +146,9 @@ void a_value_out_of_range_is_named_with_the_range_and_unit()
         {"motors/m.toml", "pole_pairs = 2", "pole_pairs = 9223372036854775807",
          "motors/m.toml:3: motor.pole_pairs = 9223372036854775807: is too large; allowed: a whole "
          "number, 1 to 50"},
-        {"scenarios/s.toml", "\"speed\"", "\"torque\"",
-         "scenarios/s.toml:6: scenario.mode = \"torque\": is no mode; allowed: \"speed\" or "
-         "\"position\""},
+        {"scenarios/s.toml", "\"speed\"", "\"power\"",
+         "scenarios/s.toml:6: scenario.mode = \"power\": is no mode; allowed: \"speed\", \"position\" or "
+         "\"torque\""},
         {"motors/m.toml", "\"m\"", "\"\"",
          "motors/m.toml:2: motor.name = \"\": has 0 characters; allowed: a string of 1 to 80 "
          "characters"},

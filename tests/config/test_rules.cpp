@@ -224,10 +224,11 @@ void the_least_current_is_there_only_where_dead_time_or_drop_is_compensated()
                                             "motor.continuous_current_a=4"};
     for (const auto &mode : {START_UP, {}, std::vector<std::string>{"drive.angle_source=sensor"}}) {
         const std::vector<std::string> set = also(floor, mode);
-        TEST_ASSERT_EQUAL_INT32(0, built(set).run.current_floor);
-        const run_cfg_t run = built(also(set, {"plant.dead_time_s=1e-6"})).run;
-        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.14 * 4 / 40 * 32768, run.current_floor);
-        TEST_ASSERT_TRUE(run.current_slope > 0);
+        TEST_ASSERT_EQUAL_INT32(0, built(set).current_reference.floor);
+        const current_reference_cfg_t reference =
+            built(also(set, {"plant.dead_time_s=1e-6"})).current_reference;
+        TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.14 * 4 / 40 * 32768, reference.floor);
+        TEST_ASSERT_TRUE(reference.slope > 0);
     }
 }
 

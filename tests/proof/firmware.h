@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* All of the firmware below the HAL as one unit, so that its inline functions are there once. */
 #include "../../firmware/control/current_loop.c"
+#include "../../firmware/control/current_reference.c"
 #include "../../firmware/control/modulator.c"
 #include "../../firmware/control/motion_loop.c"
 #include "../../firmware/math/trig.c"
@@ -16,6 +17,7 @@
 #include "../../firmware/control/pi.c"
 #include "../../firmware/control/probe.c"
 #include "../../firmware/control/torque_filter.c"
+#include "../../firmware/control/torque_loop.c"
 #include "../../firmware/control/transforms.c"
 #include "../../firmware/control/virtual_resistance.c"
 #undef CFG

@@ -307,6 +307,19 @@ static inline voltage_drive_cfg_t example_voltage_drive_cfg(void)
     };
 }
 
+/* 11.6 N·m in 8 ms, the time of a speed loop of 20 Hz; K_p/K_i of it is 15.9 slow periods. As fast as the speed loop. */
+static inline torque_loop_cfg_t example_torque_loop_cfg(void)
+{
+    const step_t speed_max = example_speed_loop_cfg().speed_max;
+
+    return (torque_loop_cfg_t){
+        .slope = 7120133,
+        .speed_forward = speed_max,
+        .speed_backward = speed_max,
+        .load_shift = 4U,
+    };
+}
+
 /* As published: no start-up, the model as it is, no dead time. */
 static inline drive_cfg_t example_drive_cfg(void)
 {
@@ -322,8 +335,9 @@ static inline drive_cfg_t example_drive_cfg(void)
         .position_loop = example_position_loop_cfg(),
         .modulator = example_modulator_cfg(),
         .hold_loop = example_current_loop_cfg(),
-        .run = {.current_floor = 0, .floor_shift = 1U, .current_slope = 65, .current_fall = 2},
+        .current_reference = {.floor = 0, .floor_shift = 1U, .slope = 65, .slope_down = 2},
         .model = example_model_cfg(),
+        .torque_loop = example_torque_loop_cfg(),
         .speed_shift = 11U,
         .slow_ticks = 10U,
     };

@@ -442,7 +442,7 @@ static void test_a_voltage_drive_goes_back_to_current_control(void)
 
     cfg = example_drive_cfg();
     cfg.voltage_drive = example_voltage_drive_cfg();
-    cfg.run.current_floor = 0;
+    cfg.current_reference.floor = 0;
     begin();
     go_to(DRIVE_STATE_RUN);
     for (uint32_t k = 0U; (k < PATIENCE_TICKS) && !drive.voltage_drive.active; k++) {

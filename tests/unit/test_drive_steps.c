@@ -637,9 +637,9 @@ static int32_t current_d_after(int32_t d, int32_t q)
     const step_t speed = cfg.startup.handover_speed;
 
     enter(DRIVE_STATE_RUN);
-    cfg.run.current_floor = 4000;
-    cfg.run.current_slope = 64;
-    cfg.run.current_fall = 2;
+    cfg.current_reference.floor = 4000;
+    cfg.current_reference.slope = 64;
+    cfg.current_reference.slope_down = 2;
     speed_loop_start(&drive.speed_loop, speed, q);
     drive.speed_reference = speed;
     drive.observer.speed = speed;
@@ -660,7 +660,7 @@ static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own(vo
     TEST_ASSERT_EQUAL_INT32(2000 - fall, current_d_after(2000, -8000));
     TEST_ASSERT_EQUAL_INT32(0, current_d_after(fall - 1, 8000));
     TEST_ASSERT_EQUAL_INT32(3000, current_d_after(3000, 2000));
-    cfg.run.floor_shift = 0U;
+    cfg.current_reference.floor_shift = 0U;
     TEST_ASSERT_EQUAL_INT32(2000, current_d_after(2000, 2000));
 }
 
@@ -876,9 +876,9 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     const step_t speed = 2 * cfg.startup.handover_speed;
 
     enter(DRIVE_STATE_RUN);
-    cfg.run.current_floor = 1000;
-    cfg.run.current_slope = 1;
-    cfg.run.current_fall = 1;
+    cfg.current_reference.floor = 1000;
+    cfg.current_reference.slope = 1;
+    cfg.current_reference.slope_down = 1;
     cfg.speed_loop.inertia = 0;
     speed_loop_start(&drive.speed_loop, speed, sign * cfg.derating.current_max);
     drive.speed_reference = speed;

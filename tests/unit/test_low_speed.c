@@ -809,8 +809,8 @@ static void test_any_frame_keeps_the_most_extreme_configuration_in_range(void)
         cfg.startup.loaded_speed = 1;
         cfg.startup.current_hold = 16384;
         cfg.startup.current_move = 16384;
-        cfg.run.current_floor = 16384;
-        cfg.run.current_slope = 16384;
+        cfg.current_reference.floor = 16384;
+        cfg.current_reference.slope = 16384;
         cfg.startup.current_slope = 16384;
         cfg.modulator.dead_time_q15 = 8192;
         cfg.modulator.drop_q15 = 2048;

@@ -292,9 +292,9 @@ static void test_a_load_that_drives_is_held_by_current_control(void)
 /* With a least current of 1.22 A, under a load that takes 1.72 A. */
 static void run_above_the_current_floor(void)
 {
-    cfg.run.current_floor = 1000;
-    cfg.run.floor_shift = 0U;
-    cfg.run.current_slope = 65;
+    cfg.current_reference.floor = 1000;
+    cfg.current_reference.floor_shift = 0U;
+    cfg.current_reference.slope = 65;
     cfg.crc = config_guard_crc(&cfg);
     run_at(600.0);
     loaded_ticks(PATIENCE_TICKS, 2.0);

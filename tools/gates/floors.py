@@ -64,6 +64,7 @@ BUILT_OF = {
     "align": ["inductance", "transforms"],
     "angle_sensor": ["rotor_position"],
     "current_loop": ["pi", "transforms"],
+    "current_reference": ["current_loop", "motion_loop", "transforms"],
     "flying_start": ["transforms"],
     "inductance": ["transforms"],
     "model": ["current_loop", "nn_observer"],
@@ -73,6 +74,7 @@ BUILT_OF = {
     "phase_compensator": ["transforms"],
     "probe": ["current_loop", "transforms"],
     "torque_filter": ["transforms"],
+    "torque_loop": ["current_reference", "motion_loop"],
     "virtual_resistance": ["transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h"}

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+#include "torque_loop.h"
+
+void torque_loop_start(torque_loop_t *loop, int32_t flux_q13, int32_t current)
+{
+    loop->reference_q28 = current_reference_torque(current, flux_q13);
+    loop->current = current;
+    loop->end = (uint8_t)SPEED_END_NONE;
+    loop->bound = false;
+    loop->bridging = false;
+}
+
+void torque_loop_bridge(torque_loop_t *loop)
+{
+    loop->bridging = true;
+}
+
+/* A slope of less than an LSB of current counts as one: the bridge has to end. */
+torque_range_t torque_loop_bridged(const torque_loop_cfg_t *cfg, int32_t flux_q13, int32_t current,
+                                   torque_range_t range)
+{
+    const int32_t step = fx_max(current_reference_q(cfg->slope, flux_q13), 1);
+    const int32_t from = fx_clamp(current, range.lower, range.upper);
+
+    return (torque_range_t){.lower = fx_max(range.lower, from - step),
+                            .upper = fx_min(range.upper, from + step)};
+}
+
+void torque_loop_arrive(torque_loop_t *loop, int32_t current, torque_range_t range)
+{
+    if ((current > range.lower) && (current < range.upper)) {
+        loop->bridging = false;
+    }
+}
+
+step_t torque_loop_aim(const torque_loop_cfg_t *cfg, int32_t target_q28)
+{
+    step_t aim = 0;
+
+    if (target_q28 > 0) {
+        aim = cfg->speed_forward;
+    } else if (target_q28 < 0) {
+        aim = -cfg->speed_backward;
+    } else {
+        /* nothing drives */
+    }
+    return aim;
+}
+
+/* The rotor is slower than the lowest speed, or the end of the window there has the torque. */
+static bool is_low(const torque_loop_t *loop, step_t along, step_t lowest, bool backwards)
+{
+    const speed_end_t there = backwards ? SPEED_END_UPPER : SPEED_END_LOWER;
+    const bool caught = loop->end == (uint8_t)there;
+
+    return (lowest != 0) && (caught || (along < lowest));
+}
+
+/* The speed reference: on the slope of an imposed vector at low speed, else that of the rotor. */
+static step_t next_reference(const torque_loop_t *loop, const torque_loop_cfg_t *cfg,
+                             const torque_loop_in_t *in)
+{
+    const step_t aim = torque_loop_aim(cfg, in->target_q28);
+    const bool backwards = in->reference < 0;
+    const step_t along = backwards ? -in->speed : in->speed;
+    step_t next;
+
+    if (loop->bound) {
+        next = fx_towards(in->reference, aim, in->ramp);
+    } else if (is_low(loop, along, in->lowest, backwards)) {
+        const step_t start = fx_clamp(along, 0, in->lowest);
+
+        next = fx_towards(backwards ? -start : start, aim, in->ramp);
+    } else {
+        next = fx_clamp(in->speed, -cfg->speed_backward, cfg->speed_forward);
+    }
+    return next;
+}
+
+/* Where nothing has caught the rotor before it was too slow, the speed loop's current is another one: it is bridged. */
+static void bind(torque_loop_t *loop, bool bound)
+{
+    if (bound && !loop->bound && (loop->end == (uint8_t)SPEED_END_NONE)) {
+        loop->bridging = true;
+    }
+    loop->bound = bound;
+}
+
+/*
+ * While an end of the window holds the torque back, the reference waits no further beyond it than it is asked to. So a torque that leads
+ * away from the end begins with the one that acts.
+ */
+static int32_t held_back_q28(const torque_loop_t *loop, const torque_loop_in_t *in, int32_t target)
+{
+    const int32_t acting = current_reference_torque(in->current, in->flux_q13);
+    int32_t from = loop->reference_q28;
+
+    if (loop->end == (uint8_t)SPEED_END_UPPER) {
+        from = fx_min(from, fx_max(target, acting));
+    } else if (loop->end == (uint8_t)SPEED_END_LOWER) {
+        from = fx_max(from, fx_min(target, acting));
+    } else {
+        /* it acts */
+    }
+    return from;
+}
+
+step_t torque_loop_plan(torque_loop_t *loop, const torque_loop_cfg_t *cfg,
+                        const torque_loop_in_t *in)
+{
+    const step_t reference = next_reference(loop, cfg, in);
+
+    bind(loop, fx_abs(reference) < in->lowest);
+    if (loop->bound) {
+        loop->reference_q28 = current_reference_torque(in->current, in->flux_q13);
+        loop->current = in->current;
+        loop->end = (uint8_t)SPEED_END_NONE;
+    } else {
+        const int32_t most = current_reference_torque(in->current_max, in->flux_q13);
+        const int32_t target = fx_clamp(in->target_q28, -most, most);
+
+        loop->reference_q28 = fx_towards(held_back_q28(loop, in, target), target, cfg->slope);
+        loop->current = current_reference_q(loop->reference_q28, in->flux_q13);
+    }
+    return reference;
+}
+
+speed_window_t torque_loop_window(const torque_loop_cfg_t *cfg, step_t reference, step_t lowest)
+{
+    speed_window_t window = {
+        .lower = -cfg->speed_backward, .upper = cfg->speed_forward, .load_shift = cfg->load_shift};
+
+    if (lowest == 0) {
+        /* it turns as slowly as it likes */
+    } else if (reference < 0) {
+        window.upper = fx_max(-lowest, window.lower);
+    } else {
+        window.lower = fx_min(lowest, window.upper);
+    }
+    return window;
+}
