@@ -34,9 +34,10 @@ struct Command {
     double largest; // either sign
 };
 
-constexpr std::array<Command, 3> COMMANDS = {{
+constexpr std::array<Command, 4> COMMANDS = {{
     {"speed_command_rpm", &ScriptedRun::set_command, SPEED_COMMAND_MAX_RPM},
     {"position_command_rad", &ScriptedRun::set_command, POSITION_COMMAND_MAX_RAD},
+    {"torque_command_nm", &ScriptedRun::set_command, LOAD_MAX_NM},
     {"load_torque_nm", &ScriptedRun::set_load_nm, LOAD_MAX_NM},
 }};
 
@@ -183,16 +184,27 @@ Change change_of(const Named &named, double value, const ScriptedRun &run)
     refuse_result(signal);
 }
 
-// A command of the other mode would change nothing.
+// A command of another mode would change nothing.
 void check_mode(const SignalInfo &signal, const Tick &tick)
 {
+    struct Mode {
+        DriveMode mode;
+        const char *name;
+        const char *command;
+    };
+    static constexpr Mode MODES[] = {
+        {DriveMode::speed, "speed", "speed_command_rpm"},
+        {DriveMode::position, "position", "position_command_rad"},
+        {DriveMode::torque, "torque", "torque_command_nm"},
+    };
     const std::string name = signal.name;
-    const bool other = (name == "speed_command_rpm" && tick.mode == DriveMode::position) ||
-                       (name == "position_command_rad" && tick.mode == DriveMode::speed);
-    if (other) {
-        throw std::runtime_error(
-            fmt::format("{} commands nothing in a run in {} mode", name,
-                        tick.mode == DriveMode::position ? "position" : "speed"));
+    const auto in_force = std::find_if(std::begin(MODES), std::end(MODES),
+                                       [&](const Mode &m) { return m.mode == tick.mode; });
+    for (const Mode &other : MODES) {
+        if (name == other.command && other.mode != tick.mode) {
+            throw std::runtime_error(
+                fmt::format("{} commands nothing in a run in {} mode", name, in_force->name));
+        }
     }
 }
 

@@ -168,6 +168,8 @@ std::vector<SignalInfo> run_signals()
         derived("duty_b", Q::share, [](const Tick &t) { return duty(t, 1); }),
         derived("duty_c", Q::share, [](const Tick &t) { return duty(t, 2); }),
         derived("bus_v", Q::voltage_v, [](const Tick &t) { return t.truth.bus_v; }),
+        derived("torque_command_nm", Q::torque_nm,
+                [](const Tick &t) { return t.mode == DriveMode::torque ? t.command : 0.0; }),
         derived("load_torque_nm", Q::torque_nm, [](const Tick &t) { return t.load_nm; }),
         derived("torque_nm", Q::torque_nm, [](const Tick &t) { return t.truth.torque_nm; }),
     };

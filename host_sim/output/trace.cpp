@@ -20,7 +20,7 @@ struct Column {
     const char *form = "{:.6g}";
 };
 
-constexpr std::array<Column, 29> COLUMNS = {{
+constexpr std::array<Column, 30> COLUMNS = {{
     {"time_s", "{:.7f}"},
     {"state"},
     {"speed_command_rpm"},
@@ -47,6 +47,7 @@ constexpr std::array<Column, 29> COLUMNS = {{
     {"duty_b"},
     {"duty_c"},
     {"bus_v"},
+    {"torque_command_nm"},
     {"load_torque_nm"},
     {"torque_nm"},
     {"fault"},

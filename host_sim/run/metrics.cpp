@@ -25,6 +25,7 @@ const std::vector<MetricField> &metric_fields()
         {"angle_error_rms_deg", &MetricValues::angle_error_rms_deg},
         {"speed_error_command_pct", &MetricValues::speed_error_command_pct},
         {"speed_error_load_pct", &MetricValues::speed_error_load_pct},
+        {"torque_error_settled_pct", &MetricValues::torque_error_settled_pct},
         {"ripple_speed_pct", &MetricValues::ripple_speed_pct},
         {"ripple_current_pct", &MetricValues::ripple_current_pct},
         {"swing_speed_pct", &MetricValues::swing_speed_pct},
@@ -56,9 +57,10 @@ std::optional<double> Metrics::Worst::get() const
     return seen && !spoiled ? std::optional<double>(value) : std::nullopt;
 }
 
-Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a)
+Metrics::Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a,
+                 double rated_torque_nm)
     : mode_(mode), period_s_(period_s), rated_rpm_(rated_speed_rpm), rated_a_(rated_current_a),
-      settled_ticks_(std::llround(SETTLED_AFTER_S / period_s)),
+      rated_nm_(rated_torque_nm), settled_ticks_(std::llround(SETTLED_AFTER_S / period_s)),
       mean_gain_(1.0 - std::exp(-period_s / LOST_MEAN_S)),
       speed_swing_(2 * SWING_SPEED * rated_speed_rpm, period_s),
       current_swing_(2 * SWING_CURRENT * rated_current_a, period_s)
@@ -174,6 +176,7 @@ void Metrics::add_settled(const Instant &now)
     }
     window_ticks_++;
     window_id_sum_ += now.i_d_a;
+    window_actual_sum_ += now.actual;
     if (mode_ == DriveMode::speed) {
         command_error_settled_.add(std::abs(command_ - now.actual) * command_scale_);
     }
@@ -190,13 +193,24 @@ void Metrics::close_wait(Wait &wait, Worst &into) const
     wait.active = false;
 }
 
+void Metrics::close_torque_window()
+{
+    const double base = command_ == 0 ? rated_nm_ : std::abs(command_);
+    if (mode_ == DriveMode::torque && base > 0 && window_ticks_ >= settled_ticks_) {
+        const double mean = window_actual_sum_ / static_cast<double>(window_ticks_);
+        torque_error_settled_.add(std::abs(mean - command_) / base * 100.0);
+    }
+}
+
 void Metrics::close_settled_window()
 {
     if (window_ticks_ > 0) {
         id_settled_.add(std::abs(window_id_sum_ / static_cast<double>(window_ticks_)));
+        close_torque_window();
     }
     window_ticks_ = 0;
     window_id_sum_ = 0;
+    window_actual_sum_ = 0;
     quiet_ticks_ = 0;
     settled_mean_ = {};
     close_swings();
@@ -285,6 +299,7 @@ MetricValues Metrics::finish()
     finish_errors(m);
     finish_swings(m);
     m.command_error_settled_pct = command_error_settled_.get();
+    m.torque_error_settled_pct = torque_error_settled_.get();
     m.settling_time_s = settling_time_.get();
     m.overshoot_pct = overshoot_.get();
     m.speed_dip_rpm = dips_.get();

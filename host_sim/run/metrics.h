@@ -5,7 +5,8 @@
 // drive believed about t_k. The evaluation covers every tick from `evaluate_from_s` to the end,
 // transients included.
 //
-// Commanded quantity: the mechanical speed [rpm], or in position mode the mechanical angle [rad].
+// Commanded quantity: the mechanical speed [rpm], in position mode the mechanical angle [rad], in torque mode the torque of the
+//                 air gap [N·m].
 // Step:           the command or the load takes a new value. Steps before the evaluation do not count.
 // Step window:    from a step to the next one (of either kind) or to the end of the run.
 // Settled window: any stretch of the evaluation that begins 0.15 s after the last step, and after the
@@ -79,6 +80,10 @@ struct MetricValues {
     std::optional<double> swing_speed_pct;
     std::optional<double> swing_current_pct;
     std::optional<double> swing_hz;
+    // Torque mode: magnitude of the mean of the air gap's torque less the command over a settled window, % of the command; of
+    // rated torque when the command is 0. The largest. While the speed loop decides the torque there is no such
+    // window, and one shorter than 0.15 s does not count.
+    std::optional<double> torque_error_settled_pct;
     // When `locked` was lost.
     std::optional<double> lost_time_s;
     // Held against rated speed: in every tick the drive runs, without a fault, the angle error is below 90°
@@ -127,8 +132,9 @@ struct Instant {
 class Metrics
 {
 public:
-    // The current is that of rated torque.
-    Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a);
+    // Current and torque are rated ones; without a torque an error at no torque is not judged.
+    Metrics(DriveMode mode, double period_s, double rated_speed_rpm, double rated_current_a,
+            double rated_torque_nm = 0);
 
     // The command in force when the evaluation begins.
     void start(double command)
@@ -173,6 +179,7 @@ private:
     void close_step_window();
     void close_wait(Wait &wait, Worst &into) const;
     void close_settled_window();
+    void close_torque_window();
     void close_swings();
     void watch_window(const Instant &now);
     void watch_steps(double beyond);
@@ -188,6 +195,7 @@ private:
     double period_s_;
     double rated_rpm_;
     double rated_a_;
+    double rated_nm_;
     int64_t settled_ticks_;
     double mean_gain_; // a tick's share in the mean squares
 
@@ -222,9 +230,11 @@ private:
     int64_t quiet_ticks_ = 0; // since the last step or movement of the reference
     int64_t window_ticks_ = 0;
     double window_id_sum_ = 0;
+    double window_actual_sum_ = 0;
     double command_scale_ = 0; // 100 / what the settled command error is a share of
     Worst id_settled_;
     Worst command_error_settled_;
+    Worst torque_error_settled_;
 
     Wait settling_;
     Wait recovery_;

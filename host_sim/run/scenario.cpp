@@ -70,7 +70,8 @@ Run::Run(const Config &real, const Config &believed, const RunOptions &options)
     : config_(believed), options_(options), run_(real, believed),
       evaluate_from_(run_.tick_at(real.scenario.evaluate_from_s)),
       metrics_(real.scenario.mode, run_.sim().bases().control_period_s,
-               believed.motor.rated_speed_rpm, rated_current(believed.motor)),
+               believed.motor.rated_speed_rpm, rated_current(believed.motor),
+               believed.motor.rated_torque_nm),
       rpm_per_step_(run_.sim().bases().rpm_from_step(1)),
       ampere_per_bit_(run_.sim().bases().current_a / Q15)
 {
@@ -90,16 +91,40 @@ void Run::judge_steps(const Tick &tick)
     }
 }
 
-// The speed ramp, or the position profile.
+// In torque mode the torque counts where nothing but the command decides it.
+static bool decides_torque(const drive_t &drive)
+{
+    return drive.state == DRIVE_STATE_RUN && drive.mode == DRIVE_MODE_TORQUE &&
+           !drive.torque_loop.bound && drive.torque_loop.end == SPEED_END_NONE;
+}
+
+// The speed ramp, the position profile, or the slope of the torque.
 bool Run::reference_moving()
 {
     const drive_t &drive = run_.sim().drive();
-    const int64_t reference = config_.scenario.mode == DriveMode::position
-                                  ? drive.position_loop.profile_q32
-                                  : int64_t{drive.speed_reference};
-    const bool moving = reference != reference_;
+    const DriveMode mode = config_.scenario.mode;
+    int64_t reference = drive.speed_reference;
+    if (mode == DriveMode::position) {
+        reference = drive.position_loop.profile_q32;
+    } else if (mode == DriveMode::torque) {
+        reference = drive.torque_loop.reference_q28;
+    }
+    const bool held_off = mode == DriveMode::torque && !decides_torque(drive);
+    const bool moving = held_off || reference != reference_;
     reference_ = reference;
     return moving;
+}
+
+static double commanded(const Tick &tick, double speed_rpm)
+{
+    switch (tick.mode) {
+    case DriveMode::position:
+        return tick.truth.theta_mech_rad;
+    case DriveMode::torque:
+        return tick.truth.torque_nm;
+    default:
+        return speed_rpm;
+    }
 }
 
 void Run::evaluate(const Tick &tick)
@@ -115,7 +140,7 @@ void Run::evaluate(const Tick &tick)
     now.iq_error_a = truth.i_q_a - drive.observer.current.q * ampere_per_bit_;
     now.i_q_a = truth.i_q_a;
     now.i_d_a = truth.i_d_a;
-    now.actual = tick.mode == DriveMode::position ? truth.theta_mech_rad : now.speed_rpm;
+    now.actual = commanded(tick, now.speed_rpm);
     now.running = drive.state > DRIVE_STATE_READY && drive.state < DRIVE_STATE_FAULT;
     now.closed_loop = drive.state == DRIVE_STATE_RUN;
     now.reference_moving = reference_moving();

@@ -58,6 +58,8 @@ void ScriptedRun::send_command()
 {
     if (mode_ == DriveMode::position) {
         sim_.command_position_rad(command_.value());
+    } else if (mode_ == DriveMode::torque) {
+        sim_.command_torque_nm(command_.value());
     } else {
         sim_.command_speed_rpm(command_.value());
     }

@@ -14,6 +14,7 @@ namespace
 {
 
 constexpr double Q16 = 65536.0;
+constexpr double Q28 = 268435456.0;
 
 // A command of the user as the drive's integer; what it cannot hold is as far as it goes.
 int32_t to_target(double value)
@@ -87,6 +88,11 @@ void Simulation::command_speed_rpm(double rpm)
 void Simulation::command_position_rad(double mech_rad)
 {
     command(DRIVE_MODE_POSITION, bases_.turns_from_mech_rad(mech_rad) * Q16);
+}
+
+void Simulation::command_torque_nm(double torque_nm)
+{
+    command(DRIVE_MODE_TORQUE, torque_nm / bases_.torque_nm() * Q28);
 }
 
 void Simulation::set_load_nm(double torque_nm)

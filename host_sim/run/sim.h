@@ -92,6 +92,7 @@ public:
     }
     void command_speed_rpm(double rpm);
     void command_position_rad(double mech_rad);
+    void command_torque_nm(double torque_nm);
     // From the present instant.
     void set_load_nm(double torque_nm);
 

@@ -19,18 +19,41 @@ Tick believed_tick(const Simulation &sim, double time_s)
     return tick;
 }
 
+static DriveMode mode_of(const drive_command_t &command)
+{
+    switch (command.mode) {
+    case DRIVE_MODE_POSITION:
+        return DriveMode::position;
+    case DRIVE_MODE_TORQUE:
+        return DriveMode::torque;
+    default:
+        return DriveMode::speed;
+    }
+}
+
+static double command_si(const drive_command_t &command, const Bases &bases)
+{
+    constexpr double Q16 = 65536.0;
+    constexpr double Q28 = 268435456.0;
+    constexpr double TWO_PI = 6.28318530717958647693;
+    switch (mode_of(command)) {
+    case DriveMode::position:
+        return command.target / Q16 * TWO_PI / bases.pole_pairs;
+    case DriveMode::torque:
+        return command.target / Q28 * bases.torque_nm();
+    default:
+        return bases.rpm_from_step(command.target);
+    }
+}
+
 Tick tick_of_frame(const Simulation &sim, const drive_in_t &in, double time_s)
 {
     constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
-    constexpr double Q16 = 65536.0;
-    constexpr double TWO_PI = 6.28318530717958647693;
     Tick tick = believed_tick(sim, time_s);
     tick.truth = {time_s,  UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, {UNKNOWN, UNKNOWN, UNKNOWN},
                   UNKNOWN, UNKNOWN};
-    tick.mode = in.command.mode == DRIVE_MODE_POSITION ? DriveMode::position : DriveMode::speed;
-    tick.command = tick.mode == DriveMode::position
-                       ? in.command.target / Q16 * TWO_PI / sim.bases().pole_pairs
-                       : sim.bases().rpm_from_step(in.command.target);
+    tick.mode = mode_of(in.command);
+    tick.command = command_si(in.command, sim.bases());
     tick.load_nm = UNKNOWN;
     return tick;
 }

@@ -25,17 +25,17 @@ METRICS = """
 scenario with set notes seed speed_error_max_rpm speed_error_rms_rpm speed_error_max_pct
 command_error_settled_pct angle_error_max_deg iq_error_max_a settling_time_s overshoot_pct
 speed_dip_rpm recovery_time_s position_error_final_rad id_settled_a angle_error_rms_deg
-speed_error_command_pct speed_error_load_pct ripple_speed_pct ripple_current_pct swing_speed_pct swing_current_pct swing_hz lost_time_s
+speed_error_command_pct speed_error_load_pct torque_error_settled_pct ripple_speed_pct ripple_current_pct swing_speed_pct swing_current_pct swing_hz lost_time_s
 locked locked_coarse limit_cycle faults state_final
 gates_enabled_final parameters dimensionless saturations saturation_internal_count accepted failed_limits""".split()
 COLUMNS = """
 time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm
 position_command_rad position_rad position_estimated_rad angle_el_deg angle_estimated_el_deg
 angle_error_el_deg i_q_a i_q_estimated_a i_q_reference_a i_d_a i_d_estimated_a i_a_a i_b_a i_c_a
-v_d_v v_q_v duty_a duty_b duty_c bus_v load_torque_nm torque_nm fault""".split()
+v_d_v v_q_v duty_a duty_b duty_c bus_v torque_command_nm load_torque_nm torque_nm fault""".split()
 NOT_IN_GOOD_RUN = {"swing_speed_pct", "swing_current_pct", "swing_hz", "lost_time_s"}
-NOT_IN_SPEED_RUN = {"position_error_final_rad", *NOT_IN_GOOD_RUN}
-NOT_IN_POSITION_RUN = {"command_error_settled_pct", "speed_dip_rpm", "recovery_time_s", "speed_error_load_pct",
+NOT_IN_SPEED_RUN = {"position_error_final_rad", "torque_error_settled_pct", *NOT_IN_GOOD_RUN}
+NOT_IN_POSITION_RUN = {"command_error_settled_pct", "torque_error_settled_pct", "speed_dip_rpm", "recovery_time_s", "speed_error_load_pct",
                        "ripple_speed_pct", "ripple_current_pct", *NOT_IN_GOOD_RUN}
 
 SHORT = """

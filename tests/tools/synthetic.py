@@ -10,7 +10,7 @@ COLUMNS = (
     "time_s state speed_command_rpm speed_rpm speed_estimated_rpm speed_reference_rpm "
     "position_command_rad position_rad position_estimated_rad angle_el_deg "
     "angle_estimated_el_deg angle_error_el_deg i_q_a i_q_estimated_a i_q_reference_a i_d_a "
-    "i_d_estimated_a i_a_a i_b_a i_c_a v_d_v v_q_v duty_a duty_b duty_c bus_v load_torque_nm "
+    "i_d_estimated_a i_a_a i_b_a i_c_a v_d_v v_q_v duty_a duty_b duty_c bus_v torque_command_nm load_torque_nm "
     "torque_nm fault").split()
 RPM = 30 / math.pi
 POLE_PAIRS, TORQUE_PER_A, INERTIA, LARGEST_A = 2, 1.161, 0.003, 10.0

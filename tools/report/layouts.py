@@ -51,7 +51,10 @@ SCENARIOS = {
     "s4": VOLTAGE_FIGURE,
     "s5": VOLTAGE_FIGURE,
 }
-OVERVIEW = ("state", "speed", "speed-error", "position", "angle-error", "iq", "id", "torque")
+OVERVIEW = ("state", "speed", "speed-error", "position", "angle-error", "iq", "id", "torque-command", "torque")
+
+# Shown only where somebody asks for it.
+COMMANDED = {"position": "position_command_rad", "torque-command": "torque_command_nm"}
 
 
 def moves(trace, panel):
@@ -62,8 +65,9 @@ def moves(trace, panel):
 def overview(trace):
     """The panels of any run: those of OVERVIEW whose columns are there and do something."""
     found = [CATALOGUE[name] for name in OVERVIEW if trace.has(CATALOGUE[name].columns())]
-    if trace.has(["position_command_rad"]) and not trace["position_command_rad"].any():
-        found = [panel for panel in found if panel is not CATALOGUE["position"]]
+    for name, command in COMMANDED.items():
+        if trace.has([command]) and not trace[command].any():
+            found = [panel for panel in found if panel is not CATALOGUE[name]]
     return tuple(panel for panel in found if moves(trace, panel))
 
 

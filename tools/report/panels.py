@@ -77,6 +77,8 @@ CATALOGUE = {
     "voltage": Panel("voltage", "V", (Line("v_d_v", "d"), Line("v_q_v", "q"))),
     "duty": Panel("duty", "1", (Line("duty_a", "a"), Line("duty_b", "b"), Line("duty_c", "c"))),
     "bus": Panel("DC link", "V", (Line("bus_v", "actual"),)),
+    "torque-command": Panel("torque asked for", "N·m", (Line("torque_command_nm", "command"),
+                                                        Line("torque_nm", "actual"))),
     "torque": Panel("torque", "N·m", (Line("load_torque_nm", "load"),
                                       Line("torque_nm", "actual"))),
 }

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT
+// Torque control in whole runs: how true the torque is at a speed, the ends of the window, the way through the start-up, and changes
+// between the three modes at any time.
+#include "config.h"
+#include "numbers.h"
+#include "tick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unity.h>
+
+namespace
+{
+
+using Words = std::vector<std::string>;
+
+struct Machine {
+    const char *motor;
+    const char *board;
+    const char *tuning;
+};
+constexpr Machine MOTOR_A = {"motor_a", "bench_310v", "robust"};
+
+// Beyond this angle error the torque has the wrong sign.
+constexpr double LOST_DEG = 90;
+
+class Bench
+{
+public:
+    Bench(const Machine &machine, const Words &sets, const Words &set)
+        : config(nf::load_parts(machine.motor, machine.board, machine.tuning, sets, set)),
+          sim(config)
+    {
+    }
+
+    void tick()
+    {
+        now = nf::believed_tick(sim, 0);
+        plant_view(&sim.plant(), &now.truth);
+        sim.control();
+        sim.advance();
+    }
+    void slow_period()
+    {
+        for (uint32_t k = 0; k < sim.cfg().slow_ticks; k++) {
+            tick();
+        }
+    }
+    void seconds(double time_s)
+    {
+        const long ticks = std::lround(time_s / sim.bases().control_period_s);
+        for (long k = 0; k < ticks; k++) {
+            tick();
+        }
+    }
+    // Asks to run until the drive is in this state.
+    void until(drive_state_t state, double patience_s)
+    {
+        const long ticks = std::lround(patience_s / sim.bases().control_period_s);
+        for (long k = 0; k < ticks && sim.drive().state != state; k++) {
+            if (sim.drive().state == DRIVE_STATE_READY) {
+                sim.request(DRIVE_REQUEST_RUN);
+            }
+            tick();
+        }
+        TEST_ASSERT_EQUAL_INT(state, sim.drive().state);
+    }
+    void ask_torque(double share)
+    {
+        sim.command_torque_nm(share * config.motor.rated_torque_nm);
+    }
+    void ask_speed(double share)
+    {
+        sim.command_speed_rpm(share * config.motor.rated_speed_rpm);
+    }
+    void load(double share)
+    {
+        sim.set_load_nm(share * config.motor.rated_torque_nm);
+    }
+    // Of rated ones.
+    double speed() const
+    {
+        return now.truth.omega_mech_rad_s / nf::rad_s_from_rpm(config.motor.rated_speed_rpm);
+    }
+    double mean_torque(double time_s)
+    {
+        const long ticks = std::lround(time_s / sim.bases().control_period_s);
+        double sum = 0;
+        for (long k = 0; k < ticks; k++) {
+            tick();
+            sum += now.truth.torque_nm;
+        }
+        return sum / static_cast<double>(ticks) / config.motor.rated_torque_nm;
+    }
+    bool torque_is_free() const
+    {
+        const drive_t &drive = sim.drive();
+        return drive.state == DRIVE_STATE_RUN && drive.mode == DRIVE_MODE_TORQUE &&
+               !drive.torque_loop.bound && drive.torque_loop.end == SPEED_END_NONE;
+    }
+
+    nf::Config config;
+    nf::Simulation sim;
+    nf::Tick now{};
+};
+
+// ---- the torque at a speed
+
+// Rotors: what 6 % of the rated torque takes the speed off in half a second is then a hundredth of rated speed, for motor A.
+constexpr double BENCH_INERTIA = 40;
+constexpr double ABOVE_HANDOVER = 0.2; // which is at 10 % of rated speed
+constexpr double IDEAL_PCT = 3;
+constexpr double ALL_PCT = 6;
+
+// How far the torque is off the command, in percent of it, where a load as large holds the speed. A mean over 0.3 s: many
+// periods of what the dead time makes.
+double off_pct(const Words &sets, double speed, double torque, const Words &more)
+{
+    Words set = more;
+    set.push_back(fmt::format("motor.inertia_kg_m2={}", 0.003 * BENCH_INERTIA));
+    set.insert(set.end(), {"speed_loop.bandwidth_hz=5", "speed_loop.ramp_rpm_s=2000",
+                           "torque_loop.slope_nm_s=500"});
+    Bench bench(MOTOR_A, sets, set);
+    bench.ask_speed(std::max(speed, ABOVE_HANDOVER));
+    bench.until(DRIVE_STATE_RUN, 20);
+    bench.ask_speed(speed);
+    bench.seconds(2);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, speed, bench.speed());
+    bench.load(torque);
+    bench.ask_torque(torque);
+    bench.seconds(0.2);
+    const double mean = bench.mean_torque(0.3);
+    const std::string what =
+        fmt::format("{} at {:.0f} % of rated speed, {:+.0f} % torque",
+                    sets.empty() ? "ideal" : sets.front(), 100 * speed, 100 * torque);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, bench.sim.drive().fault.id, what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(bench.torque_is_free(), what.c_str());
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, speed, bench.speed());
+    const double off = 100 * std::abs(mean / torque - 1);
+    fmt::print("{}: {:.2f} % off\n", what, off);
+    return off;
+}
+
+void test_the_torque_is_what_was_asked_for_at_each_speed()
+{
+    for (const double torque : {0.5, -0.5, 0.9}) {
+        for (const double speed : {0.1, 0.5, 1.0}) {
+            TEST_ASSERT_TRUE(off_pct({}, speed, torque, {}) < IDEAL_PCT);
+            TEST_ASSERT_TRUE(off_pct({"all"}, speed, torque, {}) < ALL_PCT);
+        }
+    }
+}
+
+// Without a sensor the angle is not known there: the torque is that of the imposed vector, what the load takes.
+void test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill()
+{
+    const Words sensor = {"drive.angle_source=sensor"};
+    for (const double torque : {0.5, -0.5}) {
+        TEST_ASSERT_TRUE(off_pct({}, 0, torque, sensor) < IDEAL_PCT);
+        TEST_ASSERT_TRUE(off_pct({"all"}, 0, torque, sensor) < ALL_PCT);
+    }
+}
+
+// ---- the window
+
+// Nothing loads the motor, and it asks for its largest torque: the hardest landing. It comes to rest at the end of the window.
+void land(const Machine &machine, double sign, double end)
+{
+    const nf::Config plain = nf::load_parts(machine.motor, machine.board, machine.tuning, {}, {});
+    const double end_rpm = end * plain.motor.rated_speed_rpm;
+    Bench bench(machine, {},
+                {fmt::format("torque_loop.speed_forward_rpm={}", end_rpm),
+                 fmt::format("torque_loop.speed_backward_rpm={}", end_rpm)});
+    const std::string what = fmt::format("{} to {:+.2f}", machine.motor, sign * end);
+    double furthest = 0;
+    bench.ask_torque(2 * sign);
+    bench.until(DRIVE_STATE_RUN, 10);
+    for (int k = 0; k < 3000; k++) {
+        bench.slow_period();
+        furthest = std::max(furthest, sign * bench.speed());
+    }
+    fmt::print("{}: furthest {:.4f}, in the end {:.4f}\n", what, furthest, bench.speed());
+    TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, bench.sim.drive().fault.id, what.c_str());
+    TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.005, end, sign * bench.speed(), what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(furthest < end + 0.03, what.c_str());
+    // And back: the other torque acts as soon as the slope lets it.
+    const nf::TuningSettings tuning =
+        nf::settled_tuning(plain.motor, plain.board, plain.tuning, plain.model);
+    bench.ask_torque(-0.5 * sign);
+    bench.seconds(0.5 * plain.motor.rated_torque_nm / tuning.torque_slope_nm_s + 0.01);
+    TEST_ASSERT_TRUE_MESSAGE(sign * bench.mean_torque(0.01) < -0.4, what.c_str());
+}
+
+constexpr Machine MACHINES[] = {MOTOR_A,
+                                {"motor_b", "bench_310v", "any"},
+                                {"odrive_d5065", "b_g431b_esc1", "any"},
+                                {"teknic_m2310p", "frdm_mc_lvpmsm", "any"}};
+
+void test_at_an_end_of_the_window_the_rotor_comes_to_rest()
+{
+    for (const Machine &machine : MACHINES) {
+        land(machine, 1, 0.8);
+        land(machine, -1, 0.5);
+    }
+}
+
+// ---- the start-up
+
+// Each state once on the way, none twice: it does not come and go at a border.
+void test_a_torque_goes_through_the_start_up_and_back_to_a_standstill()
+{
+    for (const Machine &machine : MACHINES) {
+        Bench bench(machine, {}, {});
+        std::vector<int> states;
+        const auto follow = [&](double time_s) {
+            const long ticks = std::lround(time_s / bench.sim.bases().control_period_s);
+            for (long k = 0; k < ticks; k++) {
+                bench.tick();
+                const int state = bench.sim.drive().state;
+                if (states.empty() || states.back() != state) {
+                    states.push_back(state);
+                }
+            }
+        };
+        bench.ask_torque(0);
+        bench.until(DRIVE_STATE_HOLD, 10);
+        bench.ask_torque(0.3);
+        follow(1.5);
+        bench.ask_torque(-0.3);
+        follow(3);
+        bench.ask_torque(0);
+        follow(0.1);
+        bench.ask_torque(0.3);
+        follow(0.05);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, bench.sim.drive().fault.id, machine.motor);
+        const std::vector<int> expected = {
+            DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN,
+            DRIVE_STATE_HOLD, DRIVE_STATE_IF_RAMP, DRIVE_STATE_HANDOVER, DRIVE_STATE_RUN};
+        std::string seen;
+        for (const int state : states) {
+            seen += fmt::format("{} ", state);
+        }
+        fmt::print("{}: states {}\n", machine.motor, seen);
+        TEST_ASSERT_TRUE_MESSAGE(states.size() >= expected.size(), seen.c_str());
+        for (std::size_t k = 0; k < expected.size(); k++) {
+            TEST_ASSERT_EQUAL_INT_MESSAGE(expected[k], states[k], seen.c_str());
+        }
+    }
+}
+
+// A load above the torque slows the rotor down to the lowest speed of RUN, and does not turn it back.
+void test_a_load_above_the_torque_ends_at_the_lowest_speed()
+{
+    Bench bench(MOTOR_A, {}, {});
+    bench.ask_torque(0.5);
+    bench.until(DRIVE_STATE_RUN, 5);
+    bench.load(0.6);
+    bench.seconds(2);
+    fmt::print("0.5 of the torque, 0.6 of load: {:.4f} of the speed\n", bench.speed());
+    TEST_ASSERT_EQUAL_INT(FAULT_NONE, bench.sim.drive().fault.id);
+    TEST_ASSERT_TRUE(bench.speed() > 0.01);
+    TEST_ASSERT_TRUE(bench.speed() < 0.1);
+    bench.load(0.2);
+    bench.seconds(0.5);
+    TEST_ASSERT_TRUE(bench.speed() > 0.3);
+}
+
+// ---- changes of the mode
+
+struct Changes {
+    int between_runs = 0; // changes of mode in RUN, to or from torque control
+    double worst = 0;     // change of i_q* in a slow period of a bridge, over that of the slope
+    double worst_deg = 0;
+};
+
+// Any mode with any target, each for some time from a slow period to half a second.
+Changes change_at_random(const Machine &machine, const Words &sets, unsigned seed, double time_s)
+{
+    Bench bench(machine, sets, {});
+    std::mt19937 random(seed);
+    const auto within = [&](double lowest, double highest) {
+        return lowest + (highest - lowest) * static_cast<double>(random()) / 4294967296.0;
+    };
+    const double period_s = bench.sim.bases().control_period_s * bench.sim.cfg().slow_ticks;
+    const drive_t &drive = bench.sim.drive();
+    Changes found;
+    long left = 0;
+    bench.ask_torque(0);
+    bench.until(DRIVE_STATE_HOLD, 10);
+    for (double t = 0; t < time_s; t += period_s) {
+        const int mode = drive.mode;
+        const int32_t before = drive.signals.current_ref.q;
+        const bool ran = drive.state == DRIVE_STATE_RUN && !drive.voltage_drive.active;
+        const bool bridged = drive.torque_loop.bridging;
+        if (--left < 0) {
+            left = std::lround(within(0, within(0, 0.5)) / period_s);
+            const int next = static_cast<int>(random() % 3);
+            if (next == 0) {
+                bench.ask_speed(within(-1, 1));
+            } else if (next == 1) {
+                bench.ask_torque(random() % 4 == 0 ? 0 : within(-1, 1));
+            } else {
+                bench.sim.command_position_rad(bench.now.truth.theta_mech_rad + within(-10, 10));
+            }
+        }
+        bench.slow_period();
+        const std::string what =
+            fmt::format("{}, seed {}, {:.3f} s, mode {} to {}, state {}", machine.motor, seed, t,
+                        mode, drive.mode, static_cast<int>(drive.state));
+        TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, drive.fault.id, what.c_str());
+        if (drive.state == DRIVE_STATE_RUN) {
+            found.worst_deg = std::max(found.worst_deg, std::abs(nf::angle_error_deg(bench.now)));
+        }
+        const bool changes =
+            mode != drive.mode && (mode == DRIVE_MODE_TORQUE || drive.mode == DRIVE_MODE_TORQUE);
+        if (!ran || drive.state != DRIVE_STATE_RUN || drive.voltage_drive.active) {
+            continue;
+        }
+        found.between_runs += changes ? 1 : 0;
+        // A limit of the current comes before the slope.
+        const int32_t now = drive.signals.current_ref.q;
+        const torque_range_t range = drive.torque_range;
+        const bool limited =
+            std::max(before, now) >= range.upper || std::min(before, now) <= range.lower;
+        if (!limited && (changes || (bridged && drive.torque_loop.bridging))) {
+            const int32_t flux = drive_flux(&drive);
+            const int32_t slope =
+                std::max(current_reference_q(drive.cfg->torque_loop.slope, flux), 1);
+            // the reference and its current are rounded, an LSB each
+            const double change = std::abs(now - before);
+            found.worst = std::max(found.worst, change / (slope + 2));
+            TEST_ASSERT_TRUE_MESSAGE(change <= slope + 2, what.c_str());
+        }
+    }
+    return found;
+}
+
+void test_the_mode_may_change_at_any_time()
+{
+    for (const Machine &machine : MACHINES) {
+        for (const unsigned seed : {1U, 2U, 3U}) {
+            const Changes found = change_at_random(machine, {}, seed, 20);
+            fmt::print("{}, seed {}: {} changes in RUN, at most {:.2f} of the slope, {:.1f}° off\n",
+                       machine.motor, seed, found.between_runs, found.worst, found.worst_deg);
+            TEST_ASSERT_TRUE(found.between_runs > 3);
+            TEST_ASSERT_TRUE(found.worst_deg < LOST_DEG);
+        }
+    }
+}
+
+void test_the_mode_may_change_at_any_time_on_real_hardware()
+{
+    for (const unsigned seed : {11U, 12U, 13U}) {
+        const Changes found = change_at_random(MOTOR_A, {"all"}, seed, 20);
+        fmt::print(
+            "motor_a, all, seed {}: {} changes in RUN, at most {:.2f} of the slope, {:.1f}° off\n",
+            seed, found.between_runs, found.worst, found.worst_deg);
+        TEST_ASSERT_TRUE(found.between_runs > 3);
+        TEST_ASSERT_TRUE(found.worst_deg < LOST_DEG);
+    }
+}
+
+} // namespace
+
+void setUp()
+{
+}
+
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_torque_is_what_was_asked_for_at_each_speed);
+    RUN_TEST(test_with_a_sensor_the_torque_is_what_was_asked_for_at_standstill);
+    RUN_TEST(test_at_an_end_of_the_window_the_rotor_comes_to_rest);
+    RUN_TEST(test_a_torque_goes_through_the_start_up_and_back_to_a_standstill);
+    RUN_TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed);
+    RUN_TEST(test_the_mode_may_change_at_any_time);
+    RUN_TEST(test_the_mode_may_change_at_any_time_on_real_hardware);
+    return UNITY_END();
+}
