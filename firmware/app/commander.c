@@ -52,6 +52,34 @@ void commander_set_speed(app_t *app, step_t speed)
     command_mailbox_post(&app->mailbox, &command);
 }
 
+void commander_set_torque(app_t *app, int32_t torque_q28)
+{
+    drive_command_t command = command_mailbox_take(&app->mailbox);
+
+    command.target = torque_q28;
+    command.mode = (uint8_t)DRIVE_MODE_TORQUE;
+    command_mailbox_post(&app->mailbox, &command);
+}
+
+int32_t commander_torque_max(const app_t *app)
+{
+    const drive_cfg_t *const cfg = app->drive.cfg;
+    int32_t most = 0;
+
+    if (cfg != NULL) {
+        most = current_reference_torque(cfg->derating.current_max, cfg->current_loop.emf_q13);
+    }
+    return most;
+}
+
+static bool is_too_strong(const app_t *app, const drive_command_t *command)
+{
+    const int32_t most = commander_torque_max(app);
+
+    return (command->mode == (uint8_t)DRIVE_MODE_TORQUE) &&
+           ((command->target > most) || (command->target < -most));
+}
+
 static bool is_too_fast(const drive_command_t *command, step_t speed_max)
 {
     return (command->mode == (uint8_t)DRIVE_MODE_SPEED) &&
@@ -59,14 +87,17 @@ static bool is_too_fast(const drive_command_t *command, step_t speed_max)
 }
 
 /* Why this target in this mode is none; NULL: it is one. */
-static const char *target_refused(const drive_command_t *command, step_t speed_max)
+static const char *target_refused(const app_t *app, const drive_command_t *command,
+                                  step_t speed_max)
 {
     const char *why = NULL;
 
-    if (command->mode > (uint8_t)DRIVE_MODE_POSITION) {
-        why = "the modes are 0, speed, and 1, position";
+    if (command->mode > (uint8_t)DRIVE_MODE_TORQUE) {
+        why = "the modes are 0, speed, 1, position, and 2, torque";
     } else if (is_too_fast(command, speed_max)) {
         why = "the speed is beyond that of the motor";
+    } else if (is_too_strong(app, command)) {
+        why = "the torque is beyond that of the motor";
     } else {
         /* the drive can follow it */
     }
@@ -93,7 +124,7 @@ static const char *request_refused(const app_t *app, uint8_t what)
 
 const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max)
 {
-    const char *why = target_refused(command, speed_max);
+    const char *why = target_refused(app, command, speed_max);
 
     if (why == NULL) {
         why = request_refused(app, command->request);

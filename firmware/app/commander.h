@@ -25,10 +25,16 @@ const char *commander_clear(app_t *app);
 /* Speed mode with this electrical speed from now on, also while the drive runs. The caller keeps to the motor's limit. */
 void commander_set_speed(app_t *app, step_t speed);
 
+/* Torque mode with this torque from now on, Q28 of T_b. The caller keeps to commander_torque_max(). */
+void commander_set_torque(app_t *app, int32_t torque_q28);
+
+/* The torque of the motor's largest current at the flux of the configuration, Q28 of T_b; 0 before the drive is initialised. */
+int32_t commander_torque_max(const app_t *app);
+
 /*
  * A whole command. speed_max: of the motor, electrical, either way. Returns NULL, or why it is refused, and then the command in
- * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max. A stop is
- * never refused: with such a mode or speed it leaves those in force.
+ * force stays: a request or a mode that there is not, a run in FAULT, a clear without a fault, a speed beyond speed_max, a torque beyond
+ * commander_torque_max(). A stop is never refused: with such a mode or target it leaves those in force.
  */
 const char *commander_command(app_t *app, const drive_command_t *command, step_t speed_max);
 

@@ -59,6 +59,33 @@ static bool set_speed(console_t *console, const char *argument)
     return done;
 }
 
+/* Where the configuration is refused nothing is asked of the drive. */
+static bool set_torque(console_t *console, const char *argument)
+{
+    const about_t *const about = console->about;
+    const drive_cfg_t *const cfg = console->app->drive.cfg;
+    const int64_t base =
+        (cfg == NULL) ? 0
+                      : units_torque_base(&about->rotation, about->current_full_scale_ua,
+                                          about->bus_full_scale_uv, cfg->speed_shift);
+    const int32_t most = units_torque(base, commander_torque_max(console->app));
+    int32_t torque = 0;
+    const bool good = text_to_millionths(argument, &torque);
+    bool done = false;
+
+    if (identify_is_busy(&console->identify)) {
+        done = answer(console, CONSOLE_MEASURING);
+    } else if (good && (torque >= -most) && (torque <= most)) {
+        commander_set_torque(console->app, units_torque_q28(base, torque));
+        done = answer(console, NULL);
+    } else {
+        text_add(&console->out, "error: torque takes N m, at most ");
+        text_number(&console->out, most, 6U);
+        console_say(console, " either way");
+    }
+    return done;
+}
+
 /* Why the recorder has nothing to do with a command now; NULL: it has. */
 static const char *why_not(const console_t *console)
 {
@@ -192,7 +219,7 @@ static void do_other_line(console_t *console)
     } else {
         (void)answer(
             console,
-            "the commands are run, stop, clear, speed RPM, status, dump, record, identify");
+            "the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify");
     }
 }
 
@@ -201,10 +228,13 @@ static bool do_line(console_t *console)
 {
     const char *const line = console->line;
     const char *const speed = text_after(line, "speed ");
+    const char *const torque = text_after(line, "torque ");
     bool commands = false;
 
     if (speed != NULL) {
         commands = set_speed(console, speed);
+    } else if (torque != NULL) {
+        commands = set_torque(console, torque);
     } else if (same(line, "run")) {
         commands = answer(console, run(console));
     } else if (same(line, "stop")) {

@@ -140,6 +140,15 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     }
 }
 
+static void add_torque(text_t *text, const app_t *app, const about_t *about, int32_t torque_q28)
+{
+    const int64_t base = units_torque_base(&about->rotation, about->current_full_scale_ua,
+                                           about->bus_full_scale_uv, app->drive.cfg->speed_shift);
+
+    add_quantity(text, " rpm, torque ", units_torque(base, torque_q28), 6U);
+    text_add(text, " N m");
+}
+
 /* While the motor is measured, the command's target is a word of the probe and no speed. */
 static void add_speed(text_t *text, const app_t *app, const about_t *about)
 {
@@ -153,6 +162,8 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
     } else if (command.mode == (uint8_t)DRIVE_MODE_POSITION) {
         add_quantity(text, " rpm, to turn ",
                      units_hundredth_turns(&about->rotation, command.target), 2U);
+    } else if ((command.mode == (uint8_t)DRIVE_MODE_TORQUE) && has_begun) {
+        add_torque(text, app, about, command.target);
     } else {
         add_rpm(text, " of ", about, command.target);
         text_add(text, " rpm");

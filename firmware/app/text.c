@@ -5,6 +5,8 @@
 
 #define DIGITS_MAX (10U) /* of 2^32 − 1 */
 #define INPUT_DIGITS (9U)
+#define WHOLE_DIGITS (3U) /* with six more a number of 32 bits */
+#define MILLIONTHS_DIGITS (6U)
 #define LINE_END \
     (2U) /* characters, for which there is always room behind what text_add() has added */
 
@@ -73,19 +75,50 @@ const char *text_after(const char *string, const char *start)
     return (start[k] == '\0') ? &string[k] : NULL;
 }
 
+/* Digits from `from` on, at most so many, onto *sum. Returns where they end. */
+static uint32_t add_digits(const char *string, uint32_t from, uint32_t most, int32_t *sum)
+{
+    uint32_t k = from;
+
+    while ((string[k] >= '0') && (string[k] <= '9') && ((k - from) < most)) {
+        *sum = (*sum * 10) + ((int32_t)string[k] - (int32_t)'0');
+        k++;
+    }
+    return k;
+}
+
+bool text_to_millionths(const char *string, int32_t *value)
+{
+    const bool negative = string[0] == '-';
+    const uint32_t first = (negative || (string[0] == '+')) ? 1U : 0U;
+    int32_t sum = 0;
+    const uint32_t point = add_digits(string, first, WHOLE_DIGITS, &sum);
+    uint32_t end = point;
+    uint32_t decimals = 0U;
+    bool good;
+
+    if (string[point] == '.') {
+        end = add_digits(string, point + 1U, MILLIONTHS_DIGITS, &sum);
+        decimals = (end - point) - 1U;
+    }
+    for (uint32_t k = decimals; k < MILLIONTHS_DIGITS; k++) {
+        sum *= 10;
+    }
+    good = (point > first) && ((decimals > 0U) || (end == point)) && (string[end] == '\0');
+    if (good) {
+        *value = negative ? -sum : sum;
+    }
+    return good;
+}
+
 bool text_to_number(const char *string, int32_t *value)
 {
     const bool negative = string[0] == '-';
     const uint32_t first = (negative || (string[0] == '+')) ? 1U : 0U;
-    uint32_t k = first;
     int32_t sum = 0;
-    bool good;
+    const uint32_t end = add_digits(string, first, INPUT_DIGITS, &sum);
+    const bool good = (end > first) && (string[end] == '\0');
 
-    while ((string[k] >= '0') && (string[k] <= '9') && ((k - first) < INPUT_DIGITS)) {
-        sum = (sum * 10) + ((int32_t)string[k] - (int32_t)'0');
-        k++;
-    }
-    good = (k > first) && (string[k] == '\0');
     if (good) {
         *value = negative ? -sum : sum;
     }

@@ -34,4 +34,10 @@ const char *text_after(const char *string, const char *start);
  */
 bool text_to_number(const char *string, int32_t *value);
 
+/*
+ * A decimal number in millionths, with a sign or without, up to three digits, and behind a point up to six more. False, and nothing
+ * done, for anything else.
+ */
+bool text_to_millionths(const char *string, int32_t *value);
+
 #endif

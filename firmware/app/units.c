@@ -10,6 +10,12 @@
 
 #define PS_OF_A_US (1000000U)
 
+#define MICRO_IN_MILLI_SQUARED (1000000000ULL) /* µV·µA in mW */
+#define TORQUE_MILLIONTHS (62582U)
+#define TORQUE_BASE_MAX (70368744177664LL) /* 2^46 */
+#define TORQUE_HALF (16384LL)
+#define TORQUE_ONE (268435456LL)
+
 static int64_t clamped(int64_t value, int64_t end)
 {
     int64_t result = value;
@@ -71,6 +77,37 @@ int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
     const int64_t product = (int64_t)value * (int64_t)base_millionths;
 
     return (int32_t)clamped(product / ((int64_t)one * 1000), INT32_MAX);
+}
+
+/*
+ * Ω_b = 2π·2^(15 + shift)/2^32/tick and I_b is twice the full scale, so T_b = 3/(2π)·P·U·I·tick·2^(17 − shift). The power of U·I in mW is
+ * below 2^32, the tick times the pole pairs in ns below 2^25. 3/(2π)·2^17 of their product, 10^-12 J, is 0.062582 µN·m.
+ */
+int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
+                          uint32_t bus_full_scale_uv, uint32_t speed_shift)
+{
+    const uint64_t power =
+        ((uint64_t)current_full_scale_ua * (uint64_t)bus_full_scale_uv) / MICRO_IN_MILLI_SQUARED;
+    const uint64_t ticks = ((uint64_t)rotation->pole_pairs * (uint64_t)rotation->tick_ps) / 1000U;
+    const uint64_t thousands = (power * ticks) / 1000U;
+
+    return clamped((int64_t)(((thousands * TORQUE_MILLIONTHS) >> speed_shift) / 1000U),
+                   TORQUE_BASE_MAX);
+}
+
+/* The upper and the lower half of the torque, so that the products fit 64 bits. */
+int32_t units_torque(int64_t base, int32_t torque_q28)
+{
+    const int64_t upper = (int64_t)torque_q28 / TORQUE_HALF;
+    const int64_t lower = (int64_t)torque_q28 % TORQUE_HALF;
+    const int64_t scaled = (upper * base) + ((lower * base) / TORQUE_HALF);
+
+    return (int32_t)clamped(scaled / TORQUE_HALF, INT32_MAX);
+}
+
+int32_t units_torque_q28(int64_t base, int32_t torque)
+{
+    return (base == 0) ? 0 : (int32_t)clamped(((int64_t)torque * TORQUE_ONE) / base, INT32_MAX);
 }
 
 uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us)

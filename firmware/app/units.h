@@ -41,6 +41,19 @@ int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint3
 uint32_t units_ticks(const units_rotation_t *rotation, uint32_t us);
 
 /*
+ * T_b = 1.5·P·U_b·I_b/Ω_b in µN·m, saturated at 2^46, within 0.1 % where U_b·I_b is 1 W or more. Full scales: of about_t. speed_shift: that of the
+ * configuration, 1…16.
+ */
+int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua,
+                          uint32_t bus_full_scale_uv, uint32_t speed_shift);
+
+/* Torque in Q28 of T_b to µN·m, rounded towards zero, saturated at ±INT32_MAX. base: 0…2^46; torque_q28: any. */
+int32_t units_torque(int64_t base, int32_t torque_q28);
+
+/* The other way, saturated at ±INT32_MAX; 0 where T_b is 0. torque: µN·m, any. */
+int32_t units_torque_q28(int64_t base, int32_t torque);
+
+/*
  * A per-unit value to thousandths of its unit, rounded towards zero, saturated at ±INT32_MAX. one: the value that stands
  * for the base, 1…2^15. base_millionths: the base in millionths of its unit.
  */

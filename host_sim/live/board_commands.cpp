@@ -35,6 +35,7 @@ using debug::Outcome;
 
 constexpr double TWO_PI = 6.28318530717958647693;
 constexpr double Q16 = 65536.0;
+constexpr double Q28 = 268435456.0;
 constexpr int DUMP_TRIES = 5;
 constexpr double PASS_S = 0.02;         // between two looks at what has come
 constexpr int DUMP_PASSES = 6000;       // 120 s: all its lines at 9600 baud
@@ -88,6 +89,7 @@ std::string BoardCommands::help()
     return "run, stop, clear        as on the board's console\n"
            "speed RPM               of the shaft\n"
            "position 1.5 | 540deg   of the shaft, in turns or degrees\n"
+           "torque NM               of the motor, in N·m\n"
            "set KEY=VALUE           any key of motor, board or tuning file; acts from one tick on\n"
            "adopt                   the configuration of the files becomes the one in force\n"
            "defaults                the image's own configuration becomes the one in force\n"
@@ -111,7 +113,7 @@ std::optional<drive_command_t> BoardCommands::in_force() const
         now->request &= static_cast<uint8_t>(~DRIVE_REQUEST_CLEAR);
     }
     const bool measures = now && (now->request & DRIVE_REQUEST_PROBE) != 0;
-    if (now && !measures && now->mode > DRIVE_MODE_POSITION) {
+    if (now && !measures && now->mode > DRIVE_MODE_TORQUE) {
         now = drive_command_t{0, DRIVE_MODE_SPEED, now->request}; // what a measurement left
     }
     return now;
@@ -208,6 +210,23 @@ Answer BoardCommands::position(const std::string &value)
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_POSITION;
         wanted.target = static_cast<int32_t>(std::lround(target));
+    });
+}
+
+Answer BoardCommands::torque(const std::string &value)
+{
+    const std::optional<double> found = number(value);
+    const double one = follower_.bases().torque_nm() / Q28;
+    const drive_cfg_t cfg = follower_.block_in_force().cfg;
+    const double most =
+        one * current_reference_torque(cfg.derating.current_max, cfg.current_loop.emf_q13);
+    if (!found || std::abs(*found) > most) {
+        return refused(
+            fmt::format("torque takes N·m, at most {:.4g} either way, found \"{}\"", most, value));
+    }
+    return amend([&](drive_command_t &wanted) {
+        wanted.mode = DRIVE_MODE_TORQUE;
+        wanted.target = static_cast<int32_t>(std::lround(*found / one));
     });
 }
 
@@ -408,6 +427,7 @@ Answer BoardCommands::execute(const std::string &line)
         {"clear", [this] { return request(DRIVE_REQUEST_CLEAR); }},
         {"speed", [&] { return speed(rest); }},
         {"position", [&] { return position(rest); }},
+        {"torque", [&] { return torque(rest); }},
         {"set", [&] { return set(rest); }},
         {"adopt", [this] { return adopt(); }},
         {"defaults", [this] { return defaults(); }},

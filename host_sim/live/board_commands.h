@@ -51,6 +51,7 @@ private:
     debug::Answer identify();
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
+    debug::Answer torque(const std::string &value);
     debug::Answer set(const std::string &assignment);
     debug::Answer adopt();
     debug::Answer apply(const Config &config);

@@ -259,10 +259,10 @@ class Console(unittest.TestCase):
         made.type("speed fast")
         limit = int(re.search(r"at most (\d+) either way", made.said())[1])
         for line, answer in (
-                ("sped 3", "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify"),
+                ("sped 3", "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"),
                 ("speed fast", f"error: speed takes a whole number of rpm, at most {limit} either way"),
                 (f"speed {limit + 1}", f"error: speed takes a whole number of rpm, at most {limit} either way"),
-                ("run " + 100 * "x", "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify"),
+                ("run " + 100 * "x", "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify"),
                 ("clear", "error: there is no fault to clear")):
             made.said()
             made.type(line)

@@ -256,7 +256,7 @@ static void command_holds(const drive_command_t *before)
     const bool is_speed = command.mode == (uint8_t)DRIVE_MODE_SPEED;
     const bool probes = identify_is_busy(&serial.console.identify);
 
-    HOLDS(probes || (command.mode <= (uint8_t)DRIVE_MODE_POSITION), "a mode is one of the two");
+    HOLDS(probes || (command.mode <= (uint8_t)DRIVE_MODE_TORQUE), "a mode is one of the three");
     HOLDS(probes || !is_speed || ((command.target >= -highest) && (command.target <= highest)),
           "a target is within the motor's speed");
     HOLDS(probes || (command.request <= DRIVE_REQUEST_CLEAR),

@@ -87,12 +87,33 @@ static void test_a_speed_ends_position_mode(void)
     TEST_ASSERT_EQUAL_INT32(EXAMPLE_SPEED_STEP, taken().target);
 }
 
+static void test_a_torque_ends_speed_mode_and_leaves_the_request(void)
+{
+    commander_set_speed(&app, 77);
+    TEST_ASSERT_NULL(commander_run(&app));
+    commander_set_torque(&app, -123456);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_TORQUE, taken().mode);
+    TEST_ASSERT_EQUAL_INT32(-123456, taken().target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, taken().request);
+}
+
+/* That of the largest current at the flux of the configuration; nothing before there is a configuration. */
+static void test_the_largest_torque_is_that_of_the_largest_current(void)
+{
+    app_t none = {.recorder = NULL};
+
+    TEST_ASSERT_EQUAL_INT32(cfg.derating.current_max * cfg.current_loop.emf_q13,
+                            commander_torque_max(&app));
+    TEST_ASSERT_EQUAL_INT32(0, commander_torque_max(&none));
+}
+
 static void test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none(void)
 {
     static const drive_command_t stops[] = {
         {.target = EXAMPLE_SPEED_STEP + 1, .mode = (uint8_t)DRIVE_MODE_SPEED},
         {.target = INT32_MIN, .mode = (uint8_t)DRIVE_MODE_SPEED},
-        {.target = 0, .mode = 2U},
+        {.target = INT32_MAX, .mode = (uint8_t)DRIVE_MODE_TORQUE},
+        {.target = 0, .mode = 3U},
         {.target = INT32_MAX, .mode = 255U}};
 
     for (uint32_t k = 0U; k < (sizeof stops / sizeof stops[0]); k++) {
@@ -117,5 +138,7 @@ int main(void)
     RUN_TEST(test_a_run_is_not_taken_back);
     RUN_TEST(test_a_speed_ends_position_mode);
     RUN_TEST(test_a_stop_is_taken_and_leaves_the_target_where_its_own_is_none);
+    RUN_TEST(test_a_torque_ends_speed_mode_and_leaves_the_request);
+    RUN_TEST(test_the_largest_torque_is_that_of_the_largest_current);
     return UNITY_END();
 }

@@ -7,7 +7,7 @@
 
 #define SAID_MAX (4096U)
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify\r\n"
 #define WRONG_SPEED "error: speed takes a whole number of rpm, at most 2000 either way\r\n"
 
 static struct {
@@ -127,6 +127,43 @@ static void test_a_speed_beyond_the_limit_on_either_side_or_no_number_changes_no
         assert_says(WRONG_SPEED, wrong[k]);
         tick_period();
         TEST_ASSERT_EQUAL_INT32_MESSAGE(before, app.in.command.target, wrong[k]);
+    }
+}
+
+/* Rounded towards zero to 2^-28 of T_b, which is far below what is typed. */
+static void test_each_torque_within_the_motors_reaches_the_drive(void)
+{
+    static const char *const typed[] = {"torque 2.5\n", "torque -2.5\n", "torque 0\n"};
+    static const double newton_metres[] = {2.5, -2.5, 0.0};
+    const int64_t base =
+        units_torque_base(&ABOUT.rotation, ABOUT.current_full_scale_ua, ABOUT.bus_full_scale_uv,
+                          app.drive.cfg->speed_shift);
+
+    ready();
+    for (uint32_t k = 0U; k < 3U; k++) {
+        assert_says("ok\r\n", typed[k]);
+        tick_period();
+        TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_TORQUE, app.in.command.mode);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, newton_metres[k] * 1e6 * 268435456.0 / (double)base,
+                                  app.in.command.target);
+    }
+}
+
+static void test_a_torque_beyond_the_motors_or_no_number_changes_nothing(void)
+{
+    static const char *const wrong[] = {"torque 999\n", "torque -999\n", "torque \n",
+                                        "torque x\n",   "torque 1.\n",   "torque 12345\n"};
+
+    ready();
+    (void)said_to("speed 1000\n");
+    tick_period();
+    for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
+        const char *const said = said_to(wrong[k]);
+
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(said, "error: torque takes N m, at most "), said);
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(said, " either way\r\n"), said);
+        tick_period();
+        TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_SPEED, app.in.command.mode);
     }
 }
 
@@ -500,5 +537,7 @@ int main(void)
     RUN_TEST(test_the_status_says_that_the_motor_is_measured_until_it_ends);
     RUN_TEST(test_records_wait_for_the_line);
     RUN_TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on);
+    RUN_TEST(test_each_torque_within_the_motors_reaches_the_drive);
+    RUN_TEST(test_a_torque_beyond_the_motors_or_no_number_changes_nothing);
     return UNITY_END();
 }

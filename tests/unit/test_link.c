@@ -9,7 +9,7 @@
 #include "link_line.h"
 
 #define HELP \
-    "error: the commands are run, stop, clear, speed RPM, status, dump, record, identify\r\n"
+    "error: the commands are run, stop, clear, speed RPM, torque NM, status, dump, record, identify\r\n"
 #define TICKS_OF_PAUSE (20000U) /* 2 s at 10 kHz */
 #define PASSES_ALONE (100000U)  /* where no tick runs */
 #define PASSES_PAUSE (2000000U)
@@ -400,6 +400,9 @@ static void test_a_command_reaches_the_drive_as_a_whole(void)
     assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_POSITION, INT32_MIN);
     TEST_ASSERT_EQUAL_INT32(INT32_MIN, app.in.command.target);
     TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_POSITION, app.in.command.mode);
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_TORQUE, -commander_torque_max(&app));
+    TEST_ASSERT_EQUAL_INT32(-commander_torque_max(&app), app.in.command.target);
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_MODE_TORQUE, app.in.command.mode);
     assert_command("", 0U, DRIVE_MODE_SPEED, 0);
     TEST_ASSERT_EQUAL(DRIVE_STATE_READY, app.drive.state);
 }
@@ -414,7 +417,11 @@ static void test_a_command_that_is_refused_changes_nothing(void)
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, EXAMPLE_SPEED_STEP + 1);
     assert_command(too_fast, DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, -EXAMPLE_SPEED_STEP - 1);
     assert_command(too_fast, DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, INT32_MIN);
-    assert_command("the modes are 0, speed, and 1, position", DRIVE_REQUEST_RUN, 2U, 0);
+    assert_command("the modes are 0, speed, 1, position, and 2, torque", DRIVE_REQUEST_RUN, 3U, 0);
+    assert_command("the torque is beyond that of the motor", DRIVE_REQUEST_RUN, DRIVE_MODE_TORQUE,
+                   commander_torque_max(&app) + 1);
+    assert_command("the torque is beyond that of the motor", DRIVE_REQUEST_RUN, DRIVE_MODE_TORQUE,
+                   INT32_MIN);
     assert_command(request, DRIVE_REQUEST_PROBE, DRIVE_MODE_SPEED, 0);
     assert_command(request, 3U, DRIVE_MODE_SPEED, 0);
     assert_command("there is no fault to clear", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);

@@ -114,6 +114,35 @@ static void test_what_follows_a_start(void)
     TEST_ASSERT_NULL(text_after("Run", "run"));
 }
 
+static void assert_millionths(bool good, int32_t expected, const char *string)
+{
+    int32_t value = 77;
+
+    TEST_ASSERT_EQUAL_MESSAGE(good, text_to_millionths(string, &value), string);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(good ? expected : 77, value, string);
+}
+
+static void test_a_decimal_number_is_read_in_millionths(void)
+{
+    assert_millionths(true, 0, "0");
+    assert_millionths(true, 2500000, "2.5");
+    assert_millionths(true, -2500000, "-2.50");
+    assert_millionths(true, 1, "+0.000001");
+    assert_millionths(true, 999999999, "999.999999");
+    assert_millionths(true, 12000000, "12");
+}
+
+static void test_what_is_no_decimal_number_is_none(void)
+{
+    static const char *const wrong[] = {"",   "-",  ".",    ".5",        "1.",     "1.2.3",
+                                        "1,5", "1 ", "1000", "0.0000001", "1e3",    "--1",
+                                        "x",   "1-", "+-1",  "1.5x",      "0x10"};
+
+    for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
+        assert_millionths(false, 0, wrong[k]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -122,5 +151,7 @@ int main(void)
     RUN_TEST(test_what_is_written_is_read_again);
     RUN_TEST(test_what_does_not_fit_is_cut_off_and_its_line_still_ends);
     RUN_TEST(test_what_follows_a_start);
+    RUN_TEST(test_a_decimal_number_is_read_in_millionths);
+    RUN_TEST(test_what_is_no_decimal_number_is_none);
     return UNITY_END();
 }

@@ -178,6 +178,61 @@ static void test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range(void
     TEST_ASSERT_EQUAL_INT32(-3276800, units_hundredth_turns(&one, INT32_MIN));
 }
 
+/* T_b = 1.5·P·U_b·I_b/Ω_b in µN·m, Ω_b = 2π·2^(shift − 17)/tick, I_b twice the full scale. */
+static double exact_torque_base(const units_rotation_t *rotation, double ua, double uv,
+                                uint32_t speed_shift)
+{
+    const double omega = 6.283185307179586 * pow(2.0, (double)speed_shift - 17.0) /
+                         ((double)rotation->tick_ps * 1e-12);
+
+    return 1.5 * rotation->pole_pairs * (uv * 1e-6) * (2.0 * ua * 1e-6) / omega * 1e6;
+}
+
+static void test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more(void)
+{
+    static const uint32_t amperes_ua[] = {100000U, 4000000U, 20000000U, 2000000000U};
+    static const uint32_t volts_uv[] = {10000000U, 24000000U, 450000000U, 2000000000U};
+
+    for (uint32_t at = 0U; at <= TICKS; at++) {
+        const units_rotation_t rotation = {.pole_pairs = 1U + at, .tick_ps = tick_ps_of(at)};
+
+        for (uint32_t k = 0U; k < 16U; k++) {
+            const uint32_t shift = 1U + ((at + k) % 16U);
+            const uint32_t ua = amperes_ua[k % 4U];
+            const uint32_t uv = volts_uv[k / 4U];
+            const double exact =
+                fmin(exact_torque_base(&rotation, ua, uv, shift), 70368744177664.0);
+
+            TEST_ASSERT_DOUBLE_WITHIN((1e-3 * exact) + 1.0, exact,
+                                      (double)units_torque_base(&rotation, ua, uv, shift));
+        }
+    }
+}
+
+static void test_a_torque_comes_back_from_its_number_and_saturates(void)
+{
+    static const int64_t bases[] = {1000, 50000, 48892000, 4000000000LL, 70368744177664LL};
+
+    for (uint32_t k = 0U; k < 5U; k++) {
+        for (int32_t torque = -2000000000; torque <= 1900000000; torque += 98765432) {
+            const int32_t q28 = units_torque_q28(bases[k], torque);
+            const double exact = (double)torque * 268435456.0 / (double)bases[k];
+            /* rounded twice, by a unit of either */
+            const double step = 2.0 + ((double)bases[k] / 268435456.0);
+
+            if (fabs(exact) > 2147483647.0) {
+                TEST_ASSERT_EQUAL_INT32((torque < 0) ? -INT32_MAX : INT32_MAX, q28);
+            } else {
+                TEST_ASSERT_DOUBLE_WITHIN(1.0, exact, q28);
+                TEST_ASSERT_DOUBLE_WITHIN(step, torque, units_torque(bases[k], q28));
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, units_torque_q28(0, 1000));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, units_torque(70368744177664LL, 0x20000000));
+    TEST_ASSERT_EQUAL_INT32(-INT32_MAX, units_torque(70368744177664LL, -0x20000000));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -191,5 +246,7 @@ int main(void)
     RUN_TEST(test_a_frequency_is_nothing_in_no_time_and_ends_at_both_ends_of_time);
     RUN_TEST(test_ticks_of_a_time_are_whole_ones_and_at_least_one);
     RUN_TEST(test_a_position_is_in_hundredths_of_a_turn_over_its_whole_range);
+    RUN_TEST(test_the_base_of_a_torque_is_right_for_all_scales_of_a_watt_and_more);
+    RUN_TEST(test_a_torque_comes_back_from_its_number_and_saturates);
     return UNITY_END();
 }
