@@ -27,8 +27,8 @@ static void enter(drive_t *drive, drive_state_t state)
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
     if (state == DRIVE_STATE_RUN) {
-        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
         torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
+        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
         frame_plan_rotor(drive);
     }
 }

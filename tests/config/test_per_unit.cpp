@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "unity.h"
 
 extern "C" drive_cfg_t example_cfg(void);
@@ -622,6 +624,37 @@ void the_time_without_a_message()
     expect(1, motor_b({"tuning.command_timeout_s=1e-5"}).link.timeout_ticks);
 }
 
+// T_b = 1.5·P·U_b·I_b/Ω_b. Without a speed of its own the window ends where the speed loop does.
+void torque()
+{
+    const nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    const nf::Bases bases = nf::make_bases(config.motor, config.board);
+    const double base = 1.5 * 2 * bases.voltage_v * bases.current_a / bases.speed_el_rad_s;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9 * base, base, bases.torque_nm());
+    const torque_loop_cfg_t own = motor_b({"torque_loop.slope_nm_s=100",
+                                           "torque_loop.speed_forward_rpm=900",
+                                           "torque_loop.speed_backward_rpm=0"})
+                                      .torque_loop;
+    TEST_ASSERT_DOUBLE_WITHIN(1, 100 * 1e-3 / base * std::ldexp(1.0, 28), own.slope);
+    TEST_ASSERT_DOUBLE_WITHIN(1, bases.step_from_rpm(900), own.speed_forward);
+    TEST_ASSERT_EQUAL_INT32(0, own.speed_backward);
+    const drive_cfg_t ruled = motor_b();
+    TEST_ASSERT_EQUAL_INT32(ruled.speed_loop.speed_max, ruled.torque_loop.speed_forward);
+    TEST_ASSERT_EQUAL_INT32(ruled.speed_loop.speed_max, ruled.torque_loop.speed_backward);
+}
+
+// K_p/K_i in slow periods, as the nearest power of two.
+void the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it()
+{
+    for (const double hz : {5.0, 10.0, 20.0, 40.0}) {
+        const drive_cfg_t c = motor_b({fmt::format("speed_loop.bandwidth_hz={}", hz)});
+        const pi_cfg_t &pi = c.speed_loop.pi;
+        const double periods = std::ldexp(double{1} * pi.kp / pi.ki, static_cast<int>(pi.ki_shift) + 11 -
+                                                                static_cast<int>(pi.kp_shift));
+        TEST_ASSERT_DOUBLE_WITHIN(0.5, std::log2(periods), c.torque_loop.load_shift);
+    }
+}
+
 // Without a start of its own the run's current changes as with one of 100 %.
 void run()
 {
@@ -873,6 +906,8 @@ int main()
     RUN_TEST(a_pause_of_a_flying_start_is_a_tenth_of_the_time_to_the_highest_speed);
     RUN_TEST(the_time_without_a_message);
     RUN_TEST(run);
+    RUN_TEST(torque);
+    RUN_TEST(the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it);
     RUN_TEST(hold_loop);
     RUN_TEST(a_large_resistance_is_relieved);
     RUN_TEST(the_edge_of_the_compensation);
