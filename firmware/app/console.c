@@ -64,10 +64,10 @@ static bool set_torque(console_t *console, const char *argument)
 {
     const about_t *const about = console->about;
     const drive_cfg_t *const cfg = console->app->drive.cfg;
-    const int64_t base =
-        (cfg == NULL) ? 0
-                      : units_torque_base(&about->rotation, about->current_full_scale_ua,
-                                          about->bus_full_scale_uv, cfg->speed_shift);
+    const int64_t base = (cfg == NULL)
+                             ? 0
+                             : units_torque_base(&about->rotation, about->current_full_scale_ua,
+                                                 about->bus_full_scale_uv, cfg->speed_shift);
     const int32_t most = units_torque(base, commander_torque_max(console->app));
     int32_t torque = 0;
     const bool good = text_to_millionths(argument, &torque);

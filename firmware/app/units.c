@@ -91,8 +91,9 @@ int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_ful
     const uint64_t ticks = ((uint64_t)rotation->pole_pairs * (uint64_t)rotation->tick_ps) / 1000U;
     const uint64_t thousands = (power * ticks) / 1000U;
 
-    return clamped((int64_t)(((thousands * TORQUE_MILLIONTHS) >> speed_shift) / 1000U),
-                   TORQUE_BASE_MAX);
+    const uint64_t base = ((thousands * TORQUE_MILLIONTHS) >> speed_shift) / 1000U;
+
+    return clamped((int64_t)base, TORQUE_BASE_MAX);
 }
 
 /* The upper and the lower half of the torque, so that the products fit 64 bits. */

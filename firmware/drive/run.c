@@ -3,6 +3,7 @@
 
 #include "estimate.h"
 #include "frame.h"
+#include "inlining.h"
 #include "trig.h"
 #include "voltage_drive.h"
 
@@ -106,7 +107,7 @@ static step_t lowest_torque_speed(const drive_t *drive)
 }
 
 /* In RUN the torque, and the speed that it leads to; below RUN the speed that an imposed vector is to reach. */
-static void plan_torque(drive_t *drive, int32_t target_q28)
+NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
 {
     const drive_cfg_t *const cfg = drive->cfg;
     const bool was_bound = drive->torque_loop.bound;
@@ -261,16 +262,16 @@ static void narrow_torque_range(drive_t *drive)
                                 drive->signals.current_ref.d, drive->cfg->derating.current_max);
 }
 
+RARE static torque_range_t bridged_range(const drive_t *drive)
+{
+    return torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                               drive->signals.current_ref.q, drive->torque_range);
+}
+
 /* After a change of the mode the torque goes on a slope. */
 static torque_range_t reachable_range(const drive_t *drive)
 {
-    torque_range_t range = drive->torque_range;
-
-    if (drive->torque_loop.bridging) {
-        range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                                    drive->signals.current_ref.q, range);
-    }
-    return range;
+    return drive->torque_loop.bridging ? bridged_range(drive) : drive->torque_range;
 }
 
 /*
@@ -312,7 +313,7 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
 }
 
 /* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits, teaches or leads. */
-static void control_free_torque(drive_t *drive, torque_range_t range)
+NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
         &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
@@ -364,8 +365,8 @@ static void control_current_q(drive_t *drive, torque_range_t derated)
     }
 }
 
-/* i_d*, and the torque current. HELD when the current is to be imposed. */
-static drive_event_t control_torque(drive_t *drive)
+/* i_d*, and the torque current. HELD when the current is to be imposed. It has all that speed control needs within it. */
+INLINES_ALL static drive_event_t control_torque(drive_t *drive)
 {
     const torque_range_t derated = drive->torque_range;
     const current_reference_in_t point = operating_point(drive);

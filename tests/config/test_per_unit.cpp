@@ -631,10 +631,10 @@ void torque()
     const nf::Bases bases = nf::make_bases(config.motor, config.board);
     const double base = 1.5 * 2 * bases.voltage_v * bases.current_a / bases.speed_el_rad_s;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * base, base, bases.torque_nm());
-    const torque_loop_cfg_t own = motor_b({"torque_loop.slope_nm_s=100",
-                                           "torque_loop.speed_forward_rpm=900",
-                                           "torque_loop.speed_backward_rpm=0"})
-                                      .torque_loop;
+    const torque_loop_cfg_t own =
+        motor_b({"torque_loop.slope_nm_s=100", "torque_loop.speed_forward_rpm=900",
+                 "torque_loop.speed_backward_rpm=0"})
+            .torque_loop;
     TEST_ASSERT_DOUBLE_WITHIN(1, 100 * 1e-3 / base * std::ldexp(1.0, 28), own.slope);
     TEST_ASSERT_DOUBLE_WITHIN(1, bases.step_from_rpm(900), own.speed_forward);
     TEST_ASSERT_EQUAL_INT32(0, own.speed_backward);
@@ -649,8 +649,9 @@ void the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it()
     for (const double hz : {5.0, 10.0, 20.0, 40.0}) {
         const drive_cfg_t c = motor_b({fmt::format("speed_loop.bandwidth_hz={}", hz)});
         const pi_cfg_t &pi = c.speed_loop.pi;
-        const double periods = std::ldexp(double{1} * pi.kp / pi.ki, static_cast<int>(pi.ki_shift) + 11 -
-                                                                static_cast<int>(pi.kp_shift));
+        const double periods =
+            std::ldexp(double{1} * pi.kp / pi.ki,
+                       static_cast<int>(pi.ki_shift) + 11 - static_cast<int>(pi.kp_shift));
         TEST_ASSERT_DOUBLE_WITHIN(0.5, std::log2(periods), c.torque_loop.load_shift);
     }
 }

@@ -179,9 +179,11 @@ void a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit()
                             },
                             [](const nf::RecordedRun &) { return true; }});
     follower.connect();
-    for (const char *line : {"wait 1", "run", "speed 1000", "wait 14", "speed -1500", "wait 5",
-                             "position 3", "wait 5", "position -720deg", "wait 5", "speed 1800",
-                             "wait 20", "torque 1", "wait 1", "speed 1800", "wait 5", "clear", "wait 1", "run", "wait 3.5"}) {
+    for (const char *line :
+         {"wait 1",     "run",     "speed 1000",       "wait 14", "speed -1500", "wait 5",
+          "position 3", "wait 5",  "position -720deg", "wait 5",  "speed 1800",  "wait 20",
+          "torque 1",   "wait 1",  "speed 1800",       "wait 5",  "clear",       "wait 1",
+          "run",        "wait 3.5"}) {
         const nf::debug::Answer answer = commands.execute(line);
         TEST_ASSERT_EQUAL_MESSAGE(nf::debug::Outcome::done, answer.outcome,
                                   (std::string(line) + ": " + answer.text).c_str());

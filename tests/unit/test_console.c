@@ -135,9 +135,8 @@ static void test_each_torque_within_the_motors_reaches_the_drive(void)
 {
     static const char *const typed[] = {"torque 2.5\n", "torque -2.5\n", "torque 0\n"};
     static const double newton_metres[] = {2.5, -2.5, 0.0};
-    const int64_t base =
-        units_torque_base(&ABOUT.rotation, ABOUT.current_full_scale_ua, ABOUT.bus_full_scale_uv,
-                          app.drive.cfg->speed_shift);
+    const int64_t base = units_torque_base(&ABOUT.rotation, ABOUT.current_full_scale_ua,
+                                           ABOUT.bus_full_scale_uv, app.drive.cfg->speed_shift);
 
     ready();
     for (uint32_t k = 0U; k < 3U; k++) {

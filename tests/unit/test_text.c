@@ -134,8 +134,8 @@ static void test_a_decimal_number_is_read_in_millionths(void)
 
 static void test_what_is_no_decimal_number_is_none(void)
 {
-    static const char *const wrong[] = {"",   "-",  ".",    ".5",        "1.",     "1.2.3",
-                                        "1,5", "1 ", "1000", "0.0000001", "1e3",    "--1",
+    static const char *const wrong[] = {"",    "-",  ".",    ".5",        "1.",  "1.2.3",
+                                        "1,5", "1 ", "1000", "0.0000001", "1e3", "--1",
                                         "x",   "1-", "+-1",  "1.5x",      "0x10"};
 
     for (uint32_t k = 0U; k < (sizeof wrong / sizeof wrong[0]); k++) {
