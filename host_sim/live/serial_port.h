@@ -27,7 +27,7 @@ private:
     void set_up(unsigned baud);
 
     std::string path_;
-    int file_;
+    [[maybe_unused]] int file_; // of no_serial_port.cpp always -1
 };
 
 } // namespace nf::live

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "ripple.h"
 
+extern "C" {
+#include "rotation.h"
+}
+
 #include <Eigen/Dense>
 
 #include <cmath>
@@ -35,8 +39,9 @@ struct Basis {
         int k = SETTLING;
         for (const double order : ORDERS) {
             const bool shows = order < highest;
-            terms[k++] = shows ? std::cos(order * angle_el_rad) : 0;
-            terms[k++] = shows ? std::sin(order * angle_el_rad) : 0;
+            const plant_rotation_t turned = plant_rotation_from_angle(order * angle_el_rad);
+            terms[k++] = shows ? turned.cosine : 0;
+            terms[k++] = shows ? turned.sine : 0;
         }
         return terms;
     }

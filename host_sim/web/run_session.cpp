@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// A run in slices. run.start prepares it, run.advance goes on, then run.result and run.column have what it was. Another
+// run.start with other signals runs the same again: a run is a function of its files.
+#include "calls.h"
+#include "recorded_signals.h"
+
+#include "fault_line.h"
+#include "names.h"
+#include "report.h"
+#include "scenario_run.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace nf::web
+{
+namespace
+{
+
+struct RunSession {
+    RunSession(const Choice &choice, const std::vector<std::string> &names)
+        : config(load_scenario(choice.scenario, choice.with, choice.set)),
+          run(config, config, options)
+    {
+        const ScriptedRun &script = run.script();
+        signals = std::make_unique<RecordedSignals>(names, static_cast<std::size_t>(script.end()));
+        options.sink = signals.get();
+    }
+
+    // The run keeps references to these.
+    Config config;
+    RunOptions options;
+    ScenarioRun run;
+    std::unique_ptr<RecordedSignals> signals;
+    std::optional<RunResult> result;
+};
+
+// One at a time: a page shows one run.
+std::unique_ptr<RunSession> session;
+
+RunSession &open_session()
+{
+    if (!session) {
+        throw std::runtime_error("there is no run");
+    }
+    return *session;
+}
+
+Json start(const Json &given)
+{
+    session.reset(); // its memory is needed
+    session = std::make_unique<RunSession>(choice_of(given), texts_of(given, "signals"));
+    const ScriptedRun &script = session->run.script();
+    const Config &config = session->config;
+    return {{"ticks", script.end()},          {"period_s", script.sim().bases().control_period_s},
+            {"title", config.scenario.title}, {"motor", config.motor.name},
+            {"board", config.board.name},     {"tuning", config.tuning.name}};
+}
+
+Json advance(const Json &given)
+{
+    RunSession &s = open_session();
+    s.run.advance(given.at("ticks").get<int64_t>());
+    if (s.run.is_done() && !s.result) {
+        s.result = s.run.finish();
+    }
+    return {{"tick", s.run.script().tick()}, {"done", s.run.is_done()}};
+}
+
+const RunResult &result_of(const RunSession &s)
+{
+    if (!s.result) {
+        throw std::runtime_error("the run is not at its end");
+    }
+    return *s.result;
+}
+
+Json rows_of(const RunSession &s)
+{
+    Json rows = Json::array();
+    for (const ResultRow &row : result_rows(s.config, result_of(s))) {
+        rows.push_back(
+            {{"name", row.name}, {"value", row.value}, {"limit", row.limit}, {"holds", row.holds}});
+    }
+    return rows;
+}
+
+Json faults_of(const RunSession &s)
+{
+    const RunResult &result = result_of(s);
+    const Bases bases = make_bases(s.config.motor, s.config.board);
+    Json faults = Json::array();
+    for (const FoundFault &fault : result.faults) {
+        faults.push_back({{"time_s", result.time_s(fault)},
+                          {"name", fault_text(fault.id)->name},
+                          {"measure", fault_measure(fault, bases, s.config.board)},
+                          {"advice", fault_text(fault.id)->advice}});
+    }
+    return faults;
+}
+
+Json states_of(const RunSession &s)
+{
+    Json states = Json::array();
+    for (const StateChange &change : s.signals->states()) {
+        states.push_back({{"from_s", change.time_s}, {"name", state_name(change.state)}});
+    }
+    return states;
+}
+
+Json parameters_of(const RunResult &result)
+{
+    Json parameters = Json::array();
+    for (const Parameter &p : result.parameters) {
+        parameters.push_back({{"name", p.name},
+                              {"configured", p.configured},
+                              {"estimated", p.estimated},
+                              {"actual", p.actual}});
+    }
+    return parameters;
+}
+
+Json result(const Json &given)
+{
+    (void)given;
+    const RunSession &s = open_session();
+    const RunResult &found = result_of(s);
+    return {{"rows", rows_of(s)},
+            {"accepted", violations(s.config, found).empty()},
+            {"notes", notes_of(s.config, found)},
+            {"faults", faults_of(s)},
+            {"states", states_of(s)},
+            {"parameters", parameters_of(found)},
+            {"text", table_text(s.config, found)}};
+}
+
+Json times(const Json &given)
+{
+    (void)given;
+    return block_of(open_session().signals->times_s());
+}
+
+Json column(const Json &given)
+{
+    const std::string name = given.at("signal");
+    const std::vector<float> *values = open_session().signals->values(name);
+    if (values == nullptr) {
+        throw std::runtime_error(fmt::format("{} is not recorded in this run", name));
+    }
+    return block_of(*values);
+}
+
+// All that there are, in the order of the table; units are those of this configuration.
+Json signals(const Json &given)
+{
+    (void)given;
+    const RunSession &s = open_session();
+    const Simulation &sim = s.run.script().sim();
+    Json all = Json::array();
+    for (const SignalInfo &signal : all_signals()) {
+        all.push_back({{"name", signal.name},
+                       {"unit", unit_text(signal, sim)},
+                       {"format", format_text(signal, sim)}});
+    }
+    return all;
+}
+
+} // namespace
+
+const Calls &run_calls()
+{
+    static const Calls calls = {{"run.start", start},   {"run.advance", advance},
+                                {"run.result", result}, {"run.times", times},
+                                {"run.column", column}, {"run.signals", signals}};
+    return calls;
+}
+
+} // namespace nf::web

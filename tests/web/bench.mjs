@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+// What the browser's tests share: the page on a server of its own, Debian's Chromium, and the native program beside it.
+// The environment says where they are: NF_WEB (the page), NF_PYTHON, NF_MOTORSIM.
+import { execFile, spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { dirname, join } from "node:path";
+import { createInterface } from "node:readline";
+import { fileURLToPath } from "node:url";
+
+export const ROOT = join(dirname(fileURLToPath(import.meta.url)), "../..");
+// The packages of the page, which lie beside it.
+export const packages = createRequire(join(ROOT, "tools/web/package.json"));
+const { chromium } = packages("playwright-core");
+
+const CHROMIUM = "/usr/bin/chromium";
+const WINDOW = { width: 1280, height: 720 };
+export const LOAD_MS = Number(process.env.NF_WAIT_MS ?? 60_000); // on a machine that does other things too
+
+export function setting(name) {
+    const value = process.env[name];
+    if (value === undefined) {
+        throw new Error(`${name} is not set in the environment; allowed: what tests/web/CMakeLists.txt gives it`);
+    }
+    return value;
+}
+
+async function serve() {
+    const server = spawn(setting("NF_PYTHON"), [join(ROOT, "tools/web/serve.py"), setting("NF_WEB"), "--port", "0"], {
+        stdio: ["ignore", "pipe", "inherit"],
+    });
+    for await (const line of createInterface({ input: server.stdout })) {
+        return { address: line, stop: () => server.kill("SIGINT") };
+    }
+    throw new Error("the server of the page has ended before it said its address");
+}
+
+// Calls test(page, address) with an open page. A request to another place, or an error in the page, fails it.
+export async function withPage(test, options = {}) {
+    const server = await serve();
+    const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
+    const strange = [];
+    try {
+        const context = await browser.newContext({ viewport: WINDOW, acceptDownloads: true, ...options });
+        const page = await context.newPage();
+        page.setDefaultTimeout(LOAD_MS);
+        page.on("request", (request) => {
+            if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(server.address)) {
+                strange.push(`request to ${request.url()}`);
+            }
+        });
+        page.on("pageerror", (error) => strange.push(`error in the page: ${error.message}`));
+        await page.goto(server.address);
+        await test(page, server.address);
+    } finally {
+        await browser.close();
+        server.stop();
+    }
+    if (strange.length > 0) {
+        throw new Error(strange.join("\n"));
+    }
+}
+
+// The page has run its first scenario.
+export async function firstRun(page) {
+    await page.getByText(/^Results: /).waitFor();
+}
+
+// The native program: {stdout, stderr, status}.
+export function motorsim(args, cwd = ROOT) {
+    return new Promise((resolve) => {
+        const limits = { cwd, maxBuffer: 1 << 30 };
+        execFile(setting("NF_MOTORSIM"), args, limits, (error, stdout, stderr) => {
+            resolve({ stdout, stderr, status: error?.code ?? 0 });
+        });
+    });
+}
+
+// A request to a worker of its own, as the page makes them; with `cancel` it is stopped when it first reports progress.
+export function ask(page, name, given, cancel = false) {
+    return page.evaluate(([name, given, cancel]) => new Promise((resolve) => {
+        globalThis.testWorker ??= new Worker("worker.js", { type: "module" });
+        globalThis.testWorker.onmessage = ({ data }) => {
+            if (!("progress" in data)) {
+                resolve(data);
+            } else if (cancel) {
+                globalThis.testWorker.postMessage({ cancel: 1 });
+            }
+        };
+        globalThis.testWorker.postMessage({ id: 1, name, given });
+    }), [name, given, cancel]);
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// Run: a scenario with its imperfections and edited files, the figures beside their limits, and the curves.
+import { useEffect, useState } from "preact/hooks";
+import type { TabProps } from "../tabs.ts";
+import { packed, unpacked } from "../parts/link.ts";
+import { argumentsOf, choiceOf, FIRST, type Selection, selectionFrom } from "./bench_state.ts";
+import { Curves } from "./curves.tsx";
+import { downloadPicture, downloadTrace } from "./downloads.ts";
+import { Files } from "./files.tsx";
+import { Results } from "./results.tsx";
+import { Setup } from "./setup.tsx";
+import { type Runner, useRun } from "./use_run.ts";
+
+const LINK = /^#run=(.+)$/;
+
+async function selectionOfLink(): Promise<Selection> {
+    const written = LINK.exec(location.hash)?.[1];
+    return written === undefined ? FIRST : selectionFrom(await unpacked(written));
+}
+
+function isStale(runner: Runner, selection: Selection): boolean {
+    const { ran } = runner;
+    const files = ({ scenario, with: sets, edits }: Selection): string => JSON.stringify([scenario, sets, edits]);
+    return ran !== undefined && files(ran) !== files(selection);
+}
+
+interface MainProps {
+    props: TabProps;
+    runner: Runner;
+    selection: Selection;
+    select(selection: Selection): void;
+}
+
+function Toolbar({ props, runner, selection, view, setView }: MainProps & { view: string; setView(view: string): void }) {
+    const [problem, setProblem] = useState("");
+    const { run, parts } = runner;
+    const trace = (): void => {
+        setProblem("");
+        if (parts !== undefined) {
+            downloadTrace(props.client, selection, parts).catch((error: Error) => setProblem(error.message));
+        }
+    };
+    return (
+        <div class="buttons toolbar">
+            {["Curves", "Files"].map((name) => (
+                <button type="button" key={name} aria-pressed={view === name} onClick={() => setView(name)}>{name}</button>
+            ))}
+            <span class="gap" />
+            <button type="button" disabled={run === undefined} onClick={trace}>Download trace (CSV)</button>
+            <button type="button" disabled={run === undefined || view !== "Curves"} onClick={() => downloadPicture(selection.scenario)}>
+                Download picture
+            </button>
+            {parts !== undefined && <code>{`motorsim ${argumentsOf(choiceOf(selection, parts)).join(" ")}`}</code>}
+            {problem !== "" && <p class="problem" role="alert">{problem}</p>}
+        </div>
+    );
+}
+
+function Main(props: MainProps) {
+    const { runner, selection, select } = props;
+    const { run, parts } = runner;
+    const [view, setView] = useState("Curves");
+    // Other signals: the same once more, with them.
+    const setPanels = (panels: string[][]): void => {
+        const next = { ...selection, panels };
+        select(next);
+        if (panels.flat().some((name) => run?.columns[name] === undefined)) {
+            void runner.start(next);
+        }
+    };
+    return (
+        <div class="run-main">
+            <Toolbar {...props} view={view} setView={setView} />
+            {view === "Curves" && run !== undefined && <Curves run={run} panels={selection.panels} onPanels={setPanels} />}
+            {view === "Files" && parts !== undefined && (
+                <Files
+                    key={selection.scenario} client={props.props.client} schema={props.props.schema}
+                    selection={selection} parts={parts} onSelect={select}
+                />
+            )}
+        </div>
+    );
+}
+
+function Status({ runner, selection }: { runner: Runner; selection: Selection }) {
+    const stale = isStale(runner, selection) && runner.progress === undefined;
+    const done = `${runner.run?.head.ticks} ticks in ${Math.round(runner.tookMs)} ms.`;
+    return (
+        <p class="note" role="status">
+            {stale ? "The choice has changed since this run: press Run." : runner.run === undefined ? "" : done}
+        </p>
+    );
+}
+
+export function RunTab(props: TabProps) {
+    const runner = useRun(props.client);
+    const [selection, setSelection] = useState<Selection>();
+    const [problem, setProblem] = useState("");
+    const select = (next: Selection): void => {
+        setSelection(next);
+        void packed(next).then((text) => history.replaceState(null, "", `#run=${text}`));
+    };
+    useEffect(() => {
+        const begin = (first: Selection): void => {
+            setSelection(first);
+            void runner.start(first);
+        };
+        selectionOfLink().then(begin, () => {
+            setProblem("The link is damaged; this is the first scenario in its place.");
+            begin(FIRST);
+        });
+    }, []);
+    if (selection === undefined) {
+        return null;
+    }
+    // Another scenario or set runs at once; an edited file waits for the button.
+    const choose = (next: Selection): void => {
+        select(next);
+        void runner.start(next);
+    };
+    return (
+        <div class="run">
+            <div class="side">
+                {problem !== "" && <p class="problem" role="alert">{problem}</p>}
+                <Setup names={props.names} selection={selection} runner={runner} onSelect={choose} />
+                <Status runner={runner} selection={selection} />
+                {runner.run !== undefined && <Results run={runner.run} />}
+            </div>
+            <Main props={props} runner={runner} selection={selection} select={select} />
+        </div>
+    );
+}
