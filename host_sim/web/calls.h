@@ -22,6 +22,9 @@ using Calls = std::vector<Call>;
 const Calls &program_calls();
 const Calls &config_calls();
 const Calls &run_calls();
+const Calls &play_calls();
+const Calls &step_calls();
+const Calls &replay_calls();
 
 // {"value": …}, or {"error": "one line"}, for whatever the text may be.
 std::string answer(const std::string &name, const std::string &given);

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: MIT
 // A run in slices. run.start prepares it, run.advance goes on, then run.result and run.column have what it was. Another
 // run.start with other signals runs the same again: a run is a function of its files.
+#include "answers.h"
 #include "calls.h"
 #include "recorded_signals.h"
 
 #include "fault_line.h"
-#include "names.h"
 #include "report.h"
 #include "scenario_run.h"
-
-extern "C" {
-#include "fault_text.h"
-}
 
 #include <memory>
 #include <stdexcept>
@@ -97,21 +93,10 @@ Json faults_of(const RunSession &s)
     const Bases bases = make_bases(s.config.motor, s.config.board);
     Json faults = Json::array();
     for (const FoundFault &fault : result.faults) {
-        faults.push_back({{"time_s", result.time_s(fault)},
-                          {"name", fault_text(fault.id)->name},
-                          {"measure", fault_measure(fault, bases, s.config.board)},
-                          {"advice", fault_text(fault.id)->advice}});
+        faults.push_back(
+            fault_json(fault, result.time_s(fault), fault_measure(fault, bases, s.config.board)));
     }
     return faults;
-}
-
-Json states_of(const RunSession &s)
-{
-    Json states = Json::array();
-    for (const StateChange &change : s.signals->states()) {
-        states.push_back({{"from_s", change.time_s}, {"name", state_name(change.state)}});
-    }
-    return states;
 }
 
 Json parameters_of(const RunResult &result)
@@ -135,7 +120,7 @@ Json result(const Json &given)
             {"accepted", violations(s.config, found).empty()},
             {"notes", notes_of(s.config, found)},
             {"faults", faults_of(s)},
-            {"states", states_of(s)},
+            {"states", states_json(s.signals->states())},
             {"parameters", parameters_of(found)},
             {"text", table_text(s.config, found)}};
 }
@@ -156,19 +141,10 @@ Json column(const Json &given)
     return block_of(*values);
 }
 
-// All that there are, in the order of the table; units are those of this configuration.
 Json signals(const Json &given)
 {
     (void)given;
-    const RunSession &s = open_session();
-    const Simulation &sim = s.run.script().sim();
-    Json all = Json::array();
-    for (const SignalInfo &signal : all_signals()) {
-        all.push_back({{"name", signal.name},
-                       {"unit", unit_text(signal, sim)},
-                       {"format", format_text(signal, sim)}});
-    }
-    return all;
+    return signals_json(open_session().run.script().sim());
 }
 
 } // namespace

@@ -60,9 +60,49 @@ export async function withPage(test, options = {}) {
     }
 }
 
+// Opens another part of the bench.
+export async function openTab(page, name) {
+    await page.getByRole("tab", { name, exact: true }).click();
+}
+
+// A machine that is switched on, in the tab Play.
+export async function switchOn(page) {
+    await openTab(page, "Play");
+    await page.getByRole("button", { name: "Switch the machine on" }).click();
+    await page.getByText("State: READY", { exact: true }).waitFor();
+}
+
+// A recording of a phase that opens: the path of its log. The caller removes the folder.
+export async function recordedFault(folder) {
+    const path = join(folder, "field.log");
+    await motorsim(["run", "s1_robust", "--set", 'scenario.fault=[{time_s=0.3, what="phase_a_open"}]', "--record", path]);
+    return path;
+}
+
 // The page has run its first scenario.
 export async function firstRun(page) {
     await page.getByText(/^Results: /).waitFor();
+}
+
+// A file of the first scenario, and a key in it.
+export const MOTOR = "motors/motor_a.toml";
+export const KEY = "resistance_ohm";
+
+// In the editor of the tab Run: the line of the key.
+export async function openMotor(page) {
+    await firstRun(page);
+    await page.getByRole("button", { name: "Files" }).click();
+    await page.getByRole("button", { name: MOTOR }).click();
+    const line = page.locator(".cm-line").filter({ hasText: KEY }).first();
+    await line.waitFor();
+    return line;
+}
+
+export async function replaceLine(page, line, text) {
+    await line.click();
+    await page.keyboard.press("Home");
+    await page.keyboard.press("Shift+End");
+    await page.keyboard.type(text);
 }
 
 // The native program: {stdout, stderr, status}.

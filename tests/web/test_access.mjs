@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // axe-core finds nothing in any view, light and dark; a small window and a tablet show all; what the page weighs.
 import assert from "node:assert/strict";
-import { readdir, readFile } from "node:fs/promises";
+import { mkdtemp, readdir, readFile, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { brotliCompressSync } from "node:zlib";
-import { firstRun, packages, setting, withPage } from "./bench.mjs";
+import { firstRun, openTab, packages, recordedFault, setting, switchOn, withPage } from "./bench.mjs";
 
 const BYTES_MAX = 700 * 1024; // compressed
 const TABLET = { width: 820, height: 1180 };
@@ -23,6 +24,24 @@ for (const colorScheme of ["light", "dark"]) {
         await page.getByRole("button", { name: "Files" }).click();
         await page.locator(".cm-content").waitFor();
         assert.deepEqual(await violations(page), []);
+        await switchOn(page);
+        await page.getByRole("button", { name: "Choose signals" }).click();
+        await page.getByRole("button", { name: "Open phase a" }).click();
+        assert.deepEqual(await violations(page), []);
+        await openTab(page, "Step");
+        await page.getByText("Stages of tick 0,").waitFor();
+        assert.deepEqual(await violations(page), []);
+        await page.getByRole("button", { name: "Beside double precision" }).click();
+        await page.getByLabel(/^Command/).fill("nonsense");
+        await page.keyboard.press("Enter");
+        await page.locator("pre.problem").waitFor();
+        assert.deepEqual(await violations(page), []);
+        const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
+        await openTab(page, "Replay");
+        await page.getByLabel("Or choose a file").setInputFiles(await recordedFault(folder));
+        await page.getByRole("button", { name: /^Step from tick/ }).waitFor();
+        assert.deepEqual(await violations(page), []);
+        await rm(folder, { recursive: true });
     }, { colorScheme }));
 }
 
@@ -32,6 +51,11 @@ test("nothing is wider than the window", async () => withPage(async (page) => {
     assert.ok((await beyond()) <= 0);
     await page.setViewportSize(TABLET);
     assert.ok((await beyond()) <= 0);
+    await switchOn(page);
+    for (const tab of ["Play", "Step", "Replay"]) {
+        await openTab(page, tab);
+        assert.ok((await beyond()) <= 0, tab);
+    }
 }));
 
 test("all of the page is small", async () => {

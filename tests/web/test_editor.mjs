@@ -5,26 +5,7 @@ import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { firstRun, motorsim, ROOT, withPage } from "./bench.mjs";
-
-const MOTOR = "motors/motor_a.toml";
-const KEY = "resistance_ohm";
-
-async function openMotor(page) {
-    await firstRun(page);
-    await page.getByRole("button", { name: "Files" }).click();
-    await page.getByRole("button", { name: MOTOR }).click();
-    const line = page.locator(".cm-line").filter({ hasText: KEY }).first();
-    await line.waitFor();
-    return line;
-}
-
-async function replaceLine(page, line, text) {
-    await line.click();
-    await page.keyboard.press("Home");
-    await page.keyboard.press("Shift+End");
-    await page.keyboard.type(text);
-}
+import { firstRun, KEY, MOTOR, motorsim, openMotor, replaceLine, ROOT, withPage } from "./bench.mjs";
 
 // What the native program says of the same files.
 async function nativeError(wrong) {

@@ -43,9 +43,11 @@ function TabList({ open, show }: { open: Tab; show(tab: Tab): void }) {
 }
 
 function Page({ client }: { client: Client }) {
-    const [loaded, setLoaded] = useState<TabProps>();
+    const [loaded, setLoaded] = useState<Omit<TabProps, "show" | "what">>();
     const [problem, setProblem] = useState("");
-    const [open, setOpen] = useState(TABS[0] as Tab);
+    const [{ tab: open, what }, setOpen] = useState({ tab: TABS[0] as Tab, what: "" });
+    const show = (id: string, given = ""): void =>
+        setOpen({ tab: TABS.find((tab) => tab.id === id) ?? open, what: given });
     useEffect(() => {
         client.ask("load", null).then(
             (answer) => setLoaded({ client, ...answer }),
@@ -56,13 +58,13 @@ function Page({ client }: { client: Client }) {
         <>
             <header class="head">
                 <h1>neurofoc bench</h1>
-                <TabList open={open} show={setOpen} />
+                <TabList open={open} show={({ id }) => show(id)} />
                 <ThemeChoice />
             </header>
             <main>
                 <div id="tab-panel" role="tabpanel" aria-labelledby={`tab-${open.id}`}>
                     {problem !== "" && <p class="problem" role="alert">{problem}</p>}
-                    {loaded === undefined ? <p role="status">Loading the simulator…</p> : <open.view {...loaded} />}
+                    {loaded === undefined ? <p role="status">Loading the simulator…</p> : <open.view {...loaded} show={show} what={what} />}
                 </div>
             </main>
         </>

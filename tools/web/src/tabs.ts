@@ -3,9 +3,15 @@
 import type { ComponentType } from "preact";
 import type { Client } from "./core/client.ts";
 import type { Names, SchemaKey } from "./core/protocol.ts";
+import { PlayTab } from "./play/play_tab.tsx";
+import { ReplayTab } from "./replay/replay_tab.tsx";
 import { RunTab } from "./run/run_tab.tsx";
+import { StepTab } from "./step/step_tab.tsx";
 
 export interface TabProps {
+    // Opens another tab; `what` is for it.
+    show(id: string, what?: string): void;
+    what: string;
     client: Client;
     names: Names;
     schema: SchemaKey[];
@@ -17,4 +23,9 @@ export interface Tab {
     view: ComponentType<TabProps>;
 }
 
-export const TABS: Tab[] = [{ id: "run", title: "Run", view: RunTab }];
+export const TABS: Tab[] = [
+    { id: "run", title: "Run", view: RunTab },
+    { id: "play", title: "Play", view: PlayTab },
+    { id: "step", title: "Step", view: StepTab },
+    { id: "replay", title: "Replay", view: ReplayTab },
+];

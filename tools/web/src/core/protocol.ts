@@ -100,6 +100,108 @@ export interface Run extends RunResult {
     signals: SignalInfo[];
 }
 
+export type PlayMode = "speed" | "position";
+
+// How the knobs of what is played with stand.
+export interface Knobs {
+    mode: PlayMode;
+    command: number; // rpm, or degrees
+    load_nm: number;
+    broken: string[]; // what lasts
+}
+
+export interface PlayHead {
+    period_s: number;
+    motor: string;
+    board: string;
+    tuning: string;
+    bus_v: number;
+    has_sensor: boolean; // of the angle
+    limits: { speed_rpm: number; position_deg: number; load_nm: number; current_a: number };
+    knobs: Knobs;
+    moves: { from: string; to: string }[]; // of the state machine
+    signals: SignalInfo[];
+}
+
+// What a person does to it. Break and repair have the words and values of [[scenario.fault]].
+export type PlayAct =
+    | { call: "request"; what: "run" | "stop" | "clear" }
+    | { call: "command"; mode: PlayMode; value: number }
+    | { call: "load"; value: number }
+    | { call: "break" | "repair"; what: string; value: number | null };
+
+export interface ScopeChoice {
+    signals: string[];
+    span_s: number; // on the screen
+}
+
+// After some ticks: how things stand, and the points of the scope that have become whole.
+export interface PlayBlock {
+    tick: number;
+    time_s: number;
+    state: string;
+    fault: Fault | null;
+    values: Record<string, number | null>; // of the signals that were asked for; null: not known
+    times: Float64Array;
+    columns: Record<string, Float32Array>;
+}
+
+export type StepSource = "scenario" | "play" | "recording";
+
+export interface StepHead {
+    name: string;
+    recorded: boolean;
+}
+
+// A signal at a tick. A word of the firmware has the last four, of which `recorded` is a recording's.
+export interface SignalValue {
+    name: string;
+    value: number | null;
+    unit: string;
+    word?: string; // RUN; empty for a number
+    raw?: string;
+    format?: string;
+    recorded?: string;
+}
+
+export interface DiffRow {
+    module: string;
+    quantity: string;
+    unit: string;
+    drive: number;
+    reference: number;
+    tolerance: number;
+    departs: boolean;
+}
+
+export interface StepView {
+    tick: number;
+    first: number;
+    last: number;
+    time_s: number;
+    position: string; // the stepper's line, and what is watched
+    state: string;
+    fault: { name: string; advice: string } | null;
+    stages: { title: string; rows: SignalValue[] }[];
+    diff: DiffRow[];
+    edits: string[];
+    breaks: string[];
+}
+
+export interface ReplayHead {
+    summary: string; // as `motorsim replay` prints it
+    equal: boolean; // the firmware does what was recorded
+    step_tick: number; // of the fault, or of what departs
+    faults: Fault[];
+    signals: SignalInfo[];
+}
+
+export interface Curves {
+    times: Float64Array;
+    columns: Record<string, Float32Array>;
+    states: StateChange[];
+}
+
 // Name: what is given, and what comes back.
 export interface Requests {
     load: { given: null; back: { names: Names; schema: SchemaKey[] } };
@@ -109,6 +211,18 @@ export interface Requests {
     check: { given: { kind: FileKind; file: string; text: string; choice: Choice | null }; back: Problem[] };
     program: { given: { args: string[]; files: string[] }; back: ProgramResult };
     run: { given: { choice: Choice; signals: string[] }; back: Run };
+    playStart: { given: { choice: Choice; scope: ScopeChoice }; back: PlayHead };
+    playHead: { given: null; back: PlayHead | null };
+    playScope: { given: ScopeChoice; back: null };
+    playAdvance: { given: { ticks: number; values: string[] }; back: PlayBlock };
+    playAct: { given: PlayAct; back: Knobs };
+    stepOpen: { given: { source: StepSource; choice: Choice | null }; back: StepHead };
+    stepExecute: { given: { line: string }; back: { text: string; refused: boolean } };
+    stepComplete: { given: { before: string; word: string }; back: string[] };
+    stepLook: { given: null; back: StepView };
+    replayOpen: { given: { name: string; bytes: Uint8Array }; back: ReplayHead };
+    replayHead: { given: null; back: ReplayHead | null };
+    replayColumns: { given: { signals: string[] }; back: Curves };
 }
 
 export type RequestName = keyof Requests;
@@ -126,4 +240,4 @@ export interface Cancel {
 export type Answer =
     | { id: number; value: unknown }
     | { id: number; error: string; cancelled: boolean }
-    | { id: number; progress: number }; // share that is done
+    | { id: number; progress: number }; // share that is done; of stepExecute the tick

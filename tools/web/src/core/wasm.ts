@@ -4,7 +4,7 @@ import { FILE_KINDS, folderOf, type Requests } from "./protocol.ts";
 
 interface FileSystem {
     readFile(path: string, options: { encoding: "utf8" }): string;
-    writeFile(path: string, text: string): void;
+    writeFile(path: string, content: string | Uint8Array): void;
     mkdir(path: string): void;
     chdir(path: string): void;
     unlink(path: string): void;
@@ -29,6 +29,8 @@ export interface Block {
 
 // The folder that the program works in: edited files lie there.
 export const WORK_FOLDER = "/bench";
+// For one file that a person has dropped, under its own name.
+const DROP_FOLDER = "/dropped";
 
 // Of the simulator: an error of the user's files, in the program's words.
 export class CoreError extends Error {}
@@ -39,6 +41,7 @@ export class Core {
     constructor(private readonly module: Module) {
         module.FS.mkdir(WORK_FOLDER);
         FILE_KINDS.forEach((kind) => module.FS.mkdir(`${WORK_FOLDER}/${folderOf(kind)}`));
+        module.FS.mkdir(DROP_FOLDER);
         module.FS.chdir(WORK_FOLDER);
     }
 
@@ -66,6 +69,10 @@ export class Core {
         return this.module.HEAPF64.slice(from, from + block.count);
     }
 
+    columns(blocks: Record<string, Block>): Record<string, Float32Array> {
+        return Object.fromEntries(Object.entries(blocks).map(([name, block]) => [name, this.floats(block)]));
+    }
+
     read(path: string): string {
         return this.module.FS.readFile(path, { encoding: "utf8" });
     }
@@ -77,6 +84,19 @@ export class Core {
         this.written = Object.keys(files);
         for (const [name, text] of Object.entries(files)) {
             fs.writeFile(`${WORK_FOLDER}/${name}`, text);
+        }
+    }
+
+    // The call finds the file by its bare name, which its errors begin with.
+    callWithFile<Value>(name: string, file: string, bytes: Uint8Array): Value {
+        const fs = this.module.FS;
+        fs.chdir(DROP_FOLDER);
+        try {
+            fs.writeFile(file, bytes);
+            return this.call<Value>(name, { file });
+        } finally {
+            fs.unlink(file);
+            fs.chdir(WORK_FOLDER);
         }
     }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The worker: it holds the simulator, takes requests one after the other, and lets a long one be stopped between slices.
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
+import * as play from "./play_session.ts";
+import * as replay from "./replay_session.ts";
 import { run } from "./run_session.ts";
+import * as step from "./step_session.ts";
 import { Core, type Module } from "./wasm.ts";
 
 // Of a request while it is served.
@@ -41,6 +44,9 @@ const handlers: Handlers = {
         return { ...result, files: Object.fromEntries(files.map((path) => [path, core.take(path)])) };
     },
     run,
+    ...play,
+    ...step,
+    ...replay,
 };
 
 const cancelled = new Set<number>();

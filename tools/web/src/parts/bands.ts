@@ -36,6 +36,7 @@ export function bandPainter(bands: () => Band[]): (plot: uPlot) => void {
         ctx.clip();
         ctx.font = `${LABEL_PX * devicePixelRatio}px system-ui`;
         ctx.textBaseline = "top";
+        ctx.textAlign = "left";
         bands().forEach((band, index) => {
             if (band.kind === "state") {
                 paintState(plot, band, token(`--band-${(index % 2) + 1}`), token("--text-soft"));

@@ -49,7 +49,7 @@ function dashOf(name: string): number[] | undefined {
     return /reference|command/.test(name) ? [2, 3] : undefined;
 }
 
-function seriesOf(curve: Curve, index: number): uPlot.Series {
+export function seriesOf(curve: Pick<Curve, "name" | "unit">, index: number): uPlot.Series {
     const dash = dashOf(curve.name);
     return {
         label: withUnit(curve.name, curve.unit === "" ? "" : `[${curve.unit}]`),
@@ -63,7 +63,7 @@ function seriesOf(curve: Curve, index: number): uPlot.Series {
 }
 
 // One axis a unit, the first at the left.
-function axesOf(curves: Curve[]): uPlot.Axis[] {
+export function axesOf(curves: Pick<Curve, "unit">[]): uPlot.Axis[] {
     const common: uPlot.Axis = {
         stroke: () => token("--text-soft"),
         grid: { stroke: () => token("--line") },

@@ -5,8 +5,11 @@ import type { Run } from "../core/protocol.ts";
 import { type Band, type Curve, PlotPanel, type Range } from "../parts/plot_panel.tsx";
 import { SignalTree } from "../parts/signal_tree.tsx";
 
+// What can be drawn over time, of a run or of a recording.
+export type Drawn = Pick<Run, "times" | "columns" | "signals" | "states" | "faults">;
+
 interface Props {
-    run: Run;
+    run: Drawn;
     panels: string[][];
     onPanels(panels: string[][]): void;
 }
@@ -14,7 +17,7 @@ interface Props {
 const MIN_HEIGHT_PX = 150;
 const AREA_SHARE = 0.62; // of the window's height, for all panels
 
-function bandsOf(run: Run, end: number): Band[] {
+function bandsOf(run: Drawn, end: number): Band[] {
     const states = run.states.map((state, index): Band => ({
         from: state.from_s,
         to: run.states[index + 1]?.from_s ?? end,
@@ -30,7 +33,7 @@ function bandsOf(run: Run, end: number): Band[] {
     return [...states, ...faults];
 }
 
-function curvesOf(run: Run, names: string[]): Curve[] {
+function curvesOf(run: Drawn, names: string[]): Curve[] {
     return names.flatMap((name) => {
         const values = run.columns[name];
         const unit = run.signals.find((signal) => signal.name === name)?.unit ?? "";

@@ -2,21 +2,14 @@
 // Run: a scenario with its imperfections and edited files, the figures beside their limits, and the curves.
 import { useEffect, useState } from "preact/hooks";
 import type { TabProps } from "../tabs.ts";
-import { packed, unpacked } from "../parts/link.ts";
-import { argumentsOf, choiceOf, FIRST, type Selection, selectionFrom } from "./bench_state.ts";
+import { argumentsOf, choiceOf, FIRST, type Selection } from "./bench_state.ts";
 import { Curves } from "./curves.tsx";
 import { downloadPicture, downloadTrace } from "./downloads.ts";
 import { Files } from "./files.tsx";
 import { Results } from "./results.tsx";
+import { keepInLink, selectionOfLink } from "./selection_link.ts";
 import { Setup } from "./setup.tsx";
 import { type Runner, useRun } from "./use_run.ts";
-
-const LINK = /^#run=(.+)$/;
-
-async function selectionOfLink(): Promise<Selection> {
-    const written = LINK.exec(location.hash)?.[1];
-    return written === undefined ? FIRST : selectionFrom(await unpacked(written));
-}
 
 function isStale(runner: Runner, selection: Selection): boolean {
     const { ran } = runner;
@@ -98,7 +91,7 @@ export function RunTab(props: TabProps) {
     const [problem, setProblem] = useState("");
     const select = (next: Selection): void => {
         setSelection(next);
-        void packed(next).then((text) => history.replaceState(null, "", `#run=${text}`));
+        keepInLink(next);
     };
     useEffect(() => {
         const begin = (first: Selection): void => {

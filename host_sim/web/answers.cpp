@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "answers.h"
+
+#include "names.h"
+
+extern "C" {
+#include "fault_text.h"
+}
+
+namespace nf::web
+{
+
+Json signals_json(const Simulation &sim)
+{
+    Json all = Json::array();
+    for (const SignalInfo &signal : all_signals()) {
+        all.push_back({{"name", signal.name},
+                       {"unit", unit_text(signal, sim)},
+                       {"format", format_text(signal, sim)}});
+    }
+    return all;
+}
+
+Json signal_json(const SignalInfo &signal, const Tick &tick)
+{
+    Json json = {{"name", signal.name},
+                 {"value", si_value(signal, tick)},
+                 {"unit", unit_text(signal, *tick.sim)}};
+    if (const std::optional<int64_t> raw = raw_value(signal, tick)) {
+        json["word"] = word_text(signal, *raw);
+        json["raw"] = std::to_string(*raw);
+        json["format"] = format_text(signal, *tick.sim);
+    }
+    if (const std::optional<int64_t> recorded = recorded_value(signal, tick)) {
+        json["recorded"] = std::to_string(*recorded);
+    }
+    return json;
+}
+
+Json fault_json(const fault_t &fault, double time_s, const std::string &measure)
+{
+    return {{"time_s", time_s},
+            {"name", fault_text(fault.id)->name},
+            {"measure", measure},
+            {"advice", fault_text(fault.id)->advice}};
+}
+
+Json states_json(const std::vector<StateChange> &changes)
+{
+    Json states = Json::array();
+    for (const StateChange &change : changes) {
+        states.push_back({{"from_s", change.time_s}, {"name", state_name(change.state)}});
+    }
+    return states;
+}
+
+} // namespace nf::web

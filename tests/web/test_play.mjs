@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// The tab Play, used as a person would. How fast it is, is printed: NF_PLAY_S is how long that is watched.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { firstRun, KEY, LOAD_MS, openMotor, openTab, replaceLine, switchOn, withPage } from "./bench.mjs";
+
+const WATCHED_S = Number(process.env.NF_PLAY_S ?? 5);
+const SPEED_RPM = 600;
+const SPEED_NEAR_RPM = 30; // 5 %
+
+function state(page, name) {
+    return page.getByText(`State: ${name}`, { exact: true }).waitFor();
+}
+
+async function reading(page, name) {
+    const text = await page.getByRole("row", { name: new RegExp(`^${name} `) }).locator("td").innerText();
+    return Number(text.split(" ")[0]);
+}
+
+// Asks for a number until it is so.
+async function polled(page, what, ask, holds) {
+    const end = performance.now() + LOAD_MS;
+    for (let last = NaN; !holds(last); last = await ask()) {
+        assert.ok(performance.now() < end, `${what} stays at ${last}`);
+        await page.waitForTimeout(50);
+    }
+}
+
+function until(page, name, holds) {
+    return polled(page, name, () => reading(page, name), holds);
+}
+
+async function type(page, label, text) {
+    await page.getByLabel(label, { exact: true }).fill(text);
+    await page.keyboard.press("Enter");
+}
+
+async function running(page) {
+    await firstRun(page);
+    await switchOn(page);
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await type(page, "Speed [rpm]", String(SPEED_RPM));
+    await state(page, "RUN");
+}
+
+const button = (page, name) => page.getByRole("button", { name, exact: true });
+
+test("it follows a speed, and bears a load", async () => withPage(async (page) => {
+    await running(page);
+    await until(page, "Speed", (rpm) => Math.abs(rpm - SPEED_RPM) < SPEED_NEAR_RPM);
+    const before = await reading(page, "Torque");
+    await type(page, "Load torque [N·m]", "2");
+    await until(page, "Torque", (nm) => nm > before + 1.5);
+    await button(page, "Stop").click();
+    await state(page, "READY");
+}));
+
+test("it goes to a position", async () => withPage(async (page) => {
+    await running(page);
+    await page.getByLabel("position", { exact: true }).check();
+    await until(page, "Speed", (rpm) => Math.abs(rpm) < 20);
+    const at = await reading(page, "Rotor position");
+    await type(page, "Position [°]", "360");
+    await until(page, "Rotor position", (rad) => Math.abs(rad - at - 2 * Math.PI) < 0.5);
+}));
+
+test("keys turn a knob, and a wild number is refused in a line", async () => withPage(async (page) => {
+    await running(page);
+    await page.getByLabel("Speed slider, in rpm").focus();
+    await page.keyboard.press("ArrowRight");
+    await until(page, "Speed", (rpm) => Math.abs(rpm - SPEED_RPM - 10) < 8);
+    await type(page, "Speed [rpm]", "99999");
+    await page.getByText(/^speed = 99999 rpm; allowed: -\d+ to \d+ rpm$/).waitFor();
+}));
+
+test("a broken phase is a fault with advice; the tick before it can be seen; repaired, it runs again", async () => withPage(async (page) => {
+    await running(page);
+    await button(page, "Open phase a").click();
+    await state(page, "FAULT");
+    const card = page.locator(".fault");
+    assert.match(await card.innerText(), /^[A-Z_]+ at [\d.]+ s\s+\S.*, limit .*\s+\w.*; \w/);
+    const [name, at] = /^(\S+) at ([\d.]+) s/.exec(await card.innerText()).slice(1);
+    await button(page, "Step through this").click();
+    await page.getByLabel("Go to").fill(`${Number(at) - 0.01}s`);
+    await page.keyboard.press("Enter");
+    await page.getByLabel("Run until").fill("");
+    await page.getByLabel(/^Command/).fill("run until state == FAULT");
+    await page.keyboard.press("Enter");
+    await page.locator(".place").getByText(name).first().waitFor();
+    await page.getByRole("button", { name: "Back one tick" }).click();
+    await page.locator(".place .fault").waitFor({ state: "detached" });
+    assert.match(await page.locator(".place").innerText(), /^tick \d+ .* RUN /);
+    await page.getByText(/^Changes/).click();
+    await page.getByText(/^phase_a_open at tick \d+$/).waitFor();
+
+    await openTab(page, "Play");
+    await button(page, "Go on").click();
+    await state(page, "FAULT");
+    await button(page, "Open phase a").click();
+    await button(page, "Clear fault").click();
+    await state(page, "READY");
+    await button(page, "Run").click();
+    await state(page, "RUN");
+}));
+
+for (const name of ["Stuck current sensor a", "Blocked rotor", /^Bus dip/]) {
+    test(`${name}: it is noticed`, async () => withPage(async (page) => {
+        await running(page);
+        await page.getByRole("button", { name }).click();
+        await state(page, "FAULT");
+    }));
+}
+
+test("a jump of the rotor shows in the error of the angle", async () => withPage(async (page) => {
+    await running(page);
+    await page.getByLabel("Time ×").selectOption("1/1000");
+    const error = async () => Number(/error θ − θ̂ (\S+)°/.exec(await page.locator(".legend").innerText())?.[1]);
+    const before = await error();
+    await button(page, "Rotor jump by 90°").click();
+    await polled(page, "the error", error, (now) => Math.abs(now - before) > 60);
+}));
+
+test("a signal is found and shown; time stands still in a pause", async () => withPage(async (page) => {
+    await running(page);
+    await button(page, "Choose signals").click();
+    await page.getByLabel("Search signals by name or unit").fill("load_torque");
+    await page.getByLabel("load_torque_nm").check();
+    await page.locator(".u-legend").getByText("load_torque_nm [N m]").waitFor();
+    await button(page, "Pause").click();
+    await page.getByText("paused", { exact: true }).waitFor();
+    const caption = page.locator("caption").filter({ hasText: "Now, t" });
+    const still = await caption.innerText();
+    await page.waitForTimeout(300);
+    assert.equal(await caption.innerText(), still);
+}));
+
+test("it is the machine of Run, with its edited files", async () => withPage(async (page) => {
+    const line = await openMotor(page);
+    await replaceLine(page, line, `${KEY} = -3`);
+    await openTab(page, "Play");
+    await button(page, "Switch the machine on").click();
+    await page.getByText(new RegExp(`^motors/motor_a\\.toml:\\d+: motor\\.${KEY} = -3: .*allowed: .*Ω$`)).waitFor();
+}));
+
+test("time goes by", async (t) => withPage(async (page) => {
+    await running(page);
+    const pace = page.locator(".pace");
+    const dropped = async () => Number(/(\d+) dropped/.exec(await pace.innerText())?.[1]);
+    const now = async () => Number(/t = ([\d.]+) s/.exec(await page.locator("caption").filter({ hasText: "Now" }).innerText())[1]);
+    const [lost, from, began] = [await dropped(), await now(), performance.now()];
+    const frames = await page.evaluate((ms) => new Promise((resolve) => {
+        let count = 0;
+        const end = performance.now() + ms;
+        const next = (at) => (at < end ? (count++, requestAnimationFrame(next)) : resolve(count));
+        requestAnimationFrame(next);
+    }), WATCHED_S * 1000);
+    const passed = (performance.now() - began) / 1000;
+    const ratio = ((await now()) - from) / passed;
+    t.diagnostic(`${passed.toFixed(1)} s: ${ratio.toFixed(3)} x real time, ${(frames / passed).toFixed(1)} frames/s, ` +
+        `${(await dropped()) - lost} dropped frames`);
+    assert.ok((await now()) > from);
+}));

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Lets time go by for the machine, a block of ticks for each frame of the screen. The worker computes a block while the page
+// draws the one before it; when it is late, time goes by more slowly and the page stays quick.
+import type { Client } from "../core/client.ts";
+import type { Knobs, PlayAct, PlayBlock, ScopeChoice } from "../core/protocol.ts";
+import type { Band } from "../parts/plot_panel.tsx";
+import { Rolling } from "../parts/rolling.ts";
+
+// Signals that the page shows beside the scope.
+export const SHOWN = [
+    "speed_rpm", "speed_estimated_rpm", "speed_command_rpm", "torque_nm", "load_torque_nm", "i_q_a", "i_d_a", "v_q_v", "v_d_v",
+    "bus_v", "angle_el_deg", "angle_estimated_el_deg", "angle_error_el_deg", "position_rad",
+];
+
+const BLOCK_MAX_S = 0.1; // longer pauses of the page do not count as time
+const FRAME_MS = 1000 / 60;
+const WINDOW_MS = 1000; // of the figures of speed
+const SCOPE_POINTS = 2100; // two a bucket, 1000 buckets a span, and some more
+
+export interface Pace {
+    ratio: number; // to real time, over the last second
+    frames: number; // a second
+    dropped: number; // since the machine is there
+}
+
+export class Player {
+    pace: Pace = { ratio: 0, frames: 0, dropped: 0 };
+    block: PlayBlock | undefined;
+    bands: Band[] = [];
+    slowness = 1; // how many times slower than real time
+    private rolling: Rolling;
+    private readonly drawers = new Set<() => void>();
+    private running = false;
+    private waiting = false;
+    private lastFrame = 0;
+    private owed = 0; // ticks, with their fraction
+    private window = { from: 0, time_s: 0, frames: 0 };
+
+    constructor(
+        private readonly client: Client,
+        private readonly periodS: number,
+        private scope: ScopeChoice,
+        private readonly failed: (error: Error) => void,
+    ) {
+        this.rolling = new Rolling(scope.signals, SCOPE_POINTS);
+    }
+
+    get isRunning(): boolean {
+        return this.running;
+    }
+
+    run(): void {
+        if (!this.running) {
+            this.running = true;
+            this.lastFrame = 0;
+            requestAnimationFrame(this.frame);
+        }
+    }
+
+    pause(): void {
+        this.running = false;
+    }
+
+    // The function is called once a frame with something new. Gives the one that ends this.
+    onDraw(draw: () => void): () => void {
+        this.drawers.add(draw);
+        return () => this.drawers.delete(draw);
+    }
+
+    async setScope(scope: ScopeChoice): Promise<void> {
+        await this.client.ask("playScope", scope);
+        this.scope = scope;
+        this.rolling = new Rolling(scope.signals, SCOPE_POINTS);
+    }
+
+    // What it changes shows after a tick, also while time stands still.
+    async act(act: PlayAct): Promise<Knobs> {
+        const knobs = await this.client.ask("playAct", act);
+        if (!this.running) {
+            this.take(await this.client.ask("playAdvance", { ticks: 1, values: SHOWN }));
+        }
+        return knobs;
+    }
+
+    data(names: string[]): [Float64Array, ...Float32Array[]] {
+        return this.rolling.data(names);
+    }
+
+    private readonly frame = (now: number): void => {
+        if (!this.running) {
+            return;
+        }
+        requestAnimationFrame(this.frame);
+        if (this.lastFrame > 0) {
+            this.count(now);
+        }
+        if (this.lastFrame > 0 && !this.waiting) {
+            void this.advance();
+        }
+        this.lastFrame = now;
+    };
+
+    private async advance(): Promise<void> {
+        const ticks = Math.floor(this.owed);
+        this.owed -= ticks;
+        this.waiting = true;
+        try {
+            this.take(await this.client.ask("playAdvance", { ticks, values: SHOWN }));
+        } catch (error) {
+            this.pause();
+            this.failed(error as Error);
+        }
+        this.waiting = false;
+    }
+
+    private count(now: number): void {
+        const passedMs = now - this.lastFrame;
+        const most = BLOCK_MAX_S / this.periodS;
+        this.owed = Math.min(this.owed + passedMs / 1000 / this.periodS / this.slowness, most);
+        const { pace, window } = this;
+        pace.dropped += Math.max(0, Math.round(passedMs / FRAME_MS) - 1);
+        window.frames++;
+        if (now - window.from >= WINDOW_MS) {
+            const seconds = (now - window.from) / 1000;
+            const time = this.block?.time_s ?? 0;
+            pace.ratio = (time - window.time_s) / seconds;
+            pace.frames = window.frames / seconds;
+            this.window = { from: now, time_s: time, frames: 0 };
+        }
+    }
+
+    private take(block: PlayBlock): void {
+        this.mark(block);
+        this.block = block;
+        this.rolling.append(block.times, block.columns);
+        this.drawers.forEach((draw) => draw());
+    }
+
+    // States as grounds, faults as lines; what has left the screen is forgotten.
+    private mark(block: PlayBlock): void {
+        const { time_s: at, state, fault } = block;
+        const last = this.bands.filter(({ kind }) => kind === "state").at(-1);
+        const isNew = last === undefined || last.label !== state;
+        if (last !== undefined) {
+            last.to = at;
+        }
+        const made: Band[] = isNew ? [{ from: at, to: at, label: state, kind: "state" }] : [];
+        if (isNew && fault !== null) {
+            made.push({ from: fault.time_s, to: fault.time_s, label: fault.name, kind: "fault" });
+        }
+        this.bands = [...this.bands, ...made].filter(({ to }) => to >= at - this.scope.span_s);
+    }
+}
