@@ -4,30 +4,13 @@
 
 #include "channel.h"
 
+#include <memory>
 #include <string>
 
 namespace nf::live
 {
 
-class SerialPort : public Channel
-{
-public:
-    // Any rate that the hardware can make. Throws ChannelError: "/dev/ttyACM0: cannot open: the system's reason".
-    SerialPort(const std::string &path, unsigned baud);
-    ~SerialPort() override;
-    SerialPort(const SerialPort &) = delete;
-    SerialPort &operator=(const SerialPort &) = delete;
-
-    std::vector<uint8_t> read(double wait_s) override;
-    void write(const std::vector<uint8_t> &bytes) override;
-    double now_s() const override;
-
-private:
-    [[noreturn]] void fail(const char *what) const;
-    void set_up(unsigned baud);
-
-    std::string path_;
-    [[maybe_unused]] int file_; // of no_serial_port.cpp always -1
-};
+// Any rate that the hardware can make. Throws ChannelError: "/dev/ttyACM0: cannot open: the system's reason".
+std::unique_ptr<Channel> open_serial_port(const std::string &path, unsigned baud);
 
 } // namespace nf::live
