@@ -120,11 +120,11 @@ bool live(LiveArguments arguments)
         return true;
     }
     arguments.baud = rate_of(arguments);
-    const std::unique_ptr<Channel> port = open_serial_port(arguments.port, arguments.baud);
+    SerialPort port(arguments.port, arguments.baud);
     if (!(arguments.serve.pace > 0)) {
         throw ChannelError("--pace 0 is for --simulate: a board that is followed has a time");
     }
-    PacedChannel paced(*port, arguments.serve.pace);
+    PacedChannel paced(port, arguments.serve.pace);
     return follow(paced, arguments);
 }
 

@@ -2,8 +2,6 @@
 // The kernel's own termios2: <termios.h> has a fixed list of rates.
 #include "serial_port.h"
 
-#include "receiver.h"
-
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -24,26 +22,7 @@ namespace
 
 constexpr int WRITE_WAIT_MS = 1000; // a port that takes nothing for so long is stuck
 
-class SerialPort : public Channel
-{
-public:
-    SerialPort(const std::string &path, unsigned baud);
-    ~SerialPort() override;
-    SerialPort(const SerialPort &) = delete;
-    SerialPort &operator=(const SerialPort &) = delete;
-
-    std::vector<uint8_t> read(double wait_s) override;
-    void write(const std::vector<uint8_t> &bytes) override;
-    double now_s() const override;
-
-private:
-    [[noreturn]] void fail(const char *what) const;
-    void set_up(unsigned baud);
-
-    std::string path_;
-    int file_;
-    std::unique_ptr<Receiver> receiver_;
-};
+} // namespace
 
 SerialPort::SerialPort(const std::string &path, unsigned baud)
     : path_(path), file_(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC))
@@ -126,13 +105,6 @@ double SerialPort::now_s() const
 {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
-}
-
-} // namespace
-
-std::unique_ptr<Channel> open_serial_port(const std::string &path, unsigned baud)
-{
-    return std::make_unique<SerialPort>(path, baud);
 }
 
 } // namespace nf::live

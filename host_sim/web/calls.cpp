@@ -12,7 +12,7 @@ namespace
 
 const Call &find_call(const std::string &name)
 {
-    for (const Calls *calls : {&program_calls(), &config_calls(), &run_calls()}) {
+    for (const Calls *calls : {&config_calls(), &run_calls()}) {
         for (const Call &call : *calls) {
             if (name == call.name) {
                 return call;

@@ -139,13 +139,13 @@ void a_client_of_the_port_speaks_with_the_board()
     const std::string link = (std::filesystem::temp_directory_path() / "test_board_port").string();
     {
         nf::live::Pty pty(link);
-        const auto port = nf::live::open_serial_port(link, 115200);
-        port->write({'s', 't', 'a', 't', 'u', 's', '\r'});
+        nf::live::SerialPort port(link, 115200);
+        port.write({'s', 't', 'a', 't', 'u', 's', '\r'});
         nf::live::Serving serving;
         serving.pace = 0;
         serving.stops = [&board] { return board.now_s() > 0.1; };
         nf::live::serve(board, pty, serving);
-        assert_has("speed 0 of", text(port->read(1)));
+        assert_has("speed 0 of", text(port.read(1)));
         TEST_ASSERT_TRUE(std::filesystem::is_symlink(link));
     }
     TEST_ASSERT_FALSE(std::filesystem::is_symlink(link));

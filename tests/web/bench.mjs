@@ -35,13 +35,15 @@ async function serve() {
 }
 
 // Calls test(page, address) with an open page. A request to another place, or an error in the page, fails it.
-export async function withPage(test, options = {}) {
+// `options` are the browser's, and `init`, a function that the page calls before its own scripts.
+export async function withPage(test, { init, ...options } = {}) {
     const server = await serve();
     const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     const strange = [];
     try {
         const context = await browser.newContext({ viewport: WINDOW, acceptDownloads: true, ...options });
         const page = await context.newPage();
+        await page.addInitScript(init ?? (() => undefined));
         page.setDefaultTimeout(LOAD_MS);
         page.on("request", (request) => {
             if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(server.address)) {
@@ -60,9 +62,9 @@ export async function withPage(test, options = {}) {
     }
 }
 
-// The page has run its first scenario.
-export async function firstRun(page) {
-    await page.getByText(/^Results: /).waitFor();
+// The newest run has come to its end and is shown.
+export async function settled(page) {
+    await page.locator("section[aria-label=Results][aria-busy=false]").waitFor();
 }
 
 // The native program: {stdout, stderr, status}.
@@ -75,17 +77,19 @@ export function motorsim(args, cwd = ROOT) {
     });
 }
 
-// A request to a worker of its own, as the page makes them; with `cancel` it is stopped when it first reports progress.
-export function ask(page, name, given, cancel = false) {
-    return page.evaluate(([name, given, cancel]) => new Promise((resolve) => {
+// A request to a worker of its own, as the page makes them. Of a value that is an object the fields `keep`; with `cancel` it
+// is stopped when it first reports progress.
+export function ask(page, name, given, { keep, cancel } = {}) {
+    return page.evaluate(([name, given, keep, cancel]) => new Promise((resolve) => {
         globalThis.testWorker ??= new Worker("worker.js", { type: "module" });
         globalThis.testWorker.onmessage = ({ data }) => {
             if (!("progress" in data)) {
-                resolve(data);
+                const { value } = data;
+                resolve(keep && value ? { value: Object.fromEntries(keep.map((key) => [key, value[key]])) } : data);
             } else if (cancel) {
                 globalThis.testWorker.postMessage({ cancel: 1 });
             }
         };
         globalThis.testWorker.postMessage({ id: 1, name, given });
-    }), [name, given, cancel]);
+    }), [name, given, keep, cancel]);
 }

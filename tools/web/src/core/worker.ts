@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The worker: it holds the simulator, takes requests one after the other, and lets a long one be stopped between slices.
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
-import { run } from "./run_session.ts";
+import { run, trace } from "./run_session.ts";
 import { Core, type Module } from "./wasm.ts";
 
 // Of a request while it is served.
@@ -36,11 +36,8 @@ const handlers: Handlers = {
         const own = core.call<Requests["check"]["back"]>("config.check", { kind, file, text });
         return own.length > 0 || choice === null ? own : core.call("config.check_all", { ...choice, file });
     },
-    program: (core, { args, files }) => {
-        const result = core.call<Omit<Requests["program"]["back"], "files">>("program", { args });
-        return { ...result, files: Object.fromEntries(files.map((path) => [path, core.take(path)])) };
-    },
     run,
+    trace,
 };
 
 const cancelled = new Set<number>();
