@@ -2,8 +2,6 @@
 // The simulator's command line: run scenarios, step through them and through recordings, list what there is, measure
 // speed.
 // Exit status: 0 all limits hold or a recording is what it was, 1 not so, 2 wrong usage, wrong file or a file not written.
-#include "motorsim.h"
-
 #include "bench.h"
 #include "certificate_json.h"
 #include "certificate_page.h"
@@ -890,7 +888,7 @@ int parse_and_do(int argc, char **argv)
 
 } // namespace
 
-int nf::motorsim(int argc, char **argv)
+int main(int argc, char **argv)
 {
-    return guarded("motorsim", parse_and_do, argc, argv);
+    return nf::guarded("motorsim", parse_and_do, argc, argv);
 }

@@ -85,13 +85,6 @@ static void put_verdict(link_out_t *out, const live_config_verdict_t *verdict)
     }
 }
 
-static void put_why(link_out_t *out, const char *why)
-{
-    if (why != NULL) {
-        link_out_text(out, why);
-    }
-}
-
 static void put_identity(link_t *link)
 {
     const about_t *const about = &link->live->about;
@@ -199,23 +192,26 @@ static live_config_verdict_t write_block(link_t *link, const uint8_t *body)
     return verdict;
 }
 
-/* Of the state before a segment; none when the segment is not there. */
+/* Of the state before a segment; none when it is not there. It is kept while the PC asks for its words. */
 static void put_state(link_t *link, const uint8_t *body)
 {
-    const recorder_t *const recorder = link->live->app->recorder;
+    recorder_t *const recorder = link->live->app->recorder;
     const uint32_t segment = words_get(body);
     const uint32_t first = half_at(&body[4]);
-    recorder_view_t view = {0};
+    const drive_t *state = NULL;
     uint32_t count = 0U;
 
-    if ((recorder != NULL) && recorder_find(recorder, segment, &view)) {
+    if (recorder != NULL) {
+        state = recorder_keep_state(recorder, segment);
+    }
+    if (state != NULL) {
         count = words_there(first, body[6], drive_words_count());
     }
     link_out_word(&link->out, segment);
     link_out_half(&link->out, first);
     link_out_byte(&link->out, count);
     for (uint32_t k = 0U; k < count; k++) {
-        link_out_word(&link->out, drive_words_get(view.state, first + k));
+        link_out_word(&link->out, drive_words_get(state, first + k));
     }
 }
 
@@ -232,8 +228,8 @@ static const char *turn_stream(link_t *link, uint32_t on)
         why = "there is no recorder";
     } else if (link->console.dump_phase != CONSOLE_DUMP_NONE) {
         why = DUMP_FIRST;
-    } else if (recorder->frozen && recorder->held) {
-        why = "the flight recorder keeps a fault: read it with dump, or give it up with record";
+    } else if (recorder->triggered && recorder->held) {
+        why = "the recording of a fault is kept until it is read";
     } else {
         link_stream_begin(&link->stream, recorder);
         link_stream_limit(&link->stream, (on == 1U) ? FRAME_CODE_ENTRIES_MAX : on);
@@ -263,7 +259,7 @@ static live_config_verdict_t do_block(link_t *link, const question_t *question)
 }
 
 /* The questions about the block. A dump reads the block that is not in force: meanwhile none is written there. */
-static void answer_block(link_t *link, const question_t *question)
+static live_config_verdict_t judge_block(link_t *link, const question_t *question)
 {
     const bool dumps = link->console.dump_phase != CONSOLE_DUMP_NONE;
     live_config_verdict_t verdict = {NULL, NULL};
@@ -273,7 +269,40 @@ static void answer_block(link_t *link, const question_t *question)
     } else {
         verdict = do_block(link, question);
     }
-    put_verdict(&link->out, &verdict);
+    return verdict;
+}
+
+/* The questions that do something. */
+static live_config_verdict_t judge_question(link_t *link, const question_t *question)
+{
+    live_config_verdict_t verdict = {NULL, NULL};
+
+    switch (question->type) {
+    case LINK_COMMAND:
+        verdict.why = do_command(link, question->body);
+        break;
+    case LINK_LINE:
+        take_line(link, question);
+        break;
+    case LINK_STREAM:
+        verdict.why = turn_stream(link, question->body[0]);
+        break;
+    default:
+        verdict = judge_block(link, question);
+        break;
+    }
+    return verdict;
+}
+
+/* The same question comes again where its answer was lost: what it asks for is done once. */
+static void answer_verdict(link_t *link, const question_t *question)
+{
+    const bool is_again = (link->last.type == question->type) && (link->last.tag == question->tag);
+
+    if (!is_again) {
+        link->last.verdict = judge_question(link, question);
+    }
+    put_verdict(&link->out, &link->last.verdict);
 }
 
 static void answer_question(link_t *link, const question_t *question)
@@ -289,17 +318,8 @@ static void answer_question(link_t *link, const question_t *question)
     case LINK_PING:
         put_health(link);
         break;
-    case LINK_COMMAND:
-        put_why(&link->out, do_command(link, body));
-        break;
-    case LINK_LINE:
-        take_line(link, question);
-        break;
     case LINK_READ:
         put_block(link, body);
-        break;
-    case LINK_STREAM:
-        put_why(&link->out, turn_stream(link, body[0]));
         break;
     case LINK_STATE:
         put_state(link, body);
@@ -309,9 +329,11 @@ static void answer_question(link_t *link, const question_t *question)
                                       half_at(&body[4]), body[6]);
         break;
     default:
-        answer_block(link, question);
+        answer_verdict(link, question);
         break;
     }
+    link->last.type = question->type;
+    link->last.tag = question->tag;
 }
 
 uint8_t link_answer(link_t *link, uint32_t length)

@@ -12,6 +12,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The last question, and the verdict on the last one that got a verdict. */
+typedef struct {
+    uint8_t type;
+    uint8_t tag;
+    live_config_verdict_t verdict;
+} link_answered_t;
+
 typedef struct {
     live_config_t *live;
     console_t console;
@@ -22,6 +29,7 @@ typedef struct {
     uint32_t tick;      /* of the last pass */
     uint32_t still;     /* passes since the tick or the PC has gone on */
     uint32_t question;  /* bytes of a message in `in` that waits for its answer; 0: none does */
+    link_answered_t last;
     link_in_t in;
     link_out_t out;
     link_guard_t guard;

@@ -6,15 +6,16 @@
 
 #include <stddef.h>
 
-#define NONE (RECORDER_SEGMENTS) /* no segment */
-#define END (RECORDER_SEGMENTS)  /* the state after the last frame */
+#define NONE (RECORDER_SEGMENTS)  /* no segment */
+#define END (RECORDER_SEGMENTS)   /* in place of a segment: the recording ends */
+#define SPARE (RECORDER_SEGMENTS) /* the state that belongs to no segment */
 #define HALF_MASK (0xFFFFU)
 #define BYTE_MASK (0xFFU)
 #define COMPARE_MASK (0x7FFFU)
 #define CHANGE_MARK (0x8000U)
 #define GATE_BIT (15U)
 
-_Static_assert(RECORDER_STATES == (END + 1U), "one state more than segments");
+_Static_assert(RECORDER_STATES == (SPARE + 1U), "one state more than segments");
 
 static uint32_t pair(uint32_t lower, uint32_t upper)
 {
@@ -175,6 +176,7 @@ static void begin_anew(recorder_t *recorder)
     recorder->offered = false;
     recorder->gap = false;
     recorder->triggered = false;
+    recorder->kept = 0U;
     recorder->changed = false;
     barrier_compiler();
     recorder->frozen = false;
@@ -217,7 +219,9 @@ static void offer(recorder_t *recorder, const volatile drive_t *drive, uint32_t 
 {
     const uint32_t tick = drive->tick;
 
-    if (next != END) {
+    if (next == END) {
+        recorder->kept = 0U;
+    } else {
         recorder->segments[next] =
             (recorder_segment_t){.number = number_after(recorder), .config_crc = drive->cfg->crc};
     }
@@ -342,7 +346,7 @@ static uint32_t count_entries(const recorder_t *recorder, uint32_t segment,
 /* The other one of the two that a history can have; NULL when it can have only one. */
 static const drive_cfg_t *other_config(const recorder_t *recorder, const drive_cfg_t *begin)
 {
-    const drive_cfg_t *const end = recorder->states[END].cfg;
+    const drive_cfg_t *const end = recorder->states[SPARE].cfg;
 
     return (end == begin) ? recorder->before : end;
 }
@@ -443,7 +447,7 @@ const drive_t *recorder_begin_state(const recorder_t *recorder, const recorder_h
 
 const drive_t *recorder_end_state(const recorder_t *recorder)
 {
-    return &recorder->states[END];
+    return &recorder->states[SPARE];
 }
 
 /*
@@ -496,6 +500,22 @@ bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t 
         }
     }
     return found;
+}
+
+const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number)
+{
+    const bool is_kept = (number != 0U) && (number == recorder->kept);
+    const drive_t *state = is_kept ? &recorder->states[SPARE] : NULL;
+    recorder_view_t view = {0};
+
+    if (!is_kept && recorder_find(recorder, number, &view)) {
+        state = view.state;
+        if (!recorder->triggered) {
+            recorder->states[SPARE] = *state;
+            recorder->kept = number;
+        }
+    }
+    return state;
 }
 
 bool recorder_unpack(const recorder_entry_t *entry, recorder_frame_t *frame)

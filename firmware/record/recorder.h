@@ -32,7 +32,7 @@
 #include <stdint.h>
 
 #define RECORDER_SEGMENTS (4U)
-#define RECORDER_STATES (5U)  /* before the first frame of each segment, and after the last frame */
+#define RECORDER_STATES (RECORDER_SEGMENTS + 1U)
 #define RECORDER_MARGIN (16U) /* entries left in a segment when the next is offered */
 #define RECORDER_ENTRIES_MIN (4U * RECORDER_MARGIN) /* of a segment */
 #define RECORDER_POST_TICKS_MAX (1000000U)
@@ -81,12 +81,17 @@ typedef struct {
     bool held;                 /* keep the recording once it is frozen */
     bool followed;             /* by a reader: a fault does not freeze … */
     bool passed;               /* … nor does it later, while the drive stays in FAULT */
+    uint32_t kept;             /* segment whose state a reader has kept, 0: none */
     bool changed;              /* the next frame is the first with another configuration */
     const drive_cfg_t *before; /* the configuration before the last change, NULL: none */
     recorder_entry_t *entries;
     uint32_t segment_entries;
     uint32_t post_ticks;
     recorder_segment_t segments[RECORDER_SEGMENTS];
+    /*
+     * Before the first frame of each segment. The last one belongs to no segment: while `kept` is not 0 it is the state that a reader
+     * has kept, in a frozen recording the state after the last frame.
+     */
     drive_t states[RECORDER_STATES];
 } recorder_t;
 
@@ -172,6 +177,13 @@ typedef struct {
 
 /* False when the segment of this number is not in the ring, or not any more. */
 bool recorder_find(const recorder_t *recorder, uint32_t number, recorder_view_t *view);
+
+/*
+ * Returns the state before a segment of the ring, and keeps it: asked for again by this number it is the same, also when the
+ * ring has overwritten the segment, until another one is asked for or the recording is about to freeze. NULL when the segment is
+ * neither in the ring nor kept. A recording that freezes needs the place; its own states are returned as they are.
+ */
+const drive_t *recorder_keep_state(recorder_t *recorder, uint32_t number);
 
 /* Decodes the next entry into `frame`. True when the entry was a frame, so that `frame` is complete; false for a
  * change. Pure. */

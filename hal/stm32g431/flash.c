@@ -9,9 +9,6 @@
 #define FIRST_PAGE (62U)
 #define PAGE_BYTES (2048U)
 
-/* An erase takes up to 24.5 ms; reg_wait() may give up after less where its loop runs from the cache. */
-#define WAITS (8U)
-
 _Static_assert((HAL_STORE_UNITS * HAL_STORE_UNIT_BYTES) == PAGE_BYTES, "a slot is a page");
 
 static volatile bool is_reading;    /* a unit of the store */
@@ -48,14 +45,10 @@ bool hal_store_read(hal_t *hal, uint32_t slot, uint32_t unit, uint8_t bytes[HAL_
     return !is_unreadable;
 }
 
+/* A flash that is busy for longer than the watchdog waits ends in a reset. */
 static bool wait_until_done(void)
 {
-    bool done = false;
-
-    for (uint32_t k = 0U; (k < WAITS) && !done; k++) {
-        done = reg_wait(FLASH_SR, FLASH_SR_BSY, 0U);
-    }
-    return done;
+    return reg_wait(FLASH_SR, FLASH_SR_BSY, 0U);
 }
 
 /* A key that comes when it is not asked for blocks the flash until reset. The caches would go on showing what was there. */

@@ -11,8 +11,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Reads that reg_wait() makes before it gives up: some 10 ms and more at 16 to 170 MHz. */
-#define REG_PATIENCE (500000U)
+/*
+ * Reads that reg_wait() makes before it gives up. A read and its loop take 8 cycles at least: 28 ms and more at up to
+ * 170 MHz, longer than an erase of the flash (24.5 ms) and all that a start waits for.
+ */
+#define REG_PATIENCE (600000U)
 
 static inline volatile uint32_t *reg_at(uint32_t address)
 {

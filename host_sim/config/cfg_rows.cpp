@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
 namespace nf
 {
 namespace
@@ -70,6 +72,13 @@ Format format_of(const CfgRow &row, const Bases &bases, const drive_cfg_t &cfg)
     const auto exponent =
         row.exponent == nullptr ? 0U : static_cast<unsigned>(raw_value(*row.exponent, cfg));
     return format_of(row.quantity, bases, cfg, exponent);
+}
+
+std::string value_text(const CfgRow &row, const Bases &bases, const drive_cfg_t &cfg)
+{
+    const Format format = format_of(row, bases, cfg);
+    const double value = (static_cast<double>(raw_value(row, cfg)) - format.zero) * format.one;
+    return fmt::format(*format.unit == '\0' ? "{:.5g}" : "{:.5g} {}", value, format.unit);
 }
 
 } // namespace nf

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace nf
@@ -29,5 +30,8 @@ std::int64_t raw_value(const CfgRow &row, const drive_cfg_t &cfg);
 
 // What one of it is.
 Format format_of(const CfgRow &row, const Bases &bases, const drive_cfg_t &cfg);
+
+// Its value with unit: "0.0183", "12.5 A".
+std::string value_text(const CfgRow &row, const Bases &bases, const drive_cfg_t &cfg);
 
 } // namespace nf

@@ -57,12 +57,6 @@ std::map<std::string, std::string> sources(const Config &config)
     };
 }
 
-std::string with_unit(std::int64_t raw, const Format &format)
-{
-    const double value = (static_cast<double>(raw) - format.zero) * format.one;
-    return fmt::format(*format.unit == '\0' ? "{:.5g}" : "{:.5g} {}", value, format.unit);
-}
-
 } // namespace
 
 std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
@@ -71,14 +65,13 @@ std::vector<ConfigRow> describe(const Config &config, const drive_cfg_t &built)
     const std::map<std::string, std::string> made_of = sources(config);
     std::vector<ConfigRow> rows;
     for (const CfgRow &row : cfg_rows()) {
-        const std::int64_t raw = raw_value(row, built);
-        std::string meaning =
-            fmt::format(fmt::runtime(row.meaning), with_unit(raw, format_of(row, bases, built)));
+        std::string meaning = fmt::format(fmt::runtime(row.meaning), value_text(row, bases, built));
         if (const auto from = made_of.find(row.path); from != made_of.end()) {
             meaning += ", " + from->second;
         }
         meaning += bar_text(config, row.path);
-        rows.push_back({row.path, raw, row.is_unsigned, sizeof(std::int32_t), row.in_run, meaning});
+        rows.push_back({row.path, raw_value(row, built), row.is_unsigned, sizeof(std::int32_t),
+                        row.in_run, meaning});
     }
     return rows;
 }

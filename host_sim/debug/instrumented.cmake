@@ -30,7 +30,6 @@ target_link_libraries(nf_instrumented PRIVATE nf_drive)
 target_compile_options(nf_instrumented PRIVATE -g0 -fno-sanitize=all "SHELL:-include ${redirect}")
 set_target_properties(nf_instrumented PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
 
-
 if(EMSCRIPTEN)
     # A WebAssembly object keeps its global names: they are renamed before they are compiled.
     set(renamed ${CMAKE_CURRENT_BINARY_DIR}/renamed.h)

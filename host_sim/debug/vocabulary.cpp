@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "vocabulary.h"
 
+#include "ends_with.h"
 #include "names.h"
 
 extern "C" {
@@ -33,11 +34,6 @@ const std::map<std::string, int> &enumerators()
         return found;
     }();
     return table;
-}
-
-bool ends_with(const std::string &text, const std::string &end)
-{
-    return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 std::string unknown_text(const std::string &name)

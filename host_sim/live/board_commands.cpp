@@ -2,6 +2,7 @@
 #include "board_commands.h"
 
 #include "about_text.h"
+#include "ends_with.h"
 #include "fault_line.h"
 #include "found_fault.h"
 #include "header.h"
@@ -9,10 +10,13 @@
 #include "names.h"
 #include "output_file.h"
 #include "reader.h"
+#include "run_recording.h"
 #include "trimmed.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <future>
 #include <utility>
 
 extern "C" {
@@ -64,12 +68,6 @@ std::optional<double> number(const std::string &text)
     return good ? std::optional<double>(value) : std::nullopt;
 }
 
-bool ends_with(const std::string &text, const std::string &end)
-{
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 // What is compiled into an image is another, which no block carries.
 bool is_of_image(const Config &before, const Config &after)
 {
@@ -95,7 +93,7 @@ std::string BoardCommands::help()
            "defaults                the image's own configuration becomes the one in force\n"
            "store                   the configuration in force survives the next start\n"
            "status                  what the drive does\n"
-           "record FILE             the flight recorder's recording, for `motorsim replay`\n"
+           "record FILE             the ticks that are kept, up to the last fault, for `motorsim replay`\n"
            "debug [SECONDS]         step through the last seconds, forwards and backwards\n"
            "identify                the drive measures its motor\n"
            "wait SECONDS            before the next command\n"
@@ -197,7 +195,7 @@ Answer BoardCommands::speed(const std::string &value)
 
 Answer BoardCommands::position(const std::string &value)
 {
-    const bool degrees = ends_with(value, "deg");
+    const bool degrees = debug::ends_with(value, "deg");
     const std::optional<double> found = number(degrees ? value.substr(0, value.size() - 3) : value);
     const double rad = found ? *found * TWO_PI / (degrees ? 360.0 : 1.0) : 0;
     const double target = follower_.bases().turns_from_mech_rad(rad) * Q16;
@@ -225,7 +223,7 @@ Answer BoardCommands::set(const std::string &assignment)
             "the configuration in force is not that of {}, {}, {}: {}. Give its files with --motor, "
             "--board and --tuning, or `adopt` theirs first",
             wanted.motor, wanted.board, wanted.tuning,
-            fmt::join(differences(of_files, now.cfg, DIFFERENCES_SHOWN), ", ")));
+            differences(of_files, now.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
     }
     const Config before = load(wanted);
     wanted.set.push_back(assignment);
@@ -240,8 +238,8 @@ Answer BoardCommands::set(const std::string &assignment)
     Answer answer = apply(config);
     if (answer.outcome == Outcome::done) {
         files_ = std::move(wanted);
-        answer.text = fmt::format(
-            "ok: {}", fmt::join(differences(now.cfg, build(config), DIFFERENCES_SHOWN), ", "));
+        answer.text =
+            "ok: " + differences(now.cfg, build(config), follower_.bases(), DIFFERENCES_SHOWN);
     } else {
         answer.text =
             fmt::format("{}: {}", key, answer.text); // the board knows only its own name of it
@@ -310,13 +308,9 @@ bool BoardCommands::dump_once()
 }
 
 // A line that is lost or damaged is not sent again: the whole dump is.
-Answer BoardCommands::record(const std::string &path)
+Answer BoardCommands::record_ring(OutputFile &file)
 {
-    if (path.empty()) {
-        return refused("record takes the name of a file");
-    }
     std::string problem = "the board does not send it";
-    OutputFile file(path);
     dumping_ = true;
     for (int k = 0; k < DUMP_TRIES && !problem.empty(); k++) {
         try {
@@ -333,8 +327,44 @@ Answer BoardCommands::record(const std::string &path)
         return refused("no recording: " + problem);
     }
     file.write(dump_);
-    file.close();
-    return done(fmt::format("ok: `motorsim replay {}`", path));
+    return done("ok: the board's ring");
+}
+
+// It takes some tenths of a second, and the board wants to hear somebody meanwhile.
+Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file)
+{
+    std::future<replay::RunRecording> making =
+        std::async(std::launch::async, [&run, about = follower_.recorder_about()] {
+            return replay::recording_of(run, about);
+        });
+    while (making.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+        surroundings_.pass(PASS_S);
+    }
+    const replay::RunRecording recording = making.get();
+    file.write(recording.text);
+    return done(fmt::format("ok: {:.4g} s from tick {} on, up to {}",
+                            static_cast<double>(recording.ticks) * run.image.bases.control_period_s,
+                            recording.first,
+                            recording.ends_in_fault ? "the last fault" : "the last tick shown"));
+}
+
+// While it is followed the board's ring does not stop at a fault: the ticks that were shown have it.
+Answer BoardCommands::record(const std::string &path)
+{
+    constexpr std::size_t TICKS_MIN = 2;
+    if (path.empty()) {
+        return refused("record takes the name of a file");
+    }
+    OutputFile file(path);
+    const std::optional<RecordedRun> run = follower_.shadow().run(follower_.kept_s());
+    // A board that sends no ticks because it keeps a recording has what came after those that were shown.
+    const bool is_shown = follower_.no_stream().empty() && run && run->frames.size() >= TICKS_MIN;
+    Answer answer = is_shown ? record_shown(*run, file) : record_ring(file);
+    if (answer.outcome == Outcome::done) {
+        file.close();
+        answer.text += fmt::format(": `motorsim replay {}`", path);
+    }
+    return answer;
 }
 
 Answer BoardCommands::wait(const std::string &seconds)
@@ -400,6 +430,8 @@ Answer BoardCommands::execute(const std::string &line)
             } catch (const ConfigError &error) {
                 return refused(error.what());
             } catch (const OutputError &error) {
+                return refused(error.what());
+            } catch (const LinkError &error) {
                 return refused(error.what());
             }
         }

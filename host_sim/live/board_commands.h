@@ -5,6 +5,7 @@
 #include "board_files.h"
 #include "commands.h"
 #include "follower.h"
+#include "output_file.h"
 
 #include <functional>
 #include <optional>
@@ -30,10 +31,17 @@ public:
     // What the console says in frames, whatever pieces they are.
     void take_text(const std::string &characters);
 
-    // A line. Throws LinkError when the board does not answer.
+    // A line. A command that the board does not answer is refused with that reason.
     debug::Answer execute(const std::string &line);
 
     static std::string help();
+
+    // The drive is asked to run, as far as that is known.
+    bool runs() const
+    {
+        const std::optional<drive_command_t> now = in_force();
+        return now && (now->request & DRIVE_REQUEST_RUN) != 0;
+    }
 
 private:
     debug::Answer command(const drive_command_t &command);
@@ -48,6 +56,8 @@ private:
     debug::Answer apply(const Config &config);
     debug::Answer defaults();
     debug::Answer record(const std::string &path);
+    debug::Answer record_ring(OutputFile &file);
+    debug::Answer record_shown(const RecordedRun &run, OutputFile &file);
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;

@@ -4,6 +4,8 @@
 #include "about_text.h"
 #include "cfg_rows.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 
 #include <fmt/format.h>
@@ -92,17 +94,41 @@ Config load(const FileChoice &choice)
     return load_parts(choice.motor, choice.board, choice.tuning, {}, choice.set);
 }
 
-std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t &to,
-                                     std::size_t most)
+namespace
 {
-    std::vector<std::string> lines;
+
+// The CRC, and the exponent of another row's value, say nothing to a person.
+bool says_something(const CfgRow &row)
+{
+    const bool is_crc = row.offset == offsetof(drive_cfg_t, crc);
+    const bool is_exponent =
+        std::any_of(cfg_rows().begin(), cfg_rows().end(),
+                    [&](const CfgRow &other) { return other.exponent == &row; });
+    return !is_crc && !is_exponent;
+}
+
+} // namespace
+
+std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
+                        std::size_t most)
+{
+    const Bases bases_from = rescaled(bases, from);
+    const Bases bases_to = rescaled(bases, to);
+    std::vector<std::string> some;
+    std::size_t more = 0;
     for (const CfgRow &row : cfg_rows()) {
-        if (raw_value(row, from) != raw_value(row, to) && lines.size() < most) {
-            lines.push_back(
-                fmt::format("{} {} to {}", row.path, raw_value(row, from), raw_value(row, to)));
+        if (!says_something(row) || raw_value(row, from) == raw_value(row, to)) {
+            continue;
+        }
+        if (some.size() < most) {
+            some.push_back(fmt::format("{} {} to {}", row.path, value_text(row, bases_from, from),
+                                       value_text(row, bases_to, to)));
+        } else {
+            more++;
         }
     }
-    return lines;
+    return fmt::format("{}{}", fmt::join(some, ", "),
+                       more == 0 ? "" : fmt::format(", and {} more", more));
 }
 
 } // namespace nf::live

@@ -30,8 +30,9 @@ void check(const std::string &block_name, const FileChoice &given);
 // Throws ConfigError.
 Config load(const FileChoice &choice);
 
-// The settings that differ, "observer.kappa 4 to 5", a line each; at most `most` of them.
-std::vector<std::string> differences(const drive_cfg_t &from, const drive_cfg_t &to,
-                                     std::size_t most);
+// The settings of the drive that differ, "observer.eta 569.75 to 449.81", and how many more there are than `most`. `bases`: of
+// the motor and board of both.
+std::string differences(const drive_cfg_t &from, const drive_cfg_t &to, const Bases &bases,
+                        std::size_t most);
 
 } // namespace nf::live

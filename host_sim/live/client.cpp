@@ -83,10 +83,15 @@ Client::Client(Channel &channel, const Timing &timing, Listener listener)
 void Client::has_rate(uint32_t baud)
 {
     constexpr double AROUND = LINK_CRC_BYTES + 3; // delimiters and COBS
-    constexpr double QUESTION = 16 + AROUND;      // the longest that is asked once
-    constexpr double BYTES = QUESTION + 2 * (LINK_MESSAGE_BYTES_MAX + AROUND);
+    constexpr double MESSAGE = LINK_MESSAGE_BYTES_MAX + AROUND;
+    constexpr double SHORT = 16 + AROUND; // the longest question that is asked once
+    // The question, what the board is just sending, the answer.
+    const auto time_s = [&](double question) {
+        return (question + 2 * MESSAGE) * BITS_OF_A_BYTE / baud;
+    };
     if (baud != 0) {
-        timing_.ring_s = std::max(timing_.ring_s, BYTES * BITS_OF_A_BYTE / baud);
+        timing_.ring_s = std::max(timing_.ring_s, time_s(SHORT));
+        timing_.answer_s = std::max(timing_.answer_s, time_s(MESSAGE));
     }
 }
 

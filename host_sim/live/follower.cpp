@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "follower.h"
 
+#include "ends_with.h"
 #include "identity.h"
 #include "recording.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 extern "C" {
@@ -34,12 +36,6 @@ constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read aga
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
 constexpr const char *ASK_AGAIN = "ask again";
-
-bool ends_with(const std::string &text, const std::string &end)
-{
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 } // namespace
 
@@ -153,13 +149,22 @@ void Follower::leave()
     client_.bye();
 }
 
+recorder_about_t Follower::recorder_about(const config_about_t &about) const
+{
+    recorder_about_t said{};
+    said.tick_ps = identity_.tick_ps;
+    said.current_full_scale_ua = identity_.current_full_scale_ua;
+    said.bus_full_scale_uv = identity_.bus_full_scale_uv;
+    said.pole_pairs = about.pole_pairs;
+    static_assert(sizeof said.build == sizeof identity_.build);
+    std::memcpy(said.build, identity_.build.data(), sizeof said.build);
+    recorder_about_name(&said, about.name);
+    return said;
+}
+
 void Follower::learn(const config_block_t &block)
 {
-    recorder_about_t about{};
-    about.tick_ps = identity_.tick_ps;
-    about.current_full_scale_ua = identity_.current_full_scale_ua;
-    about.bus_full_scale_uv = identity_.bus_full_scale_uv;
-    about.pole_pairs = block.about.pole_pairs;
+    const recorder_about_t about = recorder_about(block.about);
     try {
         replay::check_scales(about);
     } catch (const replay::RecordingError &error) {
@@ -202,7 +207,7 @@ std::string Follower::change(const config_block_t &block)
 {
     learn(block);
     std::string why = client_.write_block(block);
-    for (int k = 0; k < BLOCK_TRIES && ends_with(why, ASK_AGAIN); k++) {
+    for (int k = 0; k < BLOCK_TRIES && debug::ends_with(why, ASK_AGAIN); k++) {
         client_.poll(options_.timing.ring_s);
         why = client_.apply(block.cfg.crc);
     }
@@ -275,24 +280,32 @@ void Follower::tell_unshown()
     const double now_s = client_.now_s();
     if (overwritten_ && now_s - shown_s_ > UNSHOWN_S && now_s - told_s_ > SAID_AGAIN_S) {
         told_s_ = now_s;
-        reporter_.say("not in step: the ring of the board is overwritten before its state is read; "
-                      "a higher baud rate or a larger recorder_entries helps");
+        reporter_.say(
+            "not in step: the ring of the board is overwritten before its ticks have come; "
+            "a higher baud rate or a larger recorder_entries helps");
     }
 }
 
-// Word by word of a segment that the ring still has: the newest when the one before is gone.
+// The newest segment, when the one before is gone: the board keeps its state, but not its entries.
+void Follower::choose_candidate()
+{
+    const bool gone = candidate_ && stream_->has_lost(candidate_->number);
+    if (candidate_ && !gone) {
+        return;
+    }
+    overwritten_ = overwritten_ || gone;
+    tried_ = candidate_ ? candidate_->number : tried_;
+    candidate_ = stream_->newest_after(tried_);
+    state_.clear();
+    if (candidate_) {
+        stream_->forget_before(candidate_->number);
+    }
+}
+
+// Some words of it.
 void Follower::ask_for_state()
 {
-    const bool gone = candidate_ && candidate_->number + RECORDER_SEGMENTS <= stream_->newest();
-    if (!candidate_ || gone) {
-        overwritten_ = overwritten_ || gone;
-        tried_ = candidate_ ? candidate_->number : tried_;
-        candidate_ = stream_->newest_after(tried_);
-        state_.clear();
-        if (candidate_) {
-            stream_->forget_before(candidate_->number);
-        }
-    }
+    choose_candidate();
     if (!candidate_) {
         return;
     }
@@ -391,10 +404,8 @@ void Follower::step(double wait_s)
 {
     keep_alive();
     judge_line();
-    bool asked = false;
-    if (shadow_.is_in_step()) {
-        asked = ask_for_missing();
-    } else {
+    const bool asked = ask_for_missing();
+    if (!shadow_.is_in_step()) {
         ask_for_state();
         tell_unshown();
     }

@@ -15,6 +15,10 @@
 #include <string>
 #include <vector>
 
+extern "C" {
+#include "recorder_dump.h"
+}
+
 namespace nf::live
 {
 
@@ -75,6 +79,11 @@ public:
     {
         return bases_;
     }
+    // What a recording of this board says of it.
+    recorder_about_t recorder_about() const
+    {
+        return recorder_about(about_);
+    }
     double kept_s() const
     {
         return options_.keep_s;
@@ -127,6 +136,7 @@ public:
     }
 
 private:
+    recorder_about_t recorder_about(const config_about_t &about) const;
     void refuse_others() const;
     void learn(const config_block_t &block);
     void take_over(const config_block_t &block);
@@ -136,6 +146,7 @@ private:
     void judge_line();
     void hear(const SegmentInfo &info);
     void tell_unshown();
+    void choose_candidate();
     void ask_for_state();
     void begin(const SegmentInfo &info);
     bool ask_for_missing();

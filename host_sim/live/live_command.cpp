@@ -66,8 +66,18 @@ void refuse_what_does_not_go_together(const LiveArguments &arguments)
         throw ChannelError(follows ? "name a port or --simulate SCENARIO, not both"
                                    : "name a port, or --simulate SCENARIO");
     }
-    if (follows && !(arguments.serve.with.empty() && arguments.serve.link.empty())) {
-        throw ChannelError("--with and --link are for --simulate: a port has its board");
+}
+
+// What is for a board that is followed, and what for one that is simulated.
+void separate(CLI::App &command)
+{
+    CLI::Option *const simulate = command.get_option("--simulate");
+    for (const char *of_follower : {"--baud", "--trace", "--vcd", "--udp", "--udp-every", "--for",
+                                    "--script", "--tuning", "--keep"}) {
+        command.get_option(of_follower)->excludes(simulate);
+    }
+    for (const char *of_board : {"--with", "--link"}) {
+        command.get_option(of_board)->needs(simulate);
     }
 }
 
@@ -95,9 +105,10 @@ void describe(CLI::App &command, LiveArguments &arguments)
                     "what the board's configuration has been set to, over the files; repeatable")
         ->allow_extra_args(false)
         ->type_name("KEY=VALUE");
-    command.add_option("--keep", arguments.keep_s, "so many seconds for `debug`")
+    command.add_option("--keep", arguments.keep_s, "so many seconds for `debug` and `record`")
         ->capture_default_str()
         ->check(CLI::Range(0.1, 600.0));
+    separate(command);
 }
 
 bool live(LiveArguments arguments)

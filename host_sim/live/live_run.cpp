@@ -9,12 +9,14 @@
 #include "line_rate.h"
 #include "live_view.h"
 #include "trace.h"
+#include "trimmed.h"
 #include "udp_sink.h"
 #include "vcd.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <exception>
 #include <limits>
 #include <mutex>
@@ -34,6 +36,7 @@ constexpr double PASS_S = 0.02; // between two looks at keys and lines
 constexpr double IN_STEP_S = 5; // until then a script waits for the first state
 constexpr double LATE_S = 10;   // behind --for: the board's time does not go on
 constexpr double PS_PER_S = 1e12;
+constexpr const char *STOP = "stop";
 
 // What is written of each tick that is verified.
 class LiveOutputs : public TickSink
@@ -116,11 +119,14 @@ private:
     void get_into_step();
     void pass(double seconds);
     void step();
+    void take_what_is_typed_meanwhile();
+    std::optional<std::string> next_line();
     void take_lines();
     void execute(const std::string &line);
     bool step_through(const RecordedRun &run);
     bool converse(const RecordedRun &run);
     bool is_over();
+    void leave();
     void say(const std::string &line);
 
     Channel &channel_;
@@ -131,6 +137,7 @@ private:
     std::unique_ptr<LiveView> view_;
     Follower follower_;
     BoardCommands commands_;
+    std::deque<std::string> typed_; // while a command was under way
     bool quit_ = false;
     bool refused_ = false;
     double begun_s_ = 0;
@@ -217,7 +224,32 @@ void LiveRun::pass(double seconds)
     const double until_s = channel_.now_s() + seconds;
     while (channel_.now_s() < until_s && !debug::was_interrupted() && !outputs_.has_ended()) {
         step();
+        take_what_is_typed_meanwhile();
     }
+}
+
+// A stop does not wait for the command that is under way.
+void LiveRun::take_what_is_typed_meanwhile()
+{
+    const std::optional<std::string> line = person_ ? view_->typed() : std::nullopt;
+    if (line && debug::trimmed(*line) == STOP) {
+        execute(*line);
+    } else if (line) {
+        typed_.push_back(*line);
+    }
+}
+
+std::optional<std::string> LiveRun::next_line()
+{
+    if (!person_) {
+        return source_->next();
+    }
+    if (typed_.empty()) {
+        return view_->typed();
+    }
+    const std::string line = typed_.front();
+    typed_.pop_front();
+    return line;
 }
 
 void LiveRun::execute(const std::string &line)
@@ -235,7 +267,7 @@ void LiveRun::execute(const std::string &line)
 
 void LiveRun::take_lines()
 {
-    if (const std::optional<std::string> line = person_ ? view_->typed() : source_->next()) {
+    if (const std::optional<std::string> line = next_line()) {
         execute(*line);
     }
 }
@@ -311,6 +343,23 @@ void LiveRun::follow_to_the_end()
     }
 }
 
+// With a BYE the board does not watch any more whether a PC is there: that is for who ends the session by a command. A terminal
+// that was closed, or a ctrl-C, is a PC that is gone: the time-out of the board goes on.
+void LiveRun::leave()
+{
+    if (debug::was_interrupted()) {
+        return;
+    }
+    if (commands_.runs()) {
+        say("the motor runs on, and the board does not watch for a PC any more");
+    }
+    try {
+        follower_.leave();
+    } catch (const LinkError &error) {
+        say(error.what());
+    }
+}
+
 // What was measured is kept whatever ends it. Of a board that was never followed there is nothing: a file of before stays.
 bool LiveRun::run()
 {
@@ -325,11 +374,7 @@ bool LiveRun::run()
         throw;
     }
     outputs_.close();
-    try {
-        follower_.leave();
-    } catch (const LinkError &error) {
-        say(error.what());
-    }
+    leave();
     return follower_.departures() == 0 && (person_ || !refused_);
 }
 

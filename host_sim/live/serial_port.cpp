@@ -4,8 +4,8 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <asm/termbits.h>
 #include <fcntl.h>
@@ -20,7 +20,6 @@ namespace nf::live
 namespace
 {
 
-constexpr std::size_t AT_ONCE = 4096;
 constexpr int WRITE_WAIT_MS = 1000; // a port that takes nothing for so long is stuck
 
 } // namespace
@@ -33,6 +32,7 @@ SerialPort::SerialPort(const std::string &path, unsigned baud)
     }
     try {
         set_up(baud);
+        receiver_ = std::make_unique<Receiver>(file_);
     } catch (const ChannelError &) {
         close(file_);
         throw;
@@ -41,6 +41,7 @@ SerialPort::SerialPort(const std::string &path, unsigned baud)
 
 SerialPort::~SerialPort()
 {
+    receiver_.reset();
     close(file_);
 }
 
@@ -61,7 +62,7 @@ void SerialPort::set_up(unsigned baud)
     settings.c_cflag = CS8 | CREAD | CLOCAL | BOTHER | BOTHER << IBSHIFT;
     settings.c_ispeed = baud;
     settings.c_ospeed = baud;
-    settings.c_cc[VMIN] = 0;
+    settings.c_cc[VMIN] = 1; // nothing there is EAGAIN, a port that hangs up is 0 bytes
     settings.c_cc[VTIME] = 0;
     if (ioctl(file_, TCSETS2, &settings) != 0) {
         fail("cannot be set up");
@@ -77,21 +78,11 @@ void SerialPort::set_up(unsigned baud)
 
 std::vector<uint8_t> SerialPort::read(double wait_s)
 {
-    pollfd entry = {file_, POLLIN, 0};
-    const int wait_ms = wait_s > 0 ? static_cast<int>(std::ceil(wait_s * 1000)) : 0;
-    if (poll(&entry, 1, wait_ms) < 0 && errno != EINTR) {
-        fail("cannot wait");
+    Receiver::Received received = receiver_->take(wait_s);
+    if (!received.end.empty()) {
+        throw ChannelError(fmt::format("{}: {}", path_, received.end));
     }
-    std::vector<uint8_t> bytes(AT_ONCE);
-    const ssize_t count = ::read(file_, bytes.data(), bytes.size());
-    if (count < 0 && errno != EAGAIN && errno != EINTR) {
-        fail("cannot read");
-    }
-    if (count == 0 && (entry.revents & POLLHUP) != 0) {
-        throw ChannelError(path_ + ": the other end is gone");
-    }
-    bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-    return bytes;
+    return std::move(received.bytes);
 }
 
 void SerialPort::write(const std::vector<uint8_t> &bytes)

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "channel.h"
+#include "receiver.h"
 
+#include <memory>
 #include <string>
 
 namespace nf::live
@@ -27,7 +29,8 @@ private:
     void set_up(unsigned baud);
 
     std::string path_;
-    [[maybe_unused]] int file_; // of no_serial_port.cpp always -1
+    int file_;
+    std::unique_ptr<Receiver> receiver_;
 };
 
 } // namespace nf::live

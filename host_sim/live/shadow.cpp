@@ -37,8 +37,6 @@ Shadow::~Shadow() = default;
 void Shadow::lose_step()
 {
     sim_.reset();
-    kept_.clear();
-    kept_s_ = 0;
 }
 
 std::string Shadow::begin(const SegmentInfo &info, const std::vector<uint32_t> &state)
@@ -63,6 +61,8 @@ std::string Shadow::begin(const SegmentInfo &info, const std::vector<uint32_t> &
     }
     settings_ = settings;
     sim_ = std::make_unique<Simulation>(DriveImage{settings->cfg, drive, settings->bases});
+    kept_.clear();
+    kept_s_ = 0;
     // A board that has started anew counts from 0 again.
     const auto passed = static_cast<int32_t>(drive.tick - static_cast<uint32_t>(next_));
     next_ = passed >= 0 ? next_ + passed : drive.tick;
@@ -72,7 +72,7 @@ std::string Shadow::begin(const SegmentInfo &info, const std::vector<uint32_t> &
 
 std::optional<drive_command_t> Shadow::command() const
 {
-    return kept_.empty() || kept_.back().steps.empty()
+    return !is_in_step() || kept_.empty() || kept_.back().steps.empty()
                ? std::nullopt
                : std::optional<drive_command_t>(kept_.back().steps.back().in.command);
 }
@@ -131,10 +131,13 @@ Shadow::Advance Shadow::judge(const Stretch &stretch, const std::vector<Step> &s
 Shadow::Advance Shadow::advance(const Stretch &stretch, TickSink &sink)
 {
     const std::vector<Step> steps = steps_of(stretch);
-    const bool begins = !stretch.entries.empty() && is_change(stretch.entries.front());
+    if (stretch.entries.empty()) {
+        return {Verdict::gap, "the board's ring has overwritten a segment before it came"};
+    }
     const Advance found =
-        begins ? judge(stretch, steps)
-               : Advance{Verdict::departs, "the first entry of a segment is no change"};
+        is_change(stretch.entries.front())
+            ? judge(stretch, steps)
+            : Advance{Verdict::departs, "the first entry of a segment is no change"};
     if (found.verdict == Verdict::right) {
         compute(steps, sink);
     }

@@ -78,7 +78,8 @@ public:
         return compared_;
     }
 
-    // The last `seconds`, without a gap, as far as they are kept. Nothing: none are.
+    // The last `seconds` that were shown, without a gap, as far as they are kept; also when it is not in step any more.
+    // Nothing: none are.
     std::optional<RecordedRun> run(double seconds) const;
 
 private:

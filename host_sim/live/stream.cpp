@@ -93,7 +93,8 @@ std::optional<Missing> Stream::missing() const
 void Stream::ends_before(const Missing &missing)
 {
     Part *const at = part(missing.segment);
-    if (at != nullptr && !at->total && missing.first == at->entries.size()) {
+    const bool is_overwritten = missing.segment + RECORDER_SEGMENTS <= newest_;
+    if (at != nullptr && !is_overwritten && !at->total && missing.first == at->entries.size()) {
         at->total = missing.first;
     }
 }
@@ -121,7 +122,9 @@ std::optional<Stretch> Stream::take(uint32_t first)
             return std::nullopt;
         }
         for (const auto &entry : at->second.entries) {
-            stretch.entries.push_back(entry.value());
+            if (entry) {
+                stretch.entries.push_back(*entry);
+            }
         }
     }
     return std::nullopt;
@@ -138,11 +141,17 @@ std::optional<SegmentInfo> Stream::newest_after(uint32_t than) const
 }
 
 // The newest of its RECORDER_SEGMENTS overwrites the oldest.
+bool Stream::has_lost(uint32_t segment) const
+{
+    const auto at = parts_.find(segment);
+    const bool is_overwritten = segment + RECORDER_SEGMENTS <= newest_;
+    return is_overwritten && (at == parts_.end() || !is_whole(at->second));
+}
+
 bool Stream::is_lost(uint32_t first) const
 {
     for (uint32_t number = first; number + RECORDER_SEGMENTS <= newest_; number++) {
-        const auto at = parts_.find(number);
-        if (at == parts_.end() || !is_whole(at->second)) {
+        if (has_lost(number)) {
             return true;
         }
     }

@@ -52,7 +52,8 @@ public:
 
     // The newest announced segment, if it is newer than `than`.
     std::optional<SegmentInfo> newest_after(uint32_t than) const;
-    // What the ring has no more of is not waited for: true when a part of a stretch from `first` on is lost.
+    // What the ring has no more of is not waited for: whether some of a segment, or of one from `first` on, will not come.
+    bool has_lost(uint32_t segment) const;
     bool is_lost(uint32_t first) const;
     // Forgets all before a segment.
     void forget_before(uint32_t segment);

@@ -65,7 +65,9 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     if (shadow.is_in_step()) {
         add_drive(rows, shadow.sim());
     } else {
-        rows.emplace_back("state", "not in step");
+        rows.emplace_back("state", follower.no_stream().empty()
+                                       ? "not in step"
+                                       : "not in step: " + follower.no_stream());
     }
     rows.emplace_back("processor",
                       fmt::format("load {} %, late ticks {}{}", health.load_pct, health.late_ticks,
@@ -75,6 +77,22 @@ Rows rows_of(const Follower &follower, double bytes_per_s)
     rows.emplace_back("checked", fmt::format("tick {}, {} hashes, {} departures", shadow.next(),
                                              shadow.hashes_compared(), follower.departures()));
     return rows;
+}
+
+// A line at the width of the screen, cut between words where there is one.
+std::vector<std::string> wrapped(const std::string &text, std::size_t width)
+{
+    std::vector<std::string> lines;
+    std::size_t at = 0;
+    while (text.size() - at > width) {
+        const std::size_t blank = text.rfind(' ', at + width);
+        const bool has_blank = blank != std::string::npos && blank > at;
+        const std::size_t end = has_blank ? blank : at + width;
+        lines.push_back(text.substr(at, end - at));
+        at = has_blank ? end + 1 : end;
+    }
+    lines.push_back(text.substr(at));
+    return lines;
 }
 
 class Screen : public LiveView
@@ -165,26 +183,51 @@ private:
         }
     }
 
-    // As far as the width goes.
+    // As far as the width goes, above the line for input.
     static void put(int row, const std::string &text)
     {
-        mvaddnstr(row, 0, text.c_str(), COLS);
+        if (row < LINES - 1) {
+            mvaddnstr(row, 0, text.c_str(), COLS);
+        }
+    }
+
+    // Returns the row behind them.
+    int draw_values() const
+    {
+        constexpr int NAME_WIDTH = 13;
+        int row = 0;
+        for (const auto &[name, value] : rows_) {
+            std::string left = name;
+            const auto width = static_cast<std::size_t>(std::max(1, COLS - NAME_WIDTH));
+            for (const std::string &part : wrapped(value, width)) {
+                put(row++, fmt::format("{:{}}{}", left, NAME_WIDTH, part));
+                left.clear();
+            }
+        }
+        return row;
+    }
+
+    // The newest ones, as many as there is room for.
+    void draw_lines(int row) const
+    {
+        std::vector<std::string> rows;
+        for (const std::string &line : lines_) {
+            const std::vector<std::string> parts =
+                wrapped(line, static_cast<std::size_t>(std::max(1, COLS)));
+            rows.insert(rows.end(), parts.begin(), parts.end());
+        }
+        const auto room = static_cast<std::size_t>(std::max(0, LINES - 1 - row));
+        const std::size_t from = rows.size() > room ? rows.size() - room : 0;
+        for (std::size_t k = from; k < rows.size(); k++) {
+            put(row++, rows[k]);
+        }
     }
 
     void draw() const
     {
         erase();
-        int row = 0;
-        for (const auto &[name, value] : rows_) {
-            put(row++, fmt::format("{:12} {}", name, value));
-        }
-        row++;
-        const auto room = static_cast<std::size_t>(std::max(0, LINES - 1 - row));
-        const std::size_t from = lines_.size() > room ? lines_.size() - room : 0;
-        for (std::size_t k = from; k < lines_.size(); k++) {
-            put(row++, lines_[k]);
-        }
-        put(LINES - 1, "> " + input_);
+        draw_lines(draw_values() + 1);
+        mvaddnstr(LINES - 1, 0, ("> " + input_).c_str(), COLS);
         refresh();
     }
 

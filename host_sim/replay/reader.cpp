@@ -179,9 +179,7 @@ Recording read(std::string_view bytes)
 namespace
 {
 
-// A log of days; a recording has some 2 MB at most. What is longer may be without an end, as a device or a pipe.
-constexpr std::size_t BYTES_MAX = std::size_t{64} << 20U;
-
+// What is longer than a log of days may be without an end, as a device or a pipe.
 std::string bytes_of(const std::filesystem::path &path)
 {
     std::ifstream file(path, std::ios::binary);
@@ -191,17 +189,17 @@ std::string bytes_of(const std::filesystem::path &path)
     }
     constexpr std::size_t AT_ONCE = 1U << 20U;
     std::string bytes;
-    while (file && bytes.size() <= BYTES_MAX) {
+    while (file && bytes.size() <= FILE_BYTES_MAX) {
         const std::size_t had = bytes.size();
         bytes.resize(had + AT_ONCE);
         file.read(bytes.data() + had, AT_ONCE);
         bytes.resize(had + static_cast<std::size_t>(file.gcount()));
     }
-    if (bytes.size() > BYTES_MAX) {
+    if (bytes.size() > FILE_BYTES_MAX) {
         throw RecordingError(
             fmt::format("{}: it is longer than {} MiB; keep the lines with a '{}', they are the "
                         "recordings",
-                        path.string(), BYTES_MAX >> 20U, RECORDER_LINE_MARK));
+                        path.string(), FILE_BYTES_MAX >> 20U, RECORDER_LINE_MARK));
     }
     return bytes;
 }

@@ -4,6 +4,7 @@
 
 #include "recording.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <string_view>
 
@@ -15,7 +16,9 @@ namespace nf::replay
 // with what is wrong with the last one when none is, and nothing else, for whatever the bytes are.
 Recording read(std::string_view bytes);
 
-// Of a file of at most 64 MiB, which may be a pipe. The message begins with its path.
+constexpr std::size_t FILE_BYTES_MAX = std::size_t{64} << 20U;
+
+// Of a file of at most so many bytes, which may be a pipe. The message begins with its path.
 Recording read_file(const std::filesystem::path &path);
 
 } // namespace nf::replay

@@ -37,13 +37,17 @@ recorder_about_t about(const Config &config)
 }
 
 Writer::Writer(const Config &config)
-    : about_(about(config)),
-      entries_(std::size_t{RECORDER_SEGMENTS} * recorder_segment_entries(config.board))
+    : Writer(about(config), recorder_segment_entries(config.board), Until::fault)
 {
-    if (recorder_init(&recorder_, entries_.data(), recorder_segment_entries(config.board),
-                      POST_TICKS) != nullptr) {
+}
+
+Writer::Writer(const recorder_about_t &about, uint32_t segment_entries, Until until)
+    : about_(about), entries_(std::size_t{RECORDER_SEGMENTS} * segment_entries)
+{
+    if (recorder_init(&recorder_, entries_.data(), segment_entries, POST_TICKS) != nullptr) {
         throw std::logic_error("the recorder refuses its size");
     }
+    recorder_follow(&recorder_, until == Until::end);
 }
 
 void Writer::add(const Tick &tick)

@@ -26,14 +26,21 @@ recorder_about_t about(const Config &config);
 class Writer : public TickSink
 {
 public:
+    // With the ring of the board's file.
     explicit Writer(const Config &config);
+    // Where the recording ends: behind the first fault, as on a board that nobody follows, or with the last tick.
+    enum class Until {
+        fault,
+        end
+    };
+    Writer(const recorder_about_t &about, uint32_t segment_entries, Until until);
     // The recorder keeps places in its own memory.
     Writer(const Writer &) = delete;
     Writer &operator=(const Writer &) = delete;
 
     void add(const Tick &tick) override;
 
-    // The recording as the firmware sends it: up to some ticks behind the run's first fault, else to its end.
+    // The recording as the firmware sends it.
     std::string text();
 
 private:

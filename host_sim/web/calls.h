@@ -19,7 +19,6 @@ struct Call {
 };
 using Calls = std::vector<Call>;
 
-const Calls &program_calls();
 const Calls &config_calls();
 const Calls &run_calls();
 const Calls &play_calls();

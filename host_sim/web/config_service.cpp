@@ -116,12 +116,30 @@ Json names(const Json &given)
     return all;
 }
 
-// Which motor, board and tuning a scenario has.
+// The names of the scenarios that a scenario is based on, the nearest first.
+std::vector<std::string> bases_of(const std::string &scenario,
+                                  const std::vector<std::filesystem::path> &read)
+{
+    const std::string own = std::filesystem::path(scenario).stem().string();
+    std::vector<std::string> bases;
+    for (const std::filesystem::path &path : read) {
+        const std::string name = path.stem().string();
+        if (path.parent_path().filename() == "scenarios" && name != own) {
+            bases.insert(bases.begin(), name);
+        }
+    }
+    return bases;
+}
+
+// Which motor, board and tuning a scenario has, and what it is based on.
 Json parts(const Json &given)
 {
     const Choice choice = choice_of(given);
     const SourceFiles sources = load_scenario(choice.scenario, choice.with, choice.set).sources;
-    return {{"motor", sources.motor}, {"board", sources.board}, {"tuning", sources.tuning}};
+    return {{"motor", sources.motor},
+            {"board", sources.board},
+            {"tuning", sources.tuning},
+            {"bases", bases_of(choice.scenario, sources.read)}};
 }
 
 } // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A run in slices. run.start prepares it, run.advance goes on, then run.result and run.column have what it was. Another
-// run.start with other signals runs the same again: a run is a function of its files.
+// run.start with other signals runs the same again: a run is a function of its files. With "trace" it writes that file.
 #include "answers.h"
 #include "calls.h"
 #include "recorded_signals.h"
@@ -8,6 +8,7 @@
 #include "fault_line.h"
 #include "report.h"
 #include "scenario_run.h"
+#include "trace.h"
 
 #include <memory>
 #include <stdexcept>
@@ -19,21 +20,40 @@ namespace nf::web
 namespace
 {
 
-struct RunSession {
-    RunSession(const Choice &choice, const std::vector<std::string> &names)
+struct RunSession : TickSink {
+    RunSession(const Choice &choice, const std::vector<std::string> &names,
+               const std::string &trace_path)
         : config(load_scenario(choice.scenario, choice.with, choice.set)),
-          run(config, config, options)
+          run(config, config, options), signals(names, static_cast<std::size_t>(run.script().end()))
     {
-        const ScriptedRun &script = run.script();
-        signals = std::make_unique<RecordedSignals>(names, static_cast<std::size_t>(script.end()));
-        options.sink = signals.get();
+        options.sink = this;
+        if (!trace_path.empty()) {
+            trace.emplace(trace_path, false);
+        }
+    }
+
+    void add(const Tick &tick) override
+    {
+        signals.add(tick);
+        if (trace) {
+            trace->add(tick);
+        }
+    }
+
+    void finish()
+    {
+        result = run.finish();
+        if (trace) {
+            trace->close();
+        }
     }
 
     // The run keeps references to these.
     Config config;
     RunOptions options;
     ScenarioRun run;
-    std::unique_ptr<RecordedSignals> signals;
+    RecordedSignals signals;
+    std::optional<Trace> trace;
     std::optional<RunResult> result;
 };
 
@@ -51,7 +71,8 @@ RunSession &open_session()
 Json start(const Json &given)
 {
     session.reset(); // its memory is needed
-    session = std::make_unique<RunSession>(choice_of(given), texts_of(given, "signals"));
+    session = std::make_unique<RunSession>(choice_of(given), texts_of(given, "signals"),
+                                           given.value("trace", ""));
     const ScriptedRun &script = session->run.script();
     const Config &config = session->config;
     return {{"ticks", script.end()},          {"period_s", script.sim().bases().control_period_s},
@@ -64,7 +85,7 @@ Json advance(const Json &given)
     RunSession &s = open_session();
     s.run.advance(given.at("ticks").get<int64_t>());
     if (s.run.is_done() && !s.result) {
-        s.result = s.run.finish();
+        s.finish();
     }
     return {{"tick", s.run.script().tick()}, {"done", s.run.is_done()}};
 }
@@ -120,21 +141,22 @@ Json result(const Json &given)
             {"accepted", violations(s.config, found).empty()},
             {"notes", notes_of(s.config, found)},
             {"faults", faults_of(s)},
-            {"states", states_json(s.signals->states())},
+            {"states", states_json(s.signals.states())},
             {"parameters", parameters_of(found)},
-            {"text", table_text(s.config, found)}};
+            {"text", table_text(s.config, found)},
+            {"json", json_text(s.config, found)}};
 }
 
 Json times(const Json &given)
 {
     (void)given;
-    return block_of(open_session().signals->times_s());
+    return block_of(open_session().signals.times_s());
 }
 
 Json column(const Json &given)
 {
     const std::string name = given.at("signal");
-    const std::vector<float> *values = open_session().signals->values(name);
+    const std::vector<float> *values = open_session().signals.values(name);
     if (values == nullptr) {
         throw std::runtime_error(fmt::format("{} is not recorded in this run", name));
     }

@@ -35,6 +35,7 @@ EXCEPTION_CYCLES = 12  # its entry, and its return
 EXC_RETURN = 0xFFFFFFF9  # to thread mode, main stack
 WFI = b"\x30\xbf"
 THREAD = 0x100           # the priority of what is no exception
+IT_STATE = 0x0600FC00    # of XPSR: which of the next instructions an IT makes conditional
 FRAME = [arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3,
          arm.UC_ARM_REG_R12, arm.UC_ARM_REG_LR, arm.UC_ARM_REG_PC, arm.UC_ARM_REG_XPSR]
 REGISTERS = [*range(arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R12 + 1), *FRAME[5:], arm.UC_ARM_REG_SP]
@@ -275,6 +276,8 @@ class Core:
         handler, = struct.unpack("<I", self.uc.mem_read(vector, 4))
         self.uc.reg_write(arm.UC_ARM_REG_SP, stack)
         self.uc.reg_write(arm.UC_ARM_REG_LR, EXC_RETURN)
+        # A block may end between an IT, at the end of a page, and what it makes conditional: that is not the handler.
+        self.uc.reg_write(arm.UC_ARM_REG_XPSR, self.uc.reg_read(arm.UC_ARM_REG_XPSR) & ~IT_STATE)
         self.uc.reg_write(arm.UC_ARM_REG_PC, handler)
 
     def fault_without_stack(self, exception, instructions):

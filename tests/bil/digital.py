@@ -364,6 +364,7 @@ class Watchdog(Block):
     """The independent watchdog, with the slowest oscillator that the data sheet allows."""
 
     CYCLES = round(CLOCK_HZ / 29.5e3)  # data sheet, table 44, over all temperatures and supplies; typically 32 kHz
+    SETTLING = 5                         # of its cycles, until a new length is taken
     UNCERTAIN = 1                        # table 79: such a cycle more, by the phase of the two clocks
 
     def __init__(self, chip):
@@ -371,6 +372,7 @@ class Watchdog(Block):
         self.due = NEVER
         self.unlocked = False
         self.settled = 0
+        self.settling = self.SETTLING
         super().__init__("IWDG", 0x40003000, {
             "KR": (0x00, Register(0, 0xFFFF, on_write=self._key)),
             "PR": (0x04, Register(0, 7, on_write=lambda value: self._set("PR", value))),
@@ -389,7 +391,7 @@ class Watchdog(Block):
 
     def _set(self, key, value):
         need(self.unlocked, f"IWDG_{key} is written while it is locked")
-        self.settled = self.chip.now + 5 * self.CYCLES
+        self.settled = self.chip.now + self.settling * self.CYCLES
         self[key] = value
 
 

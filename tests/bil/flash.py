@@ -25,6 +25,7 @@ PROGERR = 1 << 3
 LOCK, OPTLOCK = 1 << 31, 1 << 30
 PG, PER, STRT = 1, 2, 1 << 16
 CACHES = 3 << 9
+BSY = 1 << 16
 
 
 class PowerFails(Exception):
@@ -32,7 +33,8 @@ class PowerFails(Exception):
 
 
 class Flash(Block):
-    """The controller. `units`: the double words of the store by their place."""
+    """The controller. `units`: the double words of the store by their place. It is busy for the next `busy` looks at its status, and
+    for `lasting` ones behind each step; `deaf()` says whether it takes no key, `refuses` that it programs nothing."""
 
     def __init__(self, chip):
         self.chip = chip
@@ -40,12 +42,16 @@ class Flash(Block):
         self.steps = 0
         self.cut = None
         self.chance = random.Random(1)
+        self.busy = 0
+        self.lasting = 0
+        self.deaf = lambda: False
+        self.refuses = False
         self._keys = []
         self._first = None  # of the two words of a double word
         super().__init__("FLASH", 0x40022000, {
             "ACR": (0x00, Register(0x40600, 0x1F0F, on_write=self._configure)),
             "KEYR": (0x08, Register(on_write=self._key)),
-            "SR": (0x10, Register(0, ERRORS | 1, on_write=self._clear)),
+            "SR": (0x10, Register(0, ERRORS | 1, self._status, self._clear)),
             "CR": (0x14, Register(LOCK | OPTLOCK, LOCK | STRT | 0x3FB, on_write=self._control)),
             "ECCR": (0x18, Register(0, 1 << 31, on_write=self._acknowledge)),
         })
@@ -75,11 +81,19 @@ class Flash(Block):
         self["ACR"] = value
 
     def _key(self, value):
+        if self.deaf():
+            return
         self._keys.append(value)
         need(tuple(self._keys) == KEYS[:len(self._keys)], "a wrong key: the flash is locked until reset")
         if len(self._keys) == len(KEYS):
             self["CR"] &= ~LOCK
             self._keys = []
+
+    def _status(self):
+        if self.busy == 0:
+            return self["SR"]
+        self.busy -= 1
+        return self["SR"] | BSY
 
     def _clear(self, value):
         self["SR"] &= ~value
@@ -110,7 +124,7 @@ class Flash(Block):
         return write
 
     def _program(self, unit, value):
-        if unit in self.units:
+        if unit in self.units or self.refuses:
             self["SR"] |= PROGERR
         else:
             self._operate({unit: value}, PROGRAM_CYCLES)
@@ -128,6 +142,7 @@ class Flash(Block):
             raise PowerFails
         self.chip.stand_still(duration)
         self["SR"] |= 1
+        self.busy = self.lasting
 
     def _half(self, before, after):
         mask = self.chance.choice((0, ERASED, self.chance.getrandbits(64)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""target.loop.store: which configuration the image of the B-G431B-ESC1 starts with, by what is in the slots of its flash.
+"""target.loop.store: which configuration the image of the 310 V bench starts with, by what is in the slots of its flash.
 
 test_store.py IMAGE BOARD CLOCK NFCONFIG. A slot is written here as store.h says, a second time.
 """
@@ -14,9 +14,10 @@ import unittest
 from pathlib import Path
 
 import board
+import digital
 import elf
 from copies import in_a_copy
-from flash import PowerFails
+from flash import LOCK, PowerFails
 from link import Link
 
 IMAGE, BOARD, CLOCK, NFCONFIG = (Path(argument) for argument in sys.argv[1:5])
@@ -27,14 +28,25 @@ CALIBRATION_TICKS = 260
 SLOTS = (0x0801F000, 0x0801F800)
 STAMPS = 192 * 8  # bytes of a slot before them
 MAGIC, SCHEMA_AT, BOARD_AT = b"NFCB", 12, 16
-IMAGES_NAME = "neurofoc: 24 V outrunner, example, B-G431B-ESC1, robust"
-OTHERS_NAME = "neurofoc: ODrive D5065-270KV, B-G431B-ESC1, any motor"
+IMAGES, OTHERS = "motor_a", "motor_b"  # motor files
 
 
-def block(motor="odrive_d5065", tuning="any"):
+def motor_file(motor):
+    return tomllib.loads((BOARD.parent.parent / "motors" / f"{motor}.toml").read_text(encoding="utf-8"))["motor"]
+
+
+def name_of(motor, tuning):
+    return f"neurofoc: {motor_file(motor)['name']}, {FILE['name']}, {tuning}"
+
+
+IMAGES_NAME = name_of(IMAGES, "robust")
+OTHERS_NAME = name_of(OTHERS, "any motor")
+
+
+def block(motor=OTHERS, tuning="any"):
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "x.nfb"
-        subprocess.run([NFCONFIG, "block", "--motor", motor, "--board", "b_g431b_esc1", "--tuning", tuning, "-o", file],
+        subprocess.run([NFCONFIG, "block", "--motor", motor, "--board", BOARD, "--tuning", tuning, "-o", file],
                        check=True)
         return file.read_bytes()
 
@@ -71,12 +83,11 @@ class Store(unittest.TestCase):
 
     def test_a_stored_block_of_another_motor_is_what_it_runs_with(self):
         self.assertEqual(self.start(slot(0, block())), (OTHERS_NAME, "configuration: the stored one"))
-        self.made.type("speed 5401")
-        self.made.tick(3)
-        self.assertIn("at most 5400 either way", self.made.said())
+        self.made.type("speed x")
+        self.assertIn(f"at most {motor_file(OTHERS)['max_speed_rpm']:.0f} either way", self.made.said())
 
     def test_of_two_blocks_the_newer_one_counts(self):
-        images, others = block("outrunner_24v", "robust"), block()
+        images, others = block(IMAGES, "robust"), block()
         self.assertEqual(self.start(slot(0, images, 4), slot(1, others, 6))[0], OTHERS_NAME)
         self.assertEqual(self.start(slot(0, images, 8), slot(1, others, 6))[0], IMAGES_NAME)
 
@@ -139,14 +150,84 @@ class Cuts(unittest.TestCase):
     def test_each_start_behind_a_cut_finds_the_old_block_or_the_new_one(self):
         of_image = (IMAGES_NAME, "configuration: that of the image, none is stored")
         first, second = ((name, "configuration: the stored one") for name in (
-            "neurofoc: 24 V outrunner, example, B-G431B-ESC1, any motor", IMAGES_NAME))
-        data = block("outrunner_24v", "any")
+            name_of(IMAGES, "any motor"), IMAGES_NAME))
+        data = block(IMAGES, "any")
         units = -(-len(data) // 8)
         self.apply(data)
         self.assert_cuts(units + 2, of_image, first)  # an erase, the block, a stamp
         self.assertEqual(self.link.store(), "")
-        self.apply(block("outrunner_24v", "robust"))
+        self.apply(block(IMAGES, "robust"))
         self.assert_cuts(units + 4, first, second)    # and two stamps of the block that is kept
+
+
+class Refusals(unittest.TestCase):
+    """A flash that does not do what it should, while the image stores by way of its link."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = board.Board(IMAGE, BOARD, CLOCK)
+        cls.made.set_inputs(MIDDLE, MIDDLE, BUS)
+        cls.made.boot()
+        cls.made.tick(CALIBRATION_TICKS)
+        cls.link = Link(cls.made)
+        cls.link.hello()
+        if verdict := cls.link.apply(block(IMAGES, "any")):
+            raise AssertionError(verdict)
+        cls.made.tick(2 * board.SLOW_TICKS)
+        cls.flash = cls.made.chip.power.flash
+
+    def verdict(self, prepare):
+        def act():
+            prepare(self.flash)
+            try:
+                return self.link.store()
+            except digital.WatchdogBites:
+                return "reset"
+        return in_a_copy(act)
+
+    def test_one_that_takes_no_key_is_said(self):
+        def deaf(flash):
+            flash.deaf = lambda: True
+        self.assertEqual(self.verdict(deaf), "the flash cannot be erased")
+
+    def test_one_that_takes_no_key_any_more_behind_the_erase_is_said(self):
+        def deaf(flash):
+            flash.deaf = lambda: flash.steps > 0
+        self.assertEqual(self.verdict(deaf), "the flash does not keep what is written")
+
+    def test_one_that_programs_nothing_is_said(self):
+        def refuse(flash):
+            flash.refuses = True
+        self.assertEqual(self.verdict(refuse), "the flash does not keep what is written")
+
+    def test_one_that_is_open_already_is_stored_to(self):
+        for looks in (0, 3):
+            def open_it(flash, looks=looks):
+                flash["CR"] &= ~LOCK
+                flash.busy = looks
+            self.assertEqual(self.verdict(open_it), "", f"busy for {looks} looks")
+
+    def test_it_does_not_matter_how_fast_the_watchdog_takes_a_new_length(self):
+        for deaf, verdict in ((False, ""), (True, "the flash cannot be erased")):
+            def settle(flash, deaf=deaf):
+                self.made.chip.watchdog.settling = 0
+                flash.deaf = lambda: deaf
+            self.assertEqual(self.verdict(settle), verdict)
+
+    def test_one_that_lets_the_core_run_while_it_is_busy_is_waited_for(self):
+        def last(flash):
+            flash.lasting = 3
+        self.assertEqual(self.verdict(last), "")
+
+    def test_it_may_be_busy_before_the_first_step(self):
+        def busy(flash):
+            flash.busy = 3
+        self.assertEqual(self.verdict(busy), "")
+
+    def test_one_that_stays_busy_ends_in_a_reset(self):
+        def busy(flash):
+            flash.busy = 10 ** 9
+        self.assertEqual(self.verdict(busy), "reset")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@
 #include "cfg_rows.h"
 #include "lossy_channel.h"
 #include "output_file.h"
+#include "reader.h"
+#include "replay.h"
 #include "trace.h"
 #include "watched_board.h"
 
@@ -234,9 +236,11 @@ void a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong()
 {
     constexpr double THIRD = 0.01 / 3;
     constexpr double FOLLOWED_S = 20;
-    constexpr double RING_S = 4096 / TICKS_PER_S; // at most: an entry is a tick or a change
+    constexpr int RING = 1216;                    // that of the shipped boards with an STM32G431
+    constexpr double RING_S = RING / TICKS_PER_S; // at most: an entry is a tick or a change
     constexpr std::size_t GAPS_MAX = 5; // so that two thirds of the time are left at least
-    const nf::Config config = scripted("60", {"board.recorder_entries=4096", "board.baud=760000"});
+    const nf::Config config =
+        scripted("60", {fmt::format("board.recorder_entries={}", RING), "board.baud=760000"});
     Bench bench(config, {THIRD, THIRD, THIRD});
     bench.follower.connect();
     bench.pass(FOLLOWED_S);
@@ -405,43 +409,64 @@ void each_setting_that_may_change_in_run_does_under_load_and_the_others_are_refu
                refused, fixed);
 }
 
-// A state is 276 words in 9 messages, some 1250 bytes; a segment of 1024 entries some 2200: at 115200 baud they take 0.3 s, and the
-// ring of 4096 entries has a segment for 0.31 to 0.41 s. With 1408 entries it has it for 0.14 s at most.
-void at_115200_baud_a_large_ring_is_shown_in_part_and_a_small_one_is_said_to_be_overwritten()
-{
-    constexpr double FOLLOWED_S = 10;
-    constexpr double SHOWN_S =
-        1; // a segment of 0.1 s in each second; a board that is never in step has none
-    const auto config = [](const char *entries) {
-        return nf::load_scenario("s2_robust", {"adc"},
-                                 {"scenario.duration_s=60", "board.baud=115200",
-                                  std::string("board.recorder_entries=") + entries});
-    };
-    for (const char *entries : {"1408", "4096"}) {
-        BoardLog log;
-        SimulatedBoard board(config(entries));
-        BoardChannel line(board, &log);
-        ShownTicks shown(log);
-        std::vector<std::string> said;
-        Follower follower(
-            line, shown,
-            {[&](const std::string &text) { said.push_back(text); }, [](const std::string &) {}},
-            {});
+// What a slow line shows of a running motor within 10 s.
+struct SlowLine {
+    SlowLine(int entries, int baud)
+        : board(nf::load_scenario("s2_robust", {"adc"},
+                                  {"scenario.duration_s=60", fmt::format("board.baud={}", baud),
+                                   fmt::format("board.recorder_entries={}", entries)})),
+          line(board, &log), shown(log),
+          follower(line, shown,
+                   {[this](const std::string &text) { said.push_back(text); },
+                    [](const std::string &) {}},
+                   {})
+    {
+        constexpr double FOLLOWED_S = 10;
         follower.connect();
         while (line.now_s() < FOLLOWED_S) {
             follower.step(PASS_S);
         }
-        TEST_ASSERT_EQUAL(0, shown.wrong);
-        const bool is_said = std::any_of(said.begin(), said.end(), [](const std::string &text) {
-            return text.find("not in step: the ring of the board is overwritten") == 0;
-        });
-        const bool is_large = std::string(entries) == "4096";
-        TEST_ASSERT_EQUAL_MESSAGE(
-            is_large, static_cast<double>(shown.ticks.size()) > SHOWN_S * TICKS_PER_S, entries);
-        TEST_ASSERT_TRUE_MESSAGE(is_large || is_said, entries);
-        fmt::print("{} entries, 115200 baud: {} ticks of {} shown, {} gaps\n", entries,
-                   shown.ticks.size(), log.hashes.size(), follower.gaps().size());
     }
+
+    std::size_t longest_gap() const
+    {
+        std::size_t longest = 0;
+        for (std::size_t k = 1; k < shown.ticks.size(); k++) {
+            longest = std::max(longest, shown.ticks[k] - shown.ticks[k - 1]);
+        }
+        return longest;
+    }
+
+    BoardLog log;
+    SimulatedBoard board;
+    BoardChannel line;
+    ShownTicks shown;
+    std::vector<std::string> said;
+    Follower follower;
+};
+
+// 115200 baud carry half of the ticks. The board keeps the state that is read; behind it a segment of 304 entries, 660 bytes, has to
+// come within 0.1 s, which such a line carries too.
+void at_115200_baud_some_of_each_second_is_shown_with_any_ring()
+{
+    for (const int entries : {1216, 4096}) {
+        constexpr std::size_t SOME = 20; // one tick in so many
+        const SlowLine slow(entries, 115200);
+        TEST_ASSERT_EQUAL(0, slow.shown.wrong);
+        TEST_ASSERT_GREATER_THAN(slow.log.hashes.size() / SOME, slow.shown.ticks.size());
+        TEST_ASSERT_LESS_THAN(RESYNC_S * TICKS_PER_S, slow.longest_gap());
+        fmt::print("{} entries, 115200 baud: {} ticks of {} shown, {} gaps\n", entries,
+                   slow.shown.ticks.size(), slow.log.hashes.size(), slow.follower.gaps().size());
+    }
+}
+
+void a_line_that_carries_no_segment_in_time_is_told()
+{
+    const SlowLine slow(1216, 19200);
+    TEST_ASSERT_EQUAL(0, slow.shown.wrong);
+    TEST_ASSERT_TRUE(std::any_of(slow.said.begin(), slow.said.end(), [](const std::string &text) {
+        return text.find("not in step: the ring of the board is overwritten") == 0;
+    }));
 }
 
 const drive_command_t &told(const Bench &bench)
@@ -538,10 +563,90 @@ void a_fault_whose_recording_is_kept_is_said_with_its_advice()
     TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, bench.log.states.back());
     bench.follower.connect();
     bench.pass(RESYNC_S);
-    TEST_ASSERT_TRUE(bench.all_said().find("no stream: the recording of a fault is kept") !=
-                     std::string::npos);
+    TEST_ASSERT_TRUE(
+        bench.all_said().find("no stream: the recording of a fault is kept until it is read") !=
+        std::string::npos);
     TEST_ASSERT_TRUE_MESSAGE(bench.all_said().find("board: FAULT") != std::string::npos,
                              bench.all_said().c_str());
+}
+
+nf::replay::Recording recorded(Bench &bench)
+{
+    const std::string path = std::filesystem::temp_directory_path() / "nf_live_recorded.log";
+    bench.do_line("record " + path);
+    const nf::replay::Recording recording = nf::replay::read_file(path);
+    std::filesystem::remove(path);
+    return recording;
+}
+
+void a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again()
+{
+    constexpr double FAULT_S = 3; // behind power-up at the latest
+    constexpr double SETS_S = 0.3;
+    Bench bench(
+        scripted("60", {"scenario.fault=[{time_s = 2, what = \"adc_a_high\", until_s = 2.1}]"}));
+    bench.follower.connect();
+    bench.pass(0.5);
+    for (const char *line : {"run", "speed 900"}) {
+        bench.do_line(line);
+    }
+    for (const char *line :
+         {"set observer.kappa=0.024", "set observer.kappa=0.025", "set observer.kappa=0.026"}) {
+        bench.do_line(line);
+        bench.pass(SETS_S);
+    }
+    bench.pass(FAULT_S);
+    TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_FAULT, bench.log.states.back(), bench.all_said().c_str());
+    bench.do_line("clear");
+    bench.pass(0.2);
+    bench.do_line("run");
+    bench.pass(SETTLES_S);
+    const auto fault_tick = static_cast<int64_t>(
+        std::find(bench.log.states.begin(), bench.log.states.end(), DRIVE_STATE_FAULT) -
+        bench.log.states.begin());
+    const nf::replay::Recording recording = recorded(bench);
+    const nf::replay::Result result = nf::replay::replay(recording);
+    TEST_ASSERT_FALSE_MESSAGE(result.difference.has_value(),
+                              nf::replay::summary(recording, result).c_str());
+    TEST_ASSERT_EQUAL(FAULT_ADC_SATURATED, recording.fault().id);
+    TEST_ASSERT_EQUAL(fault_tick, recording.fault().tick);
+    TEST_ASSERT_EQUAL(fault_tick + 64, recording.last());
+    TEST_ASSERT_EQUAL(1,
+                      recording.run.changes.size()); // of four configurations it holds the last two
+    TEST_ASSERT_LESS_THAN(fault_tick - static_cast<int64_t>(SETS_S * TICKS_PER_S),
+                          recording.run.first());
+}
+
+void what_was_shown_can_be_recorded_when_the_board_has_gone()
+{
+    Bench bench(scripted("60"));
+    bench.follower.connect();
+    bench.pass(RESYNC_S);
+    const auto shown = static_cast<int64_t>(bench.shown.ticks.back());
+    leave_alone(bench, 2 * RESYNC_S); // the ring has forgotten what follows
+    while (bench.follower.shadow().is_in_step()) {
+        bench.follower.step(PASS_S);
+    }
+    const nf::replay::Recording recording = recorded(bench);
+    TEST_ASSERT_FALSE(nf::replay::replay(recording).difference.has_value());
+    TEST_ASSERT_EQUAL(shown, recording.last());
+}
+
+void a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board()
+{
+    constexpr double SILENCE_S = 3; // the line goes back to the console, and the fault comes
+    Bench bench(
+        scripted("60", {"scenario.fault=[{time_s = 3, what = \"adc_a_high\", until_s = 3.1}]"}));
+    bench.follower.connect();
+    bench.pass(1);
+    leave_alone(bench, SILENCE_S);
+    bench.pass(2 * RESYNC_S);
+    TEST_ASSERT_EQUAL_MESSAGE(DRIVE_STATE_FAULT, bench.log.states.back(), bench.all_said().c_str());
+    TEST_ASSERT_EQUAL_STRING("the recording of a fault is kept until it is read",
+                             bench.follower.no_stream().c_str());
+    TEST_ASSERT_EQUAL(FAULT_ADC_SATURATED, recorded(bench).fault().id);
+    bench.pass(RESYNC_S);
+    TEST_ASSERT_TRUE_MESSAGE(bench.follower.shadow().is_in_step(), bench.all_said().c_str());
 }
 
 void a_key_of_the_image_is_refused_and_a_refused_key_is_named()
@@ -574,13 +679,16 @@ int main()
     RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
-    RUN_TEST(
-        at_115200_baud_a_large_ring_is_shown_in_part_and_a_small_one_is_said_to_be_overwritten);
+    RUN_TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring);
+    RUN_TEST(a_line_that_carries_no_segment_in_time_is_told);
     RUN_TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on);
     RUN_TEST(a_stop_before_the_command_in_force_is_known_stops);
     RUN_TEST(a_speed_does_not_start_a_motor_that_the_board_has_stopped);
     RUN_TEST(a_speed_does_not_end_a_measurement_and_a_stop_does);
     RUN_TEST(a_fault_whose_recording_is_kept_is_said_with_its_advice);
+    RUN_TEST(a_fault_that_was_shown_is_in_the_recording_also_when_the_motor_runs_again);
+    RUN_TEST(what_was_shown_can_be_recorded_when_the_board_has_gone);
+    RUN_TEST(a_fault_that_came_while_nobody_was_heard_is_recorded_from_the_board);
     RUN_TEST(a_key_of_the_image_is_refused_and_a_refused_key_is_named);
     RUN_TEST(the_configuration_in_force_may_be_given_again);
     RUN_TEST(

@@ -573,13 +573,35 @@ static void test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_i
 
     hello();
     fail();
+    passes(1U); /* before it is frozen, too */
+    assert_verdict("the recording of a fault is kept until it is read", LINK_STREAM, &on, 1U);
     passes(200U);
-    assert_verdict(
-        "the flight recorder keeps a fault: read it with dump, or give it up with record",
-        LINK_STREAM, &on, 1U);
+    assert_verdict("the recording of a fault is kept until it is read", LINK_STREAM, &on, 1U);
     assert_command("", DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
     assert_line("record");
     stream_on();
+}
+
+/* Its answer was lost: the PC asks again with the same tag. */
+static void test_a_question_that_comes_again_is_done_once_and_answered_as_before(void)
+{
+    uint8_t body[6];
+
+    hello();
+    fail();
+    passes(SHORT_WHILE);
+    put_command(body, DRIVE_REQUEST_CLEAR, DRIVE_MODE_SPEED, 0);
+    assert_verdict("", LINK_COMMAND, body, sizeof body);
+    TEST_ASSERT_NOT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
+    tag--;
+    assert_verdict("", LINK_COMMAND, body, sizeof body);
+    assert_verdict("there is no fault to clear", LINK_COMMAND, body, sizeof body);
+    tag--;
+    assert_verdict("there is no fault to clear", LINK_COMMAND, body, sizeof body);
+    hello();
+    tag = (uint8_t)(tag - 2U); /* of another session */
+    assert_command("", DRIVE_REQUEST_RUN, DRIVE_MODE_SPEED, 1000000);
+    TEST_ASSERT_EQUAL(DRIVE_STATE_RUN, app.drive.state);
 }
 
 static void test_no_stream_begins_while_a_dump_is_under_way(void)
@@ -852,6 +874,7 @@ int main(void)
     RUN_TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended);
     RUN_TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again);
     RUN_TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up);
+    RUN_TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before);
     RUN_TEST(test_no_stream_begins_while_a_dump_is_under_way);
     RUN_TEST(test_no_block_is_changed_while_a_dump_is_under_way);
     RUN_TEST(test_a_segments_state_is_read_in_pieces);

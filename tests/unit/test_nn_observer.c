@@ -1409,10 +1409,10 @@ static void test_other_weights_change_the_states_by_what_their_flux_and_saliency
         obs.beta_q27 = seeded_in(&chance, -1000000, 1000000);
         obs.current.q = seeded_in(&chance, -16384, 16383);
         unit = ldexp(1.0, 12 - (int)now.current_shift);
-        shift = CMPLX(now.flux_q27 - before.flux_q27,
-                      unit * obs.current.q * (now.saliency_q13 - before.saliency_q13) / 8192.0);
+        shift = cartesian(now.flux_q27 - before.flux_q27,
+                          unit * obs.current.q * (now.saliency_q13 - before.saliency_q13) / 8192.0);
         tolerance = unit + (4.0 * cabs(shift) / ONE) + 4.0;
-        shift = CMPLX(obs.alpha_q27, obs.beta_q27) + (shift * CMPLX(cos(turn), sin(turn)));
+        shift = cartesian(obs.alpha_q27, obs.beta_q27) + (shift * cartesian(cos(turn), sin(turn)));
         nn_observer_change(&obs, &now, before.flux_q27, before.saliency_q13, trig_sincos(at));
         TEST_ASSERT_DOUBLE_WITHIN(tolerance, creal(shift), obs.alpha_q27);
         TEST_ASSERT_DOUBLE_WITHIN(tolerance, cimag(shift), obs.beta_q27);

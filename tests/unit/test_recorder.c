@@ -715,6 +715,48 @@ static void test_a_segment_is_found_until_it_is_overwritten(void)
     TEST_ASSERT_TRUE(recorder_find(&run.recorder, number + 1U, &view));
 }
 
+static void test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_overwritten(void)
+{
+    recorder_view_t view = {0};
+    uint32_t number = 0U;
+    uint32_t hash = 0U;
+
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, LONG_RUN);
+    number = recorder_newest(&run.recorder);
+    TEST_ASSERT_TRUE(recorder_find(&run.recorder, number, &view));
+    hash = drive_words_hash(view.state);
+    TEST_ASSERT_EQUAL_HEX32(hash, drive_words_hash(recorder_keep_state(&run.recorder, number)));
+    recorded_run_ticks(&run, LONG_RUN);
+    TEST_ASSERT_FALSE(recorder_find(&run.recorder, number, &view));
+    TEST_ASSERT_EQUAL_HEX32(hash, drive_words_hash(recorder_keep_state(&run.recorder, number)));
+    TEST_ASSERT_NOT_NULL(recorder_keep_state(&run.recorder, recorder_newest(&run.recorder)));
+    TEST_ASSERT_NULL(recorder_keep_state(&run.recorder, number));
+    TEST_ASSERT_NULL(recorder_keep_state(&run.recorder, 0U));
+}
+
+/* The place is that of the state at the end. */
+static void test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_reader_keeps(void)
+{
+    uint32_t number = 0U;
+    uint32_t end = 0U;
+
+    recorder_follow(&run.recorder, true);
+    recorded_run_ticks(&run, LONG_RUN);
+    number = recorder_newest(&run.recorder);
+    TEST_ASSERT_NOT_NULL(recorder_keep_state(&run.recorder, number));
+    recorder_hold(&run.recorder, &run.drive);
+    while (!run.recorder.frozen) {
+        end = drive_words_hash(&run.drive);
+        TEST_ASSERT_NOT_NULL(recorder_keep_state(&run.recorder, number));
+        recorded_run_ticks(&run, 1U);
+    }
+    TEST_ASSERT_EQUAL_HEX32(end, drive_words_hash(recorder_end_state(&run.recorder)));
+    TEST_ASSERT_NOT_NULL(recorder_keep_state(&run.recorder, recorder_newest(&run.recorder)));
+    TEST_ASSERT_EQUAL_HEX32(end, drive_words_hash(recorder_end_state(&run.recorder)));
+    TEST_ASSERT_GREATER_THAN_UINT32(0U, replay());
+}
+
 static void test_a_segment_behind_a_gap_does_not_follow(void)
 {
     recorder_view_t view = {0};
@@ -852,6 +894,8 @@ int main(void)
     RUN_TEST(test_segments_are_numbered_from_one_on_and_go_on_when_it_begins_anew);
     RUN_TEST(test_no_segment_has_the_number_zero_when_the_count_wraps);
     RUN_TEST(test_a_segment_is_found_until_it_is_overwritten);
+    RUN_TEST(test_a_state_that_a_reader_asked_for_is_kept_when_its_segment_is_overwritten);
+    RUN_TEST(test_a_recording_that_freezes_ends_with_its_own_state_whatever_a_reader_keeps);
     RUN_TEST(test_a_segment_behind_a_gap_does_not_follow);
     RUN_TEST(test_a_segment_says_the_configuration_of_its_state);
     RUN_TEST(test_a_fault_does_not_freeze_while_a_reader_follows);

@@ -35,13 +35,15 @@ async function serve() {
 }
 
 // Calls test(page, address) with an open page. A request to another place, or an error in the page, fails it.
-export async function withPage(test, options = {}) {
+// `options` are the browser's, and `init`, a function that the page calls before its own scripts.
+export async function withPage(test, { init, ...options } = {}) {
     const server = await serve();
     const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     const strange = [];
     try {
         const context = await browser.newContext({ viewport: WINDOW, acceptDownloads: true, ...options });
         const page = await context.newPage();
+        await page.addInitScript(init ?? (() => undefined));
         page.setDefaultTimeout(LOAD_MS);
         page.on("request", (request) => {
             if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(server.address)) {
@@ -60,40 +62,30 @@ export async function withPage(test, options = {}) {
     }
 }
 
-// Opens another part of the bench.
-export async function openTab(page, name) {
-    await page.getByRole("tab", { name, exact: true }).click();
+// The newest run has come to its end and is shown.
+export async function settled(page) {
+    await page.locator("section[aria-label=Results][aria-busy=false]").waitFor();
 }
 
-// A machine that is switched on, in the tab Play.
-export async function switchOn(page) {
-    await openTab(page, "Play");
-    await page.getByRole("button", { name: "Switch the machine on" }).click();
-    await page.getByText("State: READY", { exact: true }).waitFor();
+// Reads until it is good: a page shows what has happened a moment later.
+export async function until(read, isGood) {
+    const end = Date.now() + LOAD_MS;
+    let found = await read();
+    while (!isGood(found)) {
+        if (Date.now() > end) {
+            throw new Error(`${JSON.stringify(found)} is found, and stays so`);
+        }
+        await new Promise((resolve) => setTimeout(resolve, 20));
+        found = await read();
+    }
+    return found;
 }
 
-// A recording of a phase that opens: the path of its log. The caller removes the folder.
-export async function recordedFault(folder) {
-    const path = join(folder, "field.log");
-    await motorsim(["run", "s1_robust", "--set", 'scenario.fault=[{time_s=0.3, what="phase_a_open"}]', "--record", path]);
-    return path;
-}
-
-// The page has run its first scenario.
-export async function firstRun(page) {
-    await page.getByText(/^Results: /).waitFor();
-}
-
-// A file of the first scenario, and a key in it.
-export const MOTOR = "motors/motor_a.toml";
-export const KEY = "resistance_ohm";
-
-// In the editor of the tab Run: the line of the key.
-export async function openMotor(page) {
-    await firstRun(page);
+// Opens a file in the editor; its first line with this text.
+export async function openFile(page, path, text) {
     await page.getByRole("button", { name: "Files" }).click();
-    await page.getByRole("button", { name: MOTOR }).click();
-    const line = page.locator(".cm-line").filter({ hasText: KEY }).first();
+    await page.getByRole("button", { name: path }).click();
+    const line = page.locator(".cm-line").filter({ hasText: text }).first();
     await line.waitFor();
     return line;
 }
@@ -115,17 +107,38 @@ export function motorsim(args, cwd = ROOT) {
     });
 }
 
-// A request to a worker of its own, as the page makes them; with `cancel` it is stopped when it first reports progress.
-export function ask(page, name, given, cancel = false) {
-    return page.evaluate(([name, given, cancel]) => new Promise((resolve) => {
+// A request to a worker of its own, as the page makes them. Of a value that is an object the fields `keep`; with `cancel` it
+// is stopped when it first reports progress.
+export function ask(page, name, given, { keep, cancel } = {}) {
+    return page.evaluate(([name, given, keep, cancel]) => new Promise((resolve) => {
         globalThis.testWorker ??= new Worker("worker.js", { type: "module" });
         globalThis.testWorker.onmessage = ({ data }) => {
             if (!("progress" in data)) {
-                resolve(data);
+                const { value } = data;
+                resolve(keep && value ? { value: Object.fromEntries(keep.map((key) => [key, value[key]])) } : data);
             } else if (cancel) {
                 globalThis.testWorker.postMessage({ cancel: 1 });
             }
         };
         globalThis.testWorker.postMessage({ id: 1, name, given });
-    }), [name, given, cancel]);
+    }), [name, given, keep, cancel]);
+}
+
+// Opens another part of the bench.
+export async function openTab(page, name) {
+    await page.getByRole("tab", { name, exact: true }).click();
+}
+
+// A machine that is switched on, in the tab Play.
+export async function switchOn(page) {
+    await openTab(page, "Play");
+    await page.getByRole("button", { name: "Switch the machine on" }).click();
+    await page.getByText("State: READY", { exact: true }).waitFor();
+}
+
+// A recording of a phase that opens: the path of its log. The caller removes the folder.
+export async function recordedFault(folder) {
+    const path = join(folder, "field.log");
+    await motorsim(["run", "s1_robust", "--set", 'scenario.fault=[{time_s=0.3, what="phase_a_open"}]', "--record", path]);
+    return path;
 }

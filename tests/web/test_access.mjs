@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { brotliCompressSync } from "node:zlib";
-import { firstRun, openTab, packages, recordedFault, setting, switchOn, withPage } from "./bench.mjs";
+import { openTab, packages, recordedFault, setting, settled, switchOn, withPage } from "./bench.mjs";
 
 const BYTES_MAX = 700 * 1024; // compressed
 const TABLET = { width: 820, height: 1180 };
@@ -19,7 +19,7 @@ async function violations(page) {
 
 for (const colorScheme of ["light", "dark"]) {
     test(`axe-core finds nothing, ${colorScheme}`, async () => withPage(async (page) => {
-        await firstRun(page);
+        await settled(page);
         assert.deepEqual(await violations(page), []);
         await page.getByRole("button", { name: "Files" }).click();
         await page.locator(".cm-content").waitFor();
@@ -46,7 +46,7 @@ for (const colorScheme of ["light", "dark"]) {
 }
 
 test("nothing is wider than the window", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     const beyond = () => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok((await beyond()) <= 0);
     await page.setViewportSize(TABLET);

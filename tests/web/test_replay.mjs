@@ -5,14 +5,14 @@ import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { test } from "node:test";
-import { firstRun, motorsim, openTab, recordedFault, withPage } from "./bench.mjs";
+import { settled, motorsim, openTab, recordedFault, withPage } from "./bench.mjs";
 
 async function withLog(test) {
     const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
     try {
         const log = await recordedFault(folder);
         await withPage(async (page) => {
-            await firstRun(page);
+            await settled(page);
             await openTab(page, "Replay");
             await test(page, log);
         });

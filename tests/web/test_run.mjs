@@ -5,7 +5,7 @@ import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { firstRun, motorsim, withPage } from "./bench.mjs";
+import { settled, motorsim, withPage } from "./bench.mjs";
 
 async function downloaded(page, button) {
     const waiting = page.waitForEvent("download");
@@ -19,7 +19,7 @@ async function figures(page) {
 }
 
 test("a scenario with imperfections has the program's figures", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     await page.getByLabel("Scenario").selectOption("s3");
     await page.getByLabel("adc", { exact: true }).check();
     await page.getByText("motorsim run s3 --with adc", { exact: true }).waitFor();
@@ -31,7 +31,7 @@ test("a scenario with imperfections has the program's figures", async () => with
 }));
 
 test("a signal is found by name and unit, and drawn", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     await page.getByLabel("Search signals by name or unit").fill("torque n·m");
     const tree = page.getByRole("region", { name: "Signals" });
     assert.match(await tree.getByRole("status").innerText(), /^[1-9]\d? of \d{3} signals$/);
@@ -42,7 +42,7 @@ test("a signal is found by name and unit, and drawn", async () => withPage(async
 }));
 
 test("keys zoom, pan and move the cursor", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     const plot = page.locator(".plot").first();
     const range = async () => /([-\d.e]+) s to ([-\d.e]+) s/.exec(await plot.getAttribute("aria-label")).slice(1).map(Number);
     const [from, to] = await range();
@@ -59,7 +59,7 @@ test("keys zoom, pan and move the cursor", async () => withPage(async (page) => 
 }));
 
 test("dragging zooms all panels", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     const box = await page.locator(".u-over").first().boundingBox();
     await page.mouse.move(box.x + box.width * 0.4, box.y + 20);
     await page.mouse.down();
@@ -73,7 +73,7 @@ test("dragging zooms all panels", async () => withPage(async (page) => {
 }));
 
 test("trace and picture can be taken along", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
     await motorsim(["run", "s1_robust", "--trace", join(folder, "trace.csv")]);
     const trace = await downloaded(page, "Download trace (CSV)");

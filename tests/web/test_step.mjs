@@ -5,13 +5,13 @@ import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { firstRun, motorsim, openTab, switchOn, withPage } from "./bench.mjs";
+import { settled, motorsim, openTab, switchOn, withPage } from "./bench.mjs";
 
 const SCENARIO = "s1_robust";
 const TICK = 9000; // in RUN
 
 async function stepper(page) {
-    await firstRun(page);
+    await settled(page);
     await openTab(page, "Step");
     await page.getByText("Stages of tick 0,").waitFor();
 }
@@ -138,7 +138,7 @@ test("the command line recalls and completes", async () => withPage(async (page)
 }));
 
 test("a long run is shown and stopped", async () => withPage(async (page) => {
-    await firstRun(page);
+    await settled(page);
     await switchOn(page);
     await page.getByRole("button", { name: "Step through this" }).click();
     await page.getByLabel("Run until").fill("speed_rpm > 1000000");

@@ -31,7 +31,7 @@ DRIVE, STATE = "drive_t", "state"
 DRIVE_FILE, RECORDER_FILE = Path("firmware/drive/drive.c"), Path("firmware/record/recorder.c")
 WRITERS = {  # the recorder writes copies that nobody steps
     f"{DRIVE}.{STATE}": [(DRIVE_FILE, "enter")],
-    DRIVE: [(DRIVE_FILE, "initialise"), (RECORDER_FILE, "offer")],
+    DRIVE: [(DRIVE_FILE, "initialise"), (RECORDER_FILE, "offer"), (RECORDER_FILE, "recorder_keep_state")],
 }
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 

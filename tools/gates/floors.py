@@ -54,11 +54,10 @@ BELOW |= {
     "host_sim/debug": [*CORE, "host_sim/config", "host_sim/reference", "host_sim/run", "host_sim/output"],
     "host_sim/live": [*CORE, "hal/host", "host_sim/config", "host_sim/file", "host_sim/run", "host_sim/output",
                       "host_sim/replay", "host_sim/debug"],
-    "host_sim/web": ["host_sim", *CORE, "host_sim/config", "host_sim/run", "host_sim/output", "host_sim/debug"],
+    "host_sim/web": [*CORE, "host_sim/config", "host_sim/run", "host_sim/output", "host_sim/debug", "host_sim/replay"],
 }
 FLOORED = ("firmware", "hal", "host_sim")  # their folders are floors, each of them
-PROGRAMS = {Path("host_sim") / name  # above all of the simulator's floors
-            for name in ("motorsim.cpp", "motorsim.h", "motorsim_main.cpp", "nfconfig.cpp")}
+PROGRAMS = {Path("host_sim/motorsim.cpp"), Path("host_sim/nfconfig.cpp")}  # above all of the simulator's floors
 TARGETS = ("hal/cortex_m", "hal/mps2", "hal/stm32g431")  # bindings and start-up of real chips
 GENERATED = {"drive_config.h", "hal_config.h"}  # by nfconfig, for a binding's image
 # A control module that is built of others; transforms gives the types of vectors.

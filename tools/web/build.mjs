@@ -20,6 +20,7 @@ await build({
     bundle: true,
     minify: true,
     format: "esm",
+    splitting: true,
     target: "es2022",
     jsx: "automatic",
     jsxImportSource: "preact",

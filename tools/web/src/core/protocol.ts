@@ -35,11 +35,12 @@ export interface Choice {
     set: string[];
 }
 
-export interface ProgramResult {
-    stdout: string;
-    stderr: string;
-    status: number;
-    files: Record<string, string>; // those that were asked for
+// What a scenario is made of.
+export interface Parts {
+    motor: string;
+    board: string;
+    tuning: string;
+    bases: string[]; // the scenarios that it is based on, the nearest first
 }
 
 export interface ResultRow {
@@ -90,7 +91,8 @@ export interface RunResult {
     faults: Fault[];
     states: StateChange[];
     parameters: Parameter[];
-    text: string;
+    text: string; // what `motorsim run` prints
+    json: string; // what `motorsim run --json` writes
 }
 
 export interface Run extends RunResult {
@@ -207,10 +209,10 @@ export interface Requests {
     load: { given: null; back: { names: Names; schema: SchemaKey[] } };
     readFile: { given: { path: string }; back: string };
     writeFiles: { given: { files: Record<string, string> }; back: null };
-    parts: { given: Choice; back: { motor: string; board: string; tuning: string } };
+    parts: { given: Choice; back: Parts };
     check: { given: { kind: FileKind; file: string; text: string; choice: Choice | null }; back: Problem[] };
-    program: { given: { args: string[]; files: string[] }; back: ProgramResult };
     run: { given: { choice: Choice; signals: string[] }; back: Run };
+    trace: { given: { choice: Choice }; back: string }; // what `motorsim run --trace` writes
     playStart: { given: { choice: Choice; scope: ScopeChoice }; back: PlayHead };
     playHead: { given: null; back: PlayHead | null };
     playScope: { given: ScopeChoice; back: null };

@@ -3,7 +3,7 @@
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
 import * as play from "./play_session.ts";
 import * as replay from "./replay_session.ts";
-import { run } from "./run_session.ts";
+import { run, trace } from "./run_session.ts";
 import * as step from "./step_session.ts";
 import { Core, type Module } from "./wasm.ts";
 
@@ -39,11 +39,8 @@ const handlers: Handlers = {
         const own = core.call<Requests["check"]["back"]>("config.check", { kind, file, text });
         return own.length > 0 || choice === null ? own : core.call("config.check_all", { ...choice, file });
     },
-    program: (core, { args, files }) => {
-        const result = core.call<Omit<Requests["program"]["back"], "files">>("program", { args });
-        return { ...result, files: Object.fromEntries(files.map((path) => [path, core.take(path)])) };
-    },
     run,
+    trace,
     ...play,
     ...step,
     ...replay,

@@ -46,9 +46,19 @@ function Stator() {
     );
 }
 
-export function MotorDrawing({ player, largestA }: { player: Player; largestA: number }) {
-    const parts = useRef<Parts>({ frame: null, rotor: null, estimate: null, current: null, length: null });
-    const [turning, setTurning] = useState(false);
+function Legend({ values, largestA }: { values: PlayBlock["values"]; largestA: number }) {
+    const amplitude = Math.hypot(values["i_d_a"] ?? NaN, values["i_q_a"] ?? NaN);
+    return (
+        <ul class="legend">
+            <li><span class="key north" />{`rotor θ ${shown(values["angle_el_deg"])}°`}</li>
+            <li><span class="key estimate" />{`estimate θ̂ ${shown(values["angle_estimated_el_deg"])}°`}</li>
+            <li>{`error θ − θ̂ ${shown(values["angle_error_el_deg"])}°`}</li>
+            <li><span class="key current" />{`current ${shown(amplitude)} A; full length ${shown(largestA)} A`}</li>
+        </ul>
+    );
+}
+
+function useDrawing(parts: { current: Parts }, player: Player, largestA: number, turning: boolean): void {
     useEffect(() => {
         const update = (): void => {
             if (player.block !== undefined) {
@@ -58,14 +68,18 @@ export function MotorDrawing({ player, largestA }: { player: Player; largestA: n
         update();
         return player.onDraw(update);
     }, [player, largestA, turning]);
+}
+
+export function MotorDrawing({ player, largestA }: { player: Player; largestA: number }) {
+    const parts = useRef<Parts>({ frame: null, rotor: null, estimate: null, current: null, length: null });
+    const [turning, setTurning] = useState(false);
+    useDrawing(parts, player, largestA, turning);
     const part = (name: Exclude<keyof Parts, "length">) => (element: SVGGElement | null): void => {
         parts.current[name] = element;
     };
     const length = (element: SVGLineElement | null): void => {
         parts.current.length = element;
     };
-    const values = player.block?.values ?? {};
-    const amplitude = Math.hypot(values["i_d_a"] ?? NaN, values["i_q_a"] ?? NaN);
     return (
         <section class="drawing" aria-label="Rotor and current">
             <svg viewBox="-122 -122 244 244" role="img" aria-label="Rotor, its estimate and the current vector, as electrical angles">
@@ -81,12 +95,7 @@ export function MotorDrawing({ player, largestA }: { player: Player; largestA: n
                     <circle r={4} class="shaft" />
                 </g>
             </svg>
-            <ul class="legend">
-                <li><span class="key north" />{`rotor θ ${shown(values["angle_el_deg"])}°`}</li>
-                <li><span class="key estimate" />{`estimate θ̂ ${shown(values["angle_estimated_el_deg"])}°`}</li>
-                <li>{`error θ − θ̂ ${shown(values["angle_error_el_deg"])}°`}</li>
-                <li><span class="key current" />{`current ${shown(amplitude)} A; circle ${shown(largestA)} A`}</li>
-            </ul>
+            <Legend values={player.block?.values ?? {}} largestA={largestA} />
             <label>
                 <input type="checkbox" checked={turning} onChange={(event) => setTurning(event.currentTarget.checked)} />
                 Turn with θ̂

@@ -5,7 +5,7 @@ import type { PlayBlock, PlayHead, ScopeChoice } from "../core/protocol.ts";
 import { shown } from "../parts/format.ts";
 import { RollingScope, type ScopePicture } from "../parts/rolling_scope.tsx";
 import { SignalTree } from "../parts/signal_tree.tsx";
-import type { Selection } from "../run/bench_state.ts";
+import { FIRST, type Selection } from "../run/bench_state.ts";
 import { MachineChoice } from "../run/machine_choice.tsx";
 import { keepInLink, selectionOfLink } from "../run/selection_link.ts";
 import type { TabProps } from "../tabs.ts";
@@ -220,14 +220,13 @@ export function PlayTab(props: TabProps) {
     const [panels, setPanels] = useState(FIRST_PANELS);
     const [span, setSpan] = useState(FIRST_SPAN_S);
     const [choosing, setChoosing] = useState(false);
-    const [problem, setProblem] = useState("");
     const play = usePlay(props.client, scopeChoice(panels, span));
     useEffect(() => {
-        selectionOfLink().then(setSelection, (error: Error) => setProblem(error.message));
+        selectionOfLink().then(setSelection, () => setSelection(FIRST)); // Run has said that a link is damaged
     }, []);
     useEffect(() => play.setScope(scopeChoice(panels, span)), [panels, span]);
     if (selection === undefined) {
-        return <p class="problem" role="alert">{problem}</p>;
+        return null;
     }
     const choose = (next: Selection): void => {
         setSelection(next);

@@ -40,53 +40,63 @@ function useRefresh(player: Player | undefined): void {
     }, [player]);
 }
 
-export function usePlay(client: Client, scope: ScopeChoice): Play {
+interface Owned {
+    machine: Machine | undefined;
+    knobs: Knobs | undefined;
+    setKnobs(knobs: Knobs): void;
+    use(head: PlayHead): Player;
+}
+
+// One that is there already stands still until a person lets time go by.
+function useMachine(client: Client, newest: { current: ScopeChoice }, failed: (error: Error) => void): Owned {
     const [machine, setMachine] = useState<Machine>();
     const [knobs, setKnobs] = useState<Knobs>();
-    const [running, setRunning] = useState(false);
-    const [problem, setProblem] = useState("");
-    const newest = useRef(scope);
-    newest.current = scope;
-    const failed = (error: Error): void => setProblem(error.message);
-    useRefresh(machine?.player);
-
     const use = (head: PlayHead): Player => {
         const player = new Player(client, head.period_s, newest.current, failed);
         setMachine({ head, player });
         setKnobs(head.knobs);
         return player;
     };
-    const go = (player: Player, on: boolean): void => {
-        on ? player.run() : player.pause();
+    useEffect(() => {
+        client.ask("playHead", null)
+            .then((head) => (head === null ? undefined : use(head).setScope(newest.current)))
+            .catch(failed);
+    }, []);
+    return { machine, knobs, setKnobs, use };
+}
+
+export function usePlay(client: Client, scope: ScopeChoice): Play {
+    const [running, setRunning] = useState(false);
+    const [problem, setProblem] = useState("");
+    const newest = useRef(scope);
+    newest.current = scope;
+    const failed = (error: Error): void => setProblem(error.message);
+    const { machine, knobs, setKnobs, use } = useMachine(client, newest, failed);
+    const player = machine?.player;
+    useRefresh(player);
+
+    const go = (on: boolean, whose = player): void => {
+        on ? whose?.run() : whose?.pause();
         setRunning(on);
     };
     const begin = async (selection: Selection): Promise<void> => {
-        machine?.player.pause();
+        go(false);
         setProblem("");
         try {
             const choice = await preparedChoice(client, selection);
-            go(use(await client.ask("playStart", { choice, scope: newest.current })), true);
+            go(true, use(await client.ask("playStart", { choice, scope: newest.current })));
         } catch (error) {
             failed(error as Error);
         }
     };
-    // One that is there already stands still until a person lets time go by.
-    useEffect(() => {
-        client.ask("playHead", null).then(async (head) => {
-            if (head !== null) {
-                await use(head).setScope(newest.current);
-            }
-        }).catch(failed);
-    }, []);
-
     return {
-        head: machine?.head, knobs, player: machine?.player, block: machine?.player.block, running, problem, begin,
-        pace: machine?.player.pace ?? { ratio: 0, frames: 0, dropped: 0 },
-        setRunning: (on) => machine && go(machine.player, on),
+        head: machine?.head, knobs, player, block: player?.block, running, problem, begin,
+        pace: player?.pace ?? { ratio: 0, frames: 0, dropped: 0 },
+        setRunning: (on) => go(on),
         act: (act) => {
             setProblem("");
-            machine?.player.act(act).then(setKnobs).catch(failed);
+            player?.act(act).then(setKnobs).catch(failed);
         },
-        setScope: (next) => void machine?.player.setScope(next).catch(failed),
+        setScope: (next) => void player?.setScope(next).catch(failed),
     };
 }

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What a person has chosen and edited, and what of it the simulator is given. A link holds all of it.
-import { folderOf, type Choice, type FileKind } from "../core/protocol.ts";
+import { folderOf, type Choice, type FileKind, type Parts } from "../core/protocol.ts";
 
 export interface Selection {
     scenario: string;
     with: string[];
     edits: Record<string, string>; // texts by "motors/motor_a.toml"; those that are changed
     panels: string[][]; // the signals of each
-}
-
-export interface Parts {
-    motor: string;
-    board: string;
-    tuning: string;
 }
 
 // A file that can be edited.
@@ -39,13 +33,18 @@ function named(source: string): string | undefined {
     return /([^/]+)\.toml$/.exec(source)?.[1];
 }
 
+// The chosen one, then those that it is based on.
+function scenariosOf(selection: Selection, parts: Parts): BenchFile[] {
+    return [selection.scenario, ...parts.bases].map((name) => fileOf("scenario", name));
+}
+
 export function filesOf(selection: Selection, parts: Parts): BenchFile[] {
     const own = (["motor", "board", "tuning"] as const).flatMap((kind) => {
         const name = named(parts[kind]);
         return name === undefined ? [] : [fileOf(kind, name)];
     });
     return [
-        fileOf("scenario", selection.scenario),
+        ...scenariosOf(selection, parts),
         ...own,
         ...selection.with.map((name) => fileOf("imperfection", name)),
     ];
@@ -54,6 +53,36 @@ export function filesOf(selection: Selection, parts: Parts): BenchFile[] {
 // A shipped file by its name, an edited one by its path.
 function reference(file: BenchFile, edits: Selection["edits"]): string {
     return file.path in edits ? file.path : file.name;
+}
+
+const BASE_LINE = /^(\s*base\s*=\s*)"([^"]*)"/m;
+
+// A scenario with a line that names its base: an edited base by its path, or the shipped one would be read.
+function withBaseNamed(text: string, base: BenchFile, isEdited: boolean): string {
+    const fileName = `${base.name}.toml`;
+    return text.replace(BASE_LINE, (line, key: string, named: string) =>
+        named === base.name || named === fileName ? `${key}"${isEdited ? fileName : base.name}"` : line);
+}
+
+// The choice with another text of one file; `shipped` has the texts of all its files by path.
+export function withText(
+    selection: Selection, parts: Parts, shipped: Record<string, string>, path: string, text: string,
+): Selection {
+    const edits = { ...selection.edits };
+    const put = (at: string, now: string): void => {
+        edits[at] = now;
+        if (now === shipped[at]) {
+            delete edits[at];
+        }
+    };
+    put(path, text);
+    const scenarios = scenariosOf(selection, parts);
+    // From the last base on: what names an edited file is edited.
+    for (const [base, user] of scenarios.slice(1).map((file, index) => [file, scenarios[index] as BenchFile] as const).reverse()) {
+        const before = edits[user.path] ?? shipped[user.path] ?? "";
+        put(user.path, withBaseNamed(before, base, base.path in edits));
+    }
+    return { ...selection, edits };
 }
 
 // Without the overrides for motor, board and tuning.

@@ -2,10 +2,10 @@
 // The files of what is run, each in the editor.
 import { useEffect, useState } from "preact/hooks";
 import type { Client } from "../core/client.ts";
-import type { Problem, SchemaKey } from "../core/protocol.ts";
-import { FileEditor } from "../parts/file_editor.tsx";
+import type { Parts, Problem, SchemaKey } from "../core/protocol.ts";
+import type { FileEditor } from "../parts/file_editor.tsx";
 import { download } from "../parts/format.ts";
-import { type BenchFile, choiceOf, filesOf, type Parts, type Selection } from "./bench_state.ts";
+import { type BenchFile, choiceOf, filesOf, type Selection, withText } from "./bench_state.ts";
 
 interface Props {
     client: Client;
@@ -17,25 +17,39 @@ interface Props {
 
 const DATA_FOLDER = "/host_sim";
 
-// Without the changes of one file.
-function reverted(selection: Selection, path: string): Selection {
-    return { ...selection, edits: Object.fromEntries(Object.entries(selection.edits).filter(([name]) => name !== path)) };
+// What the view has to load before it shows a file.
+interface Loaded {
+    editor: typeof FileEditor; // a large part of the page, and not every visit needs it
+    shipped: Record<string, string>; // texts by path
+}
+
+async function load(client: Client, files: BenchFile[]): Promise<Loaded> {
+    const texts = files.map(async ({ path }) => [path, await client.ask("readFile", { path: `${DATA_FOLDER}/${path}` })]);
+    const { FileEditor: editor } = await import("../parts/file_editor.tsx");
+    return { editor, shipped: Object.fromEntries(await Promise.all(texts)) as Loaded["shipped"] };
 }
 
 // The file on its own, then all of them together.
-async function check({ client, selection, parts }: Props, { kind, path }: BenchFile, text: string): Promise<Problem[]> {
-    const edited = { ...selection, edits: { ...selection.edits, [path]: text } };
+async function check({ client, parts }: Props, { kind, path }: BenchFile, text: string, edited: Selection): Promise<Problem[]> {
     await client.ask("writeFiles", { files: edited.edits });
     return client.ask("check", { kind, file: path, text, choice: choiceOf(edited, parts) });
 }
 
-function Editor({ file, shipped, props, reset }: { file: BenchFile; shipped: string; props: Props; reset(): void }) {
-    const { selection, onSelect, schema } = props;
-    const text = selection.edits[file.path] ?? shipped;
-    const change = (now: string): void =>
-        onSelect(now === shipped
-            ? reverted(selection, file.path)
-            : { ...selection, edits: { ...selection.edits, [file.path]: now } });
+interface EditorProps {
+    file: BenchFile;
+    loaded: Loaded;
+    props: Props;
+}
+
+function Editor({ file, loaded: { editor: TextEditor, shipped }, props }: EditorProps) {
+    const { selection, parts, onSelect, schema } = props;
+    const [begun, setBegun] = useState(0); // a new editor a number
+    const text = selection.edits[file.path] ?? shipped[file.path] ?? "";
+    const edited = (now: string): Selection => withText(selection, parts, shipped, file.path, now);
+    const reset = (): void => {
+        onSelect(edited(shipped[file.path] ?? ""));
+        setBegun(begun + 1);
+    };
     return (
         <>
             <div class="buttons">
@@ -43,9 +57,9 @@ function Editor({ file, shipped, props, reset }: { file: BenchFile; shipped: str
                 <button type="button" onClick={() => download(`${file.name}.toml`, new Blob([text]))}>Download file</button>
                 <span class="note">Ctrl+Space completes a key. Escape, then Tab leaves the text.</span>
             </div>
-            <FileEditor
-                label={`${file.kind} file ${file.name}`} kind={file.kind} text={text} schema={schema}
-                check={(now) => check(props, file, now)} onChange={change}
+            <TextEditor
+                key={begun} label={`${file.kind} file ${file.name}`} kind={file.kind} text={text} schema={schema}
+                check={(now) => check(props, file, now, edited(now))} onChange={(now) => onSelect(edited(now))}
             />
         </>
     );
@@ -53,21 +67,14 @@ function Editor({ file, shipped, props, reset }: { file: BenchFile; shipped: str
 
 export function Files(props: Props) {
     const files = filesOf(props.selection, props.parts);
+    const paths = files.map(({ path }) => path).join();
     const [path, setPath] = useState(files[0]?.path);
-    const [shipped, setShipped] = useState<{ path: string; text: string }>();
-    const [begun, setBegun] = useState(0); // a new editor a number
+    const [loaded, setLoaded] = useState<Loaded>();
+    const [problem, setProblem] = useState("");
     const file = files.find((one) => one.path === path) ?? files[0];
     useEffect(() => {
-        if (file !== undefined) {
-            void props.client
-                .ask("readFile", { path: `${DATA_FOLDER}/${file.path}` })
-                .then((text) => setShipped({ path: file.path, text }));
-        }
-    }, [file?.path]);
-    const reset = (): void => {
-        props.onSelect(reverted(props.selection, file?.path ?? ""));
-        setBegun(begun + 1);
-    };
+        load(props.client, files).then(setLoaded, (error: Error) => setProblem(error.message));
+    }, [paths]);
     return (
         <div class="files">
             <div class="buttons" role="group" aria-label="Files">
@@ -77,8 +84,9 @@ export function Files(props: Props) {
                     </button>
                 ))}
             </div>
-            {file !== undefined && shipped?.path === file.path && (
-                <Editor key={`${file.path} ${begun}`} file={file} shipped={shipped.text} props={props} reset={reset} />
+            {problem !== "" && <p class="problem" role="alert">{problem}</p>}
+            {file !== undefined && loaded !== undefined && file.path in loaded.shipped && (
+                <Editor key={file.path} file={file} loaded={loaded} props={props} />
             )}
         </div>
     );

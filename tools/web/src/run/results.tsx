@@ -75,9 +75,10 @@ function FaultCard({ fault }: { fault: Fault }) {
     );
 }
 
-export function Results({ run }: { run: Run }) {
+// Busy while a newer run is under way.
+export function Results({ run, busy }: { run: Run; busy: boolean }) {
     return (
-        <section class="results scroll" aria-label="Results" tabIndex={0}>
+        <section class="results scroll" aria-label="Results" aria-busy={busy} tabIndex={0}>
             <h2>{run.head.title}</h2>
             <p class="note">{`${run.head.motor}, ${run.head.board}, tuning ${run.head.tuning}`}</p>
             {run.faults.map((fault) => <FaultCard key={fault.time_s} fault={fault} />)}

@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { TabProps } from "../tabs.ts";
 import { argumentsOf, choiceOf, FIRST, type Selection } from "./bench_state.ts";
 import { Curves } from "./curves.tsx";
-import { downloadPicture, downloadTrace } from "./downloads.ts";
+import { downloadPicture, downloadResults, TraceButton } from "./downloads.tsx";
 import { Files } from "./files.tsx";
 import { Results } from "./results.tsx";
 import { keepInLink, selectionOfLink } from "./selection_link.ts";
@@ -27,19 +27,19 @@ interface MainProps {
 function Toolbar({ props, runner, selection, view, setView }: MainProps & { view: string; setView(view: string): void }) {
     const [problem, setProblem] = useState("");
     const { run, parts } = runner;
-    const trace = (): void => {
-        setProblem("");
-        if (parts !== undefined) {
-            downloadTrace(props.client, selection, parts).catch((error: Error) => setProblem(error.message));
-        }
-    };
     return (
         <div class="buttons toolbar">
             {["Curves", "Files"].map((name) => (
                 <button type="button" key={name} aria-pressed={view === name} onClick={() => setView(name)}>{name}</button>
             ))}
             <span class="gap" />
-            <button type="button" disabled={run === undefined} onClick={trace}>Download trace (CSV)</button>
+            <TraceButton client={props.client} selection={selection} parts={parts} onProblem={setProblem} />
+            <button
+                type="button" disabled={run === undefined}
+                onClick={() => run !== undefined && downloadResults(selection.scenario, run)}
+            >
+                Download results (JSON)
+            </button>
             <button type="button" disabled={run === undefined || view !== "Curves"} onClick={() => downloadPicture(selection.scenario)}>
                 Download picture
             </button>
@@ -117,7 +117,7 @@ export function RunTab(props: TabProps) {
                 {problem !== "" && <p class="problem" role="alert">{problem}</p>}
                 <Setup names={props.names} selection={selection} runner={runner} onSelect={choose} />
                 <Status runner={runner} selection={selection} />
-                {runner.run !== undefined && <Results run={runner.run} />}
+                {runner.run !== undefined && <Results run={runner.run} busy={runner.progress !== undefined} />}
             </div>
             <Main props={props} runner={runner} selection={selection} select={select} />
         </div>

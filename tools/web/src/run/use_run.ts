@@ -2,8 +2,8 @@
 // Runs of the chosen files: one at a time, the newest wins.
 import { useRef, useState } from "preact/hooks";
 import { type Client, type Pending, Stopped } from "../core/client.ts";
-import type { Run } from "../core/protocol.ts";
-import { choiceOf, type Parts, plainChoice, type Selection } from "./bench_state.ts";
+import type { Parts, Run } from "../core/protocol.ts";
+import { choiceOf, plainChoice, type Selection } from "./bench_state.ts";
 
 export interface Runner {
     run: Run | undefined; // the last one that came to its end
@@ -38,6 +38,9 @@ export function useRun(client: Client): Runner {
         setProgress(0);
         try {
             const found = await prepared(client, selection);
+            if (own !== newest.current) {
+                return;
+            }
             setParts(found);
             const signals = [...new Set(selection.panels.flat())];
             pending.current = client.begin("run", { choice: choiceOf(selection, found), signals }, setProgress);

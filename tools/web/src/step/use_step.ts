@@ -25,39 +25,27 @@ export interface Stepper {
 }
 
 const SAID_MAX = 200;
+const STOPPED = "stopped: interrupted"; // as the program says it
 
 async function opened(client: Client, source: StepSource): Promise<StepHead> {
     const choice = source === "scenario" ? await preparedChoice(client, await selectionOfLink()) : null;
     return client.ask("stepOpen", { source, choice });
 }
 
-export function useStep(client: Client, first: StepSource): Stepper {
-    const [source, setSource] = useState(first);
-    const [head, setHead] = useState<StepHead>();
-    const [view, setView] = useState<StepView>();
-    const [said, setSaid] = useState<Said[]>([]);
-    const [runningAt, setRunningAt] = useState<number>();
-    const [problem, setProblem] = useState("");
-    const pending = useRef<Pending<{ text: string; refused: boolean }> | undefined>(undefined);
+interface Execution {
+    runningAt: number | undefined;
+    // One after the other: while one is under way, another is not taken.
+    execute(line: string, quietly: boolean): Promise<void>;
+    stop(): void;
+}
 
-    const say = (one: Said): void => setSaid((all) => [...all, one].slice(-SAID_MAX));
-    const look = async (): Promise<void> => setView(await client.ask("stepLook", null));
-    const open = async (next: StepSource): Promise<void> => {
-        setSource(next);
-        setProblem("");
-        setSaid([]);
-        try {
-            setHead(await opened(client, next));
-            await look();
-        } catch (error) {
-            setHead(undefined);
-            setView(undefined);
-            setProblem((error as Error).message);
-        }
-    };
+function useExecution(client: Client, say: (said: Said) => void, look: () => Promise<void>): Execution {
+    const [runningAt, setRunningAt] = useState<number>();
+    const pending = useRef<Pending<{ text: string; refused: boolean }> | undefined>(undefined);
+    const stop = (): void => pending.current?.stop();
     const execute = async (line: string, quietly: boolean): Promise<void> => {
         if (pending.current !== undefined) {
-            return; // one after the other; a key that repeats waits for the page
+            return;
         }
         pending.current = client.begin("stepExecute", { line }, setRunningAt);
         try {
@@ -66,20 +54,43 @@ export function useStep(client: Client, first: StepSource): Stepper {
                 say({ line, ...answer });
             }
         } catch (error) {
-            say({ line, text: error instanceof Stopped ? "stopped: interrupted" : (error as Error).message, refused: true });
+            say({ line, text: error instanceof Stopped ? STOPPED : (error as Error).message, refused: true });
         }
         setRunningAt(undefined);
-        await look().catch((error: Error) => setProblem(error.message));
+        await look();
         pending.current = undefined;
     };
-    useEffect(() => {
-        void open(first);
-        return () => pending.current?.stop();
-    }, []);
+    useEffect(() => stop, []);
+    return { runningAt, execute, stop };
+}
+
+export function useStep(client: Client, first: StepSource): Stepper {
+    const [source, setSource] = useState(first);
+    const [head, setHead] = useState<StepHead>();
+    const [view, setView] = useState<StepView>();
+    const [said, setSaid] = useState<Said[]>([]);
+    const [problem, setProblem] = useState("");
+    const failed = (error: Error): void => setProblem(error.message);
+    const look = (): Promise<void> => client.ask("stepLook", null).then(setView, failed);
+    const say = (one: Said): void => setSaid((all) => [...all, one].slice(-SAID_MAX));
+    const { runningAt, execute, stop } = useExecution(client, say, look);
+
+    const open = async (next: StepSource): Promise<void> => {
+        setSource(next);
+        setProblem("");
+        setSaid([]);
+        setView(undefined);
+        try {
+            setHead(await opened(client, next));
+            await look();
+        } catch (error) {
+            failed(error as Error);
+        }
+    };
+    useEffect(() => void open(first), []);
     return {
-        source, head, view, said, runningAt, problem, open,
+        source, head, view, said, runningAt, problem, open, stop,
         execute: (line) => execute(line, false),
         walk: (line) => execute(line, true),
-        stop: () => pending.current?.stop(),
     };
 }
