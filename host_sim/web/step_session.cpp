@@ -144,13 +144,16 @@ Json diff_json(const debug::Timeline &timeline)
     return rows;
 }
 
-Json fault_of(const drive_t &drive)
+// The drive's count of ticks wraps, that of a run does not.
+Json fault_of(const debug::Timeline &timeline)
 {
+    const drive_t &drive = timeline.run().sim().drive();
     if (drive.state != DRIVE_STATE_FAULT) {
         return nullptr;
     }
     const fault_text_t &text = *fault_text(drive.fault.id);
-    return {{"name", text.name}, {"advice", text.advice}};
+    const uint32_t ago = static_cast<uint32_t>(timeline.now()) - drive.fault.tick;
+    return {{"name", text.name}, {"advice", text.advice}, {"tick", timeline.now() - ago}};
 }
 
 std::vector<std::string> breaks_of(const debug::Session &session)
@@ -167,14 +170,13 @@ Json look(const Json &given)
     (void)given;
     const debug::Session &session = open_stepper();
     const debug::Timeline &timeline = session.timeline;
-    const drive_t &drive = timeline.run().sim().drive();
     return {{"tick", timeline.now()},
             {"first", timeline.first()},
             {"last", timeline.last()},
             {"time_s", timeline.tick().time_s},
             {"position", session.position_text()},
-            {"state", state_name(drive.state)},
-            {"fault", fault_of(drive)},
+            {"state", state_name(timeline.run().sim().drive().state)},
+            {"fault", fault_of(timeline)},
             {"stages", stages_json(timeline.tick())},
             {"diff", diff_json(timeline)},
             {"edits", timeline.edits()},

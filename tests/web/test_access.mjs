@@ -25,7 +25,7 @@ for (const colorScheme of ["light", "dark"]) {
         await page.locator(".cm-content").waitFor();
         assert.deepEqual(await violations(page), []);
         await switchOn(page);
-        await page.getByRole("button", { name: "Choose signals" }).click();
+        await page.getByRole("button", { name: "Signals", exact: true }).click();
         await page.getByRole("button", { name: "Open phase a" }).click();
         assert.deepEqual(await violations(page), []);
         await openTab(page, "Step");

@@ -183,7 +183,7 @@ export interface StepView {
     time_s: number;
     position: string; // the stepper's line, and what is watched
     state: string;
-    fault: { name: string; advice: string } | null;
+    fault: { name: string; advice: string; tick: number } | null;
     stages: { title: string; rows: SignalValue[] }[];
     diff: DiffRow[];
     edits: string[];

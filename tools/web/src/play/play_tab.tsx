@@ -135,7 +135,7 @@ function Toolbar({ props, play, choosing, setChoosing, span, setSpan }: ToolbarP
                     {SPANS_S.map((seconds) => <option key={seconds} value={seconds}>{`${seconds} s`}</option>)}
                 </select>
             </label>
-            <button type="button" aria-pressed={choosing} onClick={() => setChoosing(!choosing)}>Choose signals</button>
+            <button type="button" aria-pressed={choosing} onClick={() => setChoosing(!choosing)}>Signals</button>
             <Pace play={play} />
         </div>
     );

@@ -7,13 +7,24 @@ import { choiceOf, FIRST, plainChoice, type Selection, selectionFrom } from "./b
 
 const LINK = /^#run=(.+)$/;
 
+// What was kept last: the address has it a moment later.
+let newest: Selection | undefined;
+
 export async function selectionOfLink(): Promise<Selection> {
+    if (newest !== undefined) {
+        return newest;
+    }
     const written = LINK.exec(location.hash)?.[1];
     return written === undefined ? FIRST : selectionFrom(await unpacked(written));
 }
 
 export function keepInLink(selection: Selection): void {
-    void packed(selection).then((text) => history.replaceState(null, "", `#run=${text}`));
+    newest = selection;
+    void packed(selection).then((text) => {
+        if (newest === selection) {
+            history.replaceState(null, "", `#run=${text}`);
+        }
+    });
 }
 
 // Its edited files are written; what the simulator is told comes back.

@@ -97,12 +97,22 @@ function Change({ stepper }: { stepper: Stepper }) {
     );
 }
 
-function Place({ view }: { view: StepView }) {
+function Place({ stepper, view }: { stepper: Stepper; view: StepView }) {
+    const { fault } = view;
     return (
         <div role="status" class="place">
             <pre>{view.position.trimEnd()}</pre>
-            {view.fault !== null && (
-                <div class="fault"><strong>{view.fault.name}</strong><p>{view.fault.advice}</p></div>
+            {fault !== null && (
+                <div class="fault">
+                    <strong>{`${fault.name} at tick ${fault.tick}`}</strong>
+                    <p>{fault.advice}</p>
+                    <button
+                        type="button" class="small" disabled={fault.tick <= view.first}
+                        onClick={() => void stepper.walk(`goto ${fault.tick - 1}`)}
+                    >
+                        To the tick before the fault
+                    </button>
+                </div>
             )}
         </div>
     );
@@ -166,7 +176,7 @@ export function StepTab({ client, what }: TabProps) {
                         <Ask label="Go to" button="Go" hint="4711 or 0.35s" onEnter={(text) => void stepper.execute(`goto ${text}`)} />
                         <Change stepper={stepper} />
                         <Running stepper={stepper} />
-                        <Place view={view} />
+                        <Place stepper={stepper} view={view} />
                         <Kept view={view} />
                         <Console client={client} stepper={stepper} />
                     </>
