@@ -67,6 +67,36 @@ export async function settled(page) {
     await page.locator("section[aria-label=Results][aria-busy=false]").waitFor();
 }
 
+// Reads until it is good: a page shows what has happened a moment later.
+export async function until(read, isGood) {
+    const end = Date.now() + LOAD_MS;
+    let found = await read();
+    while (!isGood(found)) {
+        if (Date.now() > end) {
+            throw new Error(`${JSON.stringify(found)} is found, and stays so`);
+        }
+        await new Promise((resolve) => setTimeout(resolve, 20));
+        found = await read();
+    }
+    return found;
+}
+
+// Opens a file in the editor; its first line with this text.
+export async function openFile(page, path, text) {
+    await page.getByRole("button", { name: "Files" }).click();
+    await page.getByRole("button", { name: path }).click();
+    const line = page.locator(".cm-line").filter({ hasText: text }).first();
+    await line.waitFor();
+    return line;
+}
+
+export async function replaceLine(page, line, text) {
+    await line.click();
+    await page.keyboard.press("Home");
+    await page.keyboard.press("Shift+End");
+    await page.keyboard.type(text);
+}
+
 // The native program: {stdout, stderr, status}.
 export function motorsim(args, cwd = ROOT) {
     return new Promise((resolve) => {
