@@ -61,7 +61,8 @@ test("the same error", async (t) => withPage(async (page) => {
 }));
 
 test("what is stopped says so", async (t) => withPage(async (page) => {
-    const choice = { scenario: "s1_robust", with: [], set: [] };
+    // So long that nobody is too late.
+    const choice = { scenario: "s1_robust", with: [], set: ["scenario.duration_s=300"] };
     for (const [name, given] of Object.entries({ run: { choice, signals: [] }, trace: { choice } })) {
         await t.test(name, async () => {
             assert.deepEqual(await ask(page, name, given, { cancel: true }), { id: 1, error: "stopped", cancelled: true });
