@@ -21,6 +21,9 @@ interface Props {
     attach(draw: (picture: ScopePicture) => void): () => void;
 }
 
+// A dashed or a thick line of many points takes longer to draw than a frame lasts.
+const FAST: Pick<uPlot.Series, "dash" | "width"> = { dash: [], width: 1 };
+
 // A scope is low.
 const TICK_SPACE_PX = 18;
 
@@ -29,7 +32,7 @@ function made(props: Props, element: HTMLElement, bands: () => Band[]): uPlot {
         width: element.clientWidth,
         height: props.height,
         scales: { x: { time: false, range: (_plot, min, max) => [min, max] } },
-        series: [{ label: "t [s]" }, ...props.curves.map(seriesOf)],
+        series: [{ label: "t [s]" }, ...props.curves.map((curve, index) => ({ ...seriesOf(curve, index), ...FAST }))],
         axes: axesOf(props.curves).map((axis, index) => (index === 0 ? axis : { ...axis, space: TICK_SPACE_PX })),
         cursor: { show: false },
         legend: { live: false },

@@ -15,7 +15,7 @@ export const SHOWN = [
 const BLOCK_MAX_S = 0.1; // longer pauses of the page do not count as time
 const FRAME_MS = 1000 / 60;
 const WINDOW_MS = 1000; // of the figures of speed
-const SCOPE_POINTS = 2100; // two a bucket, 1000 buckets a span, and some more
+const SCOPE_POINTS = 840; // two a bucket, 400 buckets a span, and some more
 
 export interface Pace {
     ratio: number; // to real time, over the last second
