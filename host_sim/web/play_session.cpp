@@ -32,7 +32,7 @@ namespace
 {
 
 constexpr double KEPT_S = 10;
-constexpr double LONGEST_S = 86400; // a day at 48 kHz is less than the drive's tick can count
+constexpr double LONGEST_S = 86400;     // a day at 48 kHz is less than the drive's tick can count
 constexpr double BUCKETS_IN_SPAN = 400; // two pixels a bucket
 constexpr double POSITION_MAX_DEG = 3600;
 constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
