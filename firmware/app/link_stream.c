@@ -111,7 +111,7 @@ static void skip_to_newest(link_stream_t *stream)
 {
     const uint32_t newest = recorder_newest(stream->recorder);
 
-    if ((newest != 0U) && (newest != stream->segment)) {
+    if (newest != 0U) {
         stream->before_entries = 0U;
         start_segment(stream, newest);
     }
@@ -120,9 +120,7 @@ static void skip_to_newest(link_stream_t *stream)
 static void announce_segment(link_stream_t *stream, const recorder_view_t *view, link_out_t *out)
 {
     const uint32_t tick = view->state->tick;
-    const bool is_next = stream->began && (tick == stream->next_tick);
-    const bool follows = is_next && view->follows && (stream->before_entries != 0U) &&
-                         (stream->segment == number_behind(stream->before));
+    const bool follows = stream->began && (tick == stream->next_tick);
 
     if (stream->began) {
         stream->lost += tick - stream->next_tick;

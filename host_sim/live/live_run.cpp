@@ -247,7 +247,7 @@ std::optional<std::string> LiveRun::next_line()
     if (typed_.empty()) {
         return view_->typed();
     }
-    const std::string line = typed_.front();
+    std::string line = std::move(typed_.front());
     typed_.pop_front();
     return line;
 }

@@ -13,6 +13,8 @@ namespace nf::replay
 namespace
 {
 
+constexpr uint32_t ENTRIES_OF_A_FRAME = 2; // it, and a change of what it is told, at most
+
 // Frames of a run.
 struct Span {
     std::size_t first;
@@ -40,8 +42,9 @@ std::size_t frames_max()
 {
     constexpr std::size_t LINE_BYTES = RECORDER_LINE_CHARACTERS + 1; // with its end
     constexpr std::size_t ENTRY_WORDS = sizeof(recorder_entry_t) / sizeof(uint32_t);
-    constexpr std::size_t OTHER_WORDS = 4096; // header, configurations, state, changes
-    return (FILE_BYTES_MAX / LINE_BYTES * RECORDER_LINE_WORDS - OTHER_WORDS) / ENTRY_WORDS;
+    constexpr std::size_t OTHER_WORDS = 4096; // header, configurations, state
+    return (FILE_BYTES_MAX / LINE_BYTES * RECORDER_LINE_WORDS - OTHER_WORDS) /
+           (ENTRY_WORDS * ENTRIES_OF_A_FRAME);
 }
 
 // The recorder's snapshot is the state behind its first tick.
@@ -64,9 +67,9 @@ Span span_of(const RecordedRun &run)
 RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about)
 {
     const Span span = span_of(run);
-    // One segment holds all of it: each frame may come with a change of what it is told.
-    Writer writer(about, static_cast<uint32_t>(2 * (span.end - span.first) + RECORDER_ENTRIES_MIN),
-                  Writer::Until::end);
+    // One segment holds all of it.
+    const auto frames = static_cast<uint32_t>(span.end - span.first);
+    Writer writer(about, ENTRIES_OF_A_FRAME * frames + RECORDER_ENTRIES_MIN, Writer::Until::end);
     ScriptedRun ticks(run);
     for (std::size_t k = 0; k < span.end; k++) {
         const Tick tick = ticks.control();

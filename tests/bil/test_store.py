@@ -108,26 +108,37 @@ class Store(unittest.TestCase):
         self.assertLessEqual(max(address + len(data) for address, data in elf.segments(IMAGE)), SLOTS[0])
 
 
-class Cuts(unittest.TestCase):
-    """The image stores by way of its link, and power fails in each step of it."""
+class Linked(unittest.TestCase):
+    """A board whose image stores by way of its link."""
+
+    LINE_TAKES_TIME = True
 
     @classmethod
     def setUpClass(cls):
         cls.made = board.Board(IMAGE, BOARD, CLOCK)
+        cls.flash = cls.made.chip.power.flash
         cls.made.set_inputs(MIDDLE, MIDDLE, BUS)
         cls.made.boot()
-        cls.made.chip.usart.instant = True
+        cls.made.chip.usart.instant = not cls.LINE_TAKES_TIME
         cls.made.tick(CALIBRATION_TICKS)
         cls.link = Link(cls.made)
         cls.link.hello()
 
-    def apply(self, data):
-        self.assertEqual(self.link.apply(data), "")
-        self.made.tick(2 * board.SLOW_TICKS)
+    @classmethod
+    def apply(cls, data):
+        if verdict := cls.link.apply(data):
+            raise AssertionError(verdict)
+        cls.made.tick(2 * board.SLOW_TICKS)
+
+
+class Cuts(Linked):
+    """Power fails in each step of a store."""
+
+    LINE_TAKES_TIME = False
 
     def start_behind(self, cut):
         """What a start says that follows a store without the power from this step on, and whether the store has ended."""
-        flash = self.made.chip.power.flash
+        flash = self.flash
         flash.chance.seed(cut)
         flash.cut = flash.steps + cut
         try:
@@ -160,21 +171,13 @@ class Cuts(unittest.TestCase):
         self.assert_cuts(units + 4, first, second)    # and two stamps of the block that is kept
 
 
-class Refusals(unittest.TestCase):
-    """A flash that does not do what it should, while the image stores by way of its link."""
+class Refusals(Linked):
+    """A flash that does not do what it should."""
 
     @classmethod
     def setUpClass(cls):
-        cls.made = board.Board(IMAGE, BOARD, CLOCK)
-        cls.made.set_inputs(MIDDLE, MIDDLE, BUS)
-        cls.made.boot()
-        cls.made.tick(CALIBRATION_TICKS)
-        cls.link = Link(cls.made)
-        cls.link.hello()
-        if verdict := cls.link.apply(block(IMAGES, "any")):
-            raise AssertionError(verdict)
-        cls.made.tick(2 * board.SLOW_TICKS)
-        cls.flash = cls.made.chip.power.flash
+        super().setUpClass()
+        cls.apply(block(IMAGES, "any"))
 
     def verdict(self, prepare):
         def act():

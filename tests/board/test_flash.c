@@ -13,7 +13,7 @@
 #define PAGE_WORDS (512U)
 #define WORDS (STORE_BYTES / 4U)
 #define NONE UINT32_MAX
-#define BUSY_LOOKS (20U) /* more than one reg_wait() has */
+#define BUSY_LOOKS (2U) /* fewer than reg_wait() has */
 #define FOREVER (100U)
 
 typedef struct {

@@ -4,6 +4,7 @@
 #include "cfg_rows.h"
 #include "lossy_channel.h"
 #include "output_file.h"
+#include "own_path.h"
 #include "reader.h"
 #include "replay.h"
 #include "trace.h"
@@ -160,9 +161,8 @@ void a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit()
     Bench bench(scripted("60"));
     const nf::DriveImage power_up = {bench.board.run().sim().cfg(), bench.board.run().sim().drive(),
                                      bench.board.run().sim().bases()};
-    const std::string folder = std::filesystem::temp_directory_path();
-    const std::string shown_path = folder + "/nf_live_shown.csv";
-    const std::string native_path = folder + "/nf_live_native.csv";
+    const std::string shown_path = own_path("nf_live_shown.csv");
+    const std::string native_path = own_path("nf_live_native.csv");
     nf::Trace trace(shown_path, false);
     Both both(bench.shown, trace);
     Follower follower(
@@ -572,7 +572,7 @@ void a_fault_whose_recording_is_kept_is_said_with_its_advice()
 
 nf::replay::Recording recorded(Bench &bench)
 {
-    const std::string path = std::filesystem::temp_directory_path() / "nf_live_recorded.log";
+    const std::string path = own_path("nf_live_recorded.log");
     bench.do_line("record " + path);
     const nf::replay::Recording recording = nf::replay::read_file(path);
     std::filesystem::remove(path);

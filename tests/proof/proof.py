@@ -44,7 +44,7 @@ NO_PART_OF_IT = {f"{name}.{kind}" for name in ("cobs", "config_block", "drive_wo
 BACKGROUND = {  # of the recorder
     "count_entries", "count_segments", "fill_view", "has_only_two", "is_configured", "is_entry_of_change",
     "is_nearly_full", "is_over", "number_after", "offer", "other_config", "prepare", "recorder_begin_state", "recorder_end_state", "recorder_entry",
-    "recorder_find", "recorder_follow", "recorder_further_config", "recorder_history", "recorder_hold", "recorder_release",
+    "recorder_find", "recorder_follow", "recorder_further_config", "recorder_history", "recorder_hold", "recorder_keep_state", "recorder_release",
     "recorder_newest", "recorder_service", "recorder_unpack", "segment_after", "segment_before", "trigger",
 }
 

@@ -49,6 +49,17 @@ static void assert_code(const char *expected, const char *bytes, uint32_t count)
     TEST_ASSERT_EQUAL_UINT8_ARRAY((const uint8_t *)expected, code, count + 1U);
 }
 
+static void test_a_zero_in_a_code_ends_a_piece_as_a_one_does(void)
+{
+    static const uint8_t code[] = {0U, 0U, 3U, 0x11U, 0x22U};
+    uint8_t bytes[sizeof code];
+    bool whole = false;
+
+    TEST_ASSERT_EQUAL_UINT32(4U, decode(code, sizeof code, bytes, &whole));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY("\0\0\x11\x22", bytes, 4U);
+    TEST_ASSERT_TRUE(whole);
+}
+
 static void test_examples_have_the_codes_that_are_published(void)
 {
     assert_code("\x01\x01", "\0", 1U);
@@ -133,6 +144,7 @@ static void test_a_code_that_is_cut_is_not_whole(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_a_zero_in_a_code_ends_a_piece_as_a_one_does);
     RUN_TEST(test_examples_have_the_codes_that_are_published);
     RUN_TEST(test_bytes_of_each_length_and_density_of_zeros_come_back);
     RUN_TEST(test_a_piece_of_254_bytes_without_a_zero_has_none_behind_it);

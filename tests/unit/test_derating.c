@@ -433,6 +433,19 @@ static void test_the_heat_of_a_current_is_that_of_the_same_current_in_another_sc
     }
 }
 
+static void test_the_least_heat_is_exact_in_a_scale_that_is_much_finer(void)
+{
+    derating_cfg_t other = cfg;
+
+    for (uint32_t finer = 0U; finer < 20U; finer++) {
+        cfg.heat_shift = 0U;
+        other.heat_shift = finer;
+        derating.heat_q24 = 1;
+        derating_change(&derating, &cfg, &other);
+        TEST_ASSERT_EQUAL_INT32(1L << finer, derating.heat_q24);
+    }
+}
+
 static void test_a_heat_beyond_its_range_in_another_scale_is_the_most(void)
 {
     derating_cfg_t other = cfg;
@@ -478,6 +491,7 @@ int main(void)
     RUN_TEST(test_the_voltage_of_the_bus_current_is_a_mean_of_some_slow_periods);
     RUN_TEST(test_the_smallest_of_all_limits_holds);
     RUN_TEST(test_the_heat_of_a_current_is_that_of_the_same_current_in_another_scale);
+    RUN_TEST(test_the_least_heat_is_exact_in_a_scale_that_is_much_finer);
     RUN_TEST(test_a_heat_beyond_its_range_in_another_scale_is_the_most);
     return UNITY_END();
 }

@@ -202,6 +202,57 @@ static void test_a_board_without_recorder_and_build_id_says_so(void)
     TEST_ASSERT_EQUAL_UINT8(0U, body[6]);
     TEST_ASSERT_EACH_EQUAL_UINT8(0U, &body[32], 20U);
     assert_verdict("there is no recorder", LINK_STREAM, &version, 1U);
+    const uint8_t segment[7] = {1U, 0U, 0U, 0U, 0U, 0U, 9U};
+    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_STATE, segment, 7U)->length);
+    TEST_ASSERT_EQUAL_UINT32(9U, ask(LINK_AGAIN, segment, 7U)->length);
+}
+
+static void test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store(void)
+{
+    const uint8_t version = LINK_VERSION;
+
+    for (uint32_t slot = 0U; slot < HAL_STORE_SLOTS; slot++) {
+        for (uint32_t unit = 0U; unit < HAL_STORE_UNITS; unit++) {
+            flash.units[slot][unit].half_done = true;
+            flash.units[slot][unit].half = HAL_HOST_FLASH_UNREADABLE;
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX8(LINK_CAN_STREAM, ask(LINK_HELLO, &version, 1U)->bytes[3]);
+}
+
+/* A pass between any two of its bytes. */
+static void test_a_frame_may_come_in_pieces(void)
+{
+    const size_t first = line.in_length;
+
+    hello();
+    line_ask(LINK_PING, 9U, NULL, 0U);
+    const size_t end = line.in_length;
+    for (size_t at = line.in_at; at <= end; at++) {
+        line.in_length = at;
+        pass();
+    }
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_GREATER_THAN_size_t(first, end);
+    TEST_ASSERT_NOT_NULL(line_find(LINK_PING + LINK_ANSWER));
+}
+
+/* The last frame goes out whole before a person is written to. */
+static void test_an_answer_to_a_bye_is_whole_on_a_slow_line(void)
+{
+    hello();
+    line.room = 3U;
+    line_ask(LINK_BYE, 9U, NULL, 0U);
+    passes(2U);
+    TEST_ASSERT_FALSE(serial.is_linked);
+    line_type("stop\n");
+    passes(SHORT_WHILE);
+    line.room = SIZE_MAX;
+    passes(SHORT_WHILE);
+    line_listen();
+    TEST_ASSERT_NOT_NULL(line_find(LINK_BYE + LINK_ANSWER));
+    TEST_ASSERT_EQUAL_STRING("ok\r\n", line.text);
 }
 
 static void test_no_question_but_a_hello_makes_the_line_the_pcs(void)
@@ -529,11 +580,46 @@ static void test_words_beyond_the_block_are_refused_by_their_verdict(void)
     assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
 }
 
+static void test_of_words_behind_one_that_is_refused_none_is_written(void)
+{
+    uint8_t body[11] = {0xFFU, 0xFFU, 2U};
+
+    hello();
+    assert_verdict("the block has no such word", LINK_WRITE, body, sizeof body);
+}
+
 static void stream_on(void)
 {
     const uint8_t on = 1U;
 
     assert_verdict("", LINK_STREAM, &on, 1U);
+}
+
+static void test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most(void)
+{
+    const uint8_t on = 5U;
+
+    hello();
+    assert_verdict("", LINK_STREAM, &on, 1U);
+    passes(300U);
+    line_listen();
+    TEST_ASSERT_NOT_NULL(line_find(LINK_FRAMES));
+    for (uint32_t k = 0U; k < line.count; k++) {
+        if (line.messages[k].bytes[0] == (uint8_t)LINK_FRAMES) {
+            TEST_ASSERT_LESS_OR_EQUAL_UINT8(5U, line.messages[k].bytes[8]);
+        }
+    }
+}
+
+/* It is frozen until the drive leaves FAULT, but nobody waits for it. */
+static void test_a_stream_begins_in_a_fault_whose_recording_was_given_up(void)
+{
+    hello();
+    fail();
+    passes(200U);
+    assert_line("record");
+    stream_on();
+    TEST_ASSERT_EQUAL(DRIVE_STATE_FAULT, app.drive.state);
 }
 
 static void test_a_stream_sends_segments_and_frames_until_it_is_ended(void)
@@ -643,8 +729,11 @@ static void test_no_block_is_changed_while_a_dump_is_under_way(void)
     line_ask(LINK_WRITE, 2U, word, sizeof word);
     line_ask(LINK_APPLY, 3U, crc, sizeof crc);
     line_ask(LINK_DEFAULTS, 4U, NULL, 0U);
+    line_ask(LINK_STORE, 5U, NULL, 0U);
     passes(20U * SHORT_WHILE);
     line_listen();
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(2U, line_find(LINK_STORE + LINK_ANSWER)->length,
+                                     "a store is none");
     assert_refused_by_a_dump(LINK_WRITE);
     assert_refused_by_a_dump(LINK_APPLY);
     assert_refused_by_a_dump(LINK_DEFAULTS);
@@ -850,6 +939,9 @@ int main(void)
     RUN_TEST(test_what_the_line_does_not_take_waits_and_what_does_not_fit_is_cut);
     RUN_TEST(test_a_hello_makes_the_line_the_pcs_and_is_answered_with_the_identity);
     RUN_TEST(test_a_board_without_recorder_and_build_id_says_so);
+    RUN_TEST(test_a_board_whose_flash_cannot_be_read_says_that_it_cannot_store);
+    RUN_TEST(test_a_frame_may_come_in_pieces);
+    RUN_TEST(test_an_answer_to_a_bye_is_whole_on_a_slow_line);
     RUN_TEST(test_no_question_but_a_hello_makes_the_line_the_pcs);
     RUN_TEST(test_a_line_that_was_begun_when_the_pc_came_is_forgotten);
     RUN_TEST(test_text_that_is_on_its_way_goes_on_in_frames);
@@ -874,6 +966,9 @@ int main(void)
     RUN_TEST(test_a_stream_sends_segments_and_frames_until_it_is_ended);
     RUN_TEST(test_a_stream_ends_with_the_link_and_a_fault_is_recorded_again);
     RUN_TEST(test_a_recording_of_a_fault_is_kept_and_no_stream_begins_before_it_is_given_up);
+    RUN_TEST(test_of_words_behind_one_that_is_refused_none_is_written);
+    RUN_TEST(test_a_stream_of_short_messages_has_as_many_entries_as_were_asked_for_at_most);
+    RUN_TEST(test_a_stream_begins_in_a_fault_whose_recording_was_given_up);
     RUN_TEST(test_a_question_that_comes_again_is_done_once_and_answered_as_before);
     RUN_TEST(test_no_stream_begins_while_a_dump_is_under_way);
     RUN_TEST(test_no_block_is_changed_while_a_dump_is_under_way);

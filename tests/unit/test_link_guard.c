@@ -84,6 +84,21 @@ static void test_the_request_ends_when_the_motor_is_at_rest(void)
     TEST_ASSERT_EQUAL_UINT8(0U, command().request);
 }
 
+/* It would end a later request otherwise. */
+static void test_a_request_that_somebody_else_has_ended_is_not_ended_again(void)
+{
+    run((uint8_t)DRIVE_MODE_SPEED);
+    link_guard_heard(&guard, 100U);
+    (void)pass(101U + TIMEOUT);
+    turn(cfg.speed_loop.speed_max / 2);
+    commander_stop(&app);
+    TEST_ASSERT_FALSE(pass(102U + TIMEOUT));
+    run((uint8_t)DRIVE_MODE_SPEED);
+    turn(0);
+    TEST_ASSERT_FALSE(pass(103U + TIMEOUT));
+    TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_RUN, command().request);
+}
+
 static void test_a_time_of_0_never_runs_out(void)
 {
     run((uint8_t)DRIVE_MODE_SPEED);
@@ -160,6 +175,7 @@ int main(void)
     RUN_TEST(test_the_speed_becomes_0_after_the_timeout_and_not_before);
     RUN_TEST(test_a_position_is_left_for_speed_0);
     RUN_TEST(test_the_request_ends_when_the_motor_is_at_rest);
+    RUN_TEST(test_a_request_that_somebody_else_has_ended_is_not_ended_again);
     RUN_TEST(test_a_time_of_0_never_runs_out);
     RUN_TEST(test_the_time_is_counted_across_the_wrap_of_the_ticks);
     RUN_TEST(test_without_a_pc_and_after_its_leave_nothing_is_watched);

@@ -53,13 +53,16 @@ static void read_segment(const uint8_t *body, uint32_t length)
     TEST_ASSERT_EQUAL_UINT32(LINK_SEGMENT_BYTES, length);
     TEST_ASSERT_TRUE(recorder_find(&run.recorder, number, &view));
     if (follows) {
-        TEST_ASSERT_EQUAL_UINT32(reader.segment + 1U, number);
+        TEST_ASSERT_EQUAL_UINT32((reader.segment == UINT32_MAX) ? 1U : (reader.segment + 1U),
+                                 number);
         TEST_ASSERT_EQUAL_UINT32(reader.drive.tick, words_get(&body[4]));
         TEST_ASSERT_EQUAL_HEX32_MESSAGE(drive_words_hash(&reader.drive), words_get(&body[8]),
                                         "whoever runs the frames has the state of the board");
         TEST_ASSERT_EQUAL_UINT32(reader.entry, body[16] | ((uint32_t)body[17] << 8U));
     } else {
-        TEST_ASSERT_EQUAL_UINT32(0U, reader.segments * (body[16] | body[17]));
+        const uint32_t before = body[16] | ((uint32_t)body[17] << 8U);
+
+        TEST_ASSERT_TRUE((before == 0U) || (before == reader.entry));
         reader.gaps++;
         reader.drive = *view.state;
         reader.drive.cfg = &run.cfg;
@@ -191,6 +194,62 @@ static void test_few_entries_wait_for_more_and_not_longer_than_8_ms(void)
     TEST_ASSERT_GREATER_OR_EQUAL_UINT32(800U / 80U, reader.messages);
 }
 
+static void test_entries_that_are_limited_come_in_messages_of_so_many_at_most(void)
+{
+    begin();
+    link_stream_limit(&stream, 16U);
+    ticks(100U);
+    reader.messages = 0U;
+    ticks(800U);
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(800U / 16U, reader.messages);
+    TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
+}
+
+static void test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent(void)
+{
+    begin();
+    ticks(100U);
+    for (uint32_t k = 0U; k < 200U; k++) {
+        ticks(1U);
+        reader.messages = 0U;
+        pass();
+        pass();
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(1U, reader.messages);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
+}
+
+static void test_the_number_behind_the_largest_is_one(void)
+{
+    run.recorder.ended = UINT32_MAX - 1U;
+    begin();
+    TEST_ASSERT_EQUAL_HEX32(UINT32_MAX, recorder_newest(&run.recorder));
+    ticks(600U);
+    TEST_ASSERT_EQUAL_UINT32(1U, reader.gaps);
+    TEST_ASSERT_LESS_THAN_UINT32(UINT32_MAX, reader.segment);
+}
+
+/* A recording that was held and is released begins anew: for a moment there is no segment. */
+static void test_a_stream_waits_while_the_recorder_begins_anew(void)
+{
+    begin();
+    ticks(500U);
+    recorder_hold(&run.recorder, &run.drive);
+    while (!run.recorder.frozen) {
+        ticks(1U);
+    }
+    for (uint32_t k = 0U; k < 20U; k++) {
+        pass();
+    }
+    recorder_release(&run.recorder);
+    recorder_service(&run.recorder, &run.drive);
+    TEST_ASSERT_EQUAL_UINT32(0U, recorder_newest(&run.recorder));
+    pass();
+    ticks(1000U);
+    TEST_ASSERT_EQUAL_UINT32(2U, reader.gaps);
+    TEST_ASSERT_GREATER_THAN_UINT32(800U, reader.ticks);
+}
+
 static void test_a_fault_does_not_end_the_stream(void)
 {
     begin();
@@ -264,6 +323,10 @@ int main(void)
     RUN_TEST(test_a_line_that_is_too_slow_leaves_ticks_out_and_says_how_many);
     RUN_TEST(test_a_line_that_was_blocked_goes_on_with_the_newest_segment);
     RUN_TEST(test_few_entries_wait_for_more_and_not_longer_than_8_ms);
+    RUN_TEST(test_entries_that_are_limited_come_in_messages_of_so_many_at_most);
+    RUN_TEST(test_a_pass_without_a_tick_has_nothing_to_send_once_all_is_sent);
+    RUN_TEST(test_the_number_behind_the_largest_is_one);
+    RUN_TEST(test_a_stream_waits_while_the_recorder_begins_anew);
     RUN_TEST(test_a_fault_does_not_end_the_stream);
     RUN_TEST(test_a_stream_that_ends_says_nothing_and_one_that_begins_again_starts_anew);
     RUN_TEST(test_a_hash_takes_many_passes_and_no_message_comes_before_it);

@@ -305,6 +305,9 @@ static void test_a_speed_in_force_stays_within_the_new_limit(void)
     (void)live_config_apply(&live, wanted.cfg.crc);
     take();
     TEST_ASSERT_EQUAL_INT32(-14316558, command_mailbox_take(&app.mailbox).target);
+    commander_set_speed(&app, EXAMPLE_SPEED_STEP);
+    commander_limit_speed(&app, 14316558);
+    TEST_ASSERT_EQUAL_INT32(14316558, command_mailbox_take(&app.mailbox).target);
 }
 
 /* The target is in electrical steps of the motor before. */
