@@ -405,7 +405,7 @@ template <typename Choice> void choose(Choice *place, const Node &value)
 }
 
 // Of a choice or a number.
-template <typename Value> std::string plain_default(const Value *value)
+template <typename Value> std::string plain_text(const Value *value)
 {
     if constexpr (std::is_enum_v<Value>) {
         return fmt::format(R"("{}")", words_of(value)[static_cast<std::size_t>(*value)]);
@@ -481,10 +481,12 @@ std::string Field::number_text(const Config &config) const
 
 std::string Field::default_text() const
 {
-    if (required) {
-        return "required";
-    }
-    Config untouched;
+    return required ? "required" : value_text(Config{});
+}
+
+std::string Field::value_text(const Config &config) const
+{
+    Config copy = config;
     return std::visit(Overloaded{
                           [](const std::string *text) { return '"' + *text + '"'; },
                           [](const std::array<double, 2> *pair) {
@@ -496,9 +498,9 @@ std::string Field::default_text() const
                           [](const std::vector<double> *points) {
                               return fmt::format("[{}]", fmt::join(*points, ", "));
                           },
-                          [](const auto *other) { return plain_default(other); },
+                          [](const auto *other) { return plain_text(other); },
                       },
-                      target(untouched));
+                      target(copy));
 }
 
 const std::vector<Field> &schema()

@@ -36,6 +36,10 @@ public:
 
     static std::string help();
 
+    // The files, and what was set in them, that make the configuration in force. Throws ConfigError where they make another one, and
+    // LinkError.
+    FileChoice files_in_force();
+
     // The drive is asked to run, as far as that is known.
     bool runs() const
     {
@@ -51,6 +55,7 @@ private:
     debug::Answer identify();
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
+    FileChoice files_of(const config_block_t &block) const;
     debug::Answer set(const std::string &assignment);
     debug::Answer adopt();
     debug::Answer apply(const Config &config);
