@@ -5,6 +5,7 @@
 
 extern "C" {
 #include "fault_text.h"
+#include "transitions.h"
 }
 
 namespace nf::web
@@ -52,6 +53,30 @@ Json states_json(const std::vector<StateChange> &changes)
         states.push_back({{"from_s", change.time_s}, {"name", state_name(change.state)}});
     }
     return states;
+}
+
+Json moves_json()
+{
+    Json moves = Json::array();
+    for (int from = DRIVE_STATE_INIT; from <= DRIVE_STATE_FAULT; from++) {
+        const auto state = static_cast<drive_state_t>(from);
+        for (int event = DRIVE_EVENT_NONE; event < DRIVE_EVENTS; event++) {
+            const drive_state_t next = transitions_next(state, static_cast<drive_event_t>(event));
+            if (next != state) {
+                moves.push_back({{"from", state_name(state)}, {"to", state_name(next)}});
+            }
+        }
+    }
+    return moves;
+}
+
+Json columns_json(const Scope &scope)
+{
+    Json columns = Json::object();
+    for (const Scope::Trace &trace : scope.traces()) {
+        columns[trace.signal->name] = block_of(trace.points);
+    }
+    return columns;
 }
 
 } // namespace nf::web

@@ -5,6 +5,7 @@
 #include "calls.h"
 #include "found_fault.h"
 #include "recorded_signals.h"
+#include "scope.h"
 #include "signals.h"
 
 namespace nf::web
@@ -21,5 +22,11 @@ Json signal_json(const SignalInfo &signal, const Tick &tick);
 Json fault_json(const fault_t &fault, double time_s, const std::string &measure);
 
 Json states_json(const std::vector<StateChange> &changes);
+
+// The state machine as the firmware has it: which state may follow which.
+Json moves_json();
+
+// Name: the points that have become whole.
+Json columns_json(const Scope &scope);
 
 } // namespace nf::web

@@ -24,6 +24,7 @@ const Calls &run_calls();
 const Calls &play_calls();
 const Calls &step_calls();
 const Calls &replay_calls();
+const Calls &live_calls();
 
 // {"value": …}, or {"error": "one line"}, for whatever the text may be.
 std::string answer(const std::string &name, const std::string &given);

@@ -12,10 +12,6 @@
 #include "names.h"
 #include "vocabulary.h"
 
-extern "C" {
-#include "transitions.h"
-}
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -110,22 +106,6 @@ double largest_load_nm(const PlaySession &s)
     return s.config.motor.rated_torque_nm * LOAD_MAX_PCT / 100;
 }
 
-// The state machine as the firmware has it: which state may follow which.
-Json moves_json()
-{
-    Json moves = Json::array();
-    for (int from = DRIVE_STATE_INIT; from <= DRIVE_STATE_FAULT; from++) {
-        const auto state = static_cast<drive_state_t>(from);
-        for (int event = DRIVE_EVENT_NONE; event < DRIVE_EVENTS; event++) {
-            const drive_state_t next = transitions_next(state, static_cast<drive_event_t>(event));
-            if (next != state) {
-                moves.push_back({{"from", state_name(state)}, {"to", state_name(next)}});
-            }
-        }
-    }
-    return moves;
-}
-
 Json limits_json(const PlaySession &s)
 {
     return {{"speed_rpm", largest_speed_rpm(s)},
@@ -196,15 +176,6 @@ Json fault_of(const PlaySession &s, const Simulation &sim)
                       fault_measure(fault, sim.bases(), s.config.board));
 }
 
-Json columns_of(const Scope &scope)
-{
-    Json columns = Json::object();
-    for (const Scope::Trace &trace : scope.traces()) {
-        columns[trace.signal->name] = block_of(trace.points);
-    }
-    return columns;
-}
-
 Json values_of(const std::vector<std::string> &names, const Tick &tick)
 {
     Json values = Json::object();
@@ -231,7 +202,7 @@ Json advance(const Json &given)
             {"fault", fault_of(s, sim)},
             {"values", values_of(texts_of(given, "values"), timeline.tick())},
             {"times", block_of(s.scope->times_s())},
-            {"columns", columns_of(*s.scope)}};
+            {"columns", columns_json(*s.scope)}};
 }
 
 Json request(const Json &given)

@@ -68,6 +68,11 @@ void Scope::close_bucket(double end_s)
     ticks_ = 0;
 }
 
+void Scope::skip()
+{
+    ticks_ = 0;
+}
+
 void Scope::clear()
 {
     times_s_.clear();

@@ -18,6 +18,8 @@ public:
     Scope(const std::vector<std::string> &names, int64_t ticks_in_bucket);
 
     void add(const Tick &tick);
+    // Ticks are missing behind the last one: no bucket has both sides of them.
+    void skip();
     // What was handed over is forgotten.
     void clear();
 

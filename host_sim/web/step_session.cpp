@@ -159,6 +159,7 @@ Json fault_of(const debug::Timeline &timeline)
 std::vector<std::string> breaks_of(const debug::Session &session)
 {
     std::vector<std::string> texts;
+    texts.reserve(session.breaks.size());
     for (const debug::Break &one : session.breaks) {
         texts.push_back(one.text);
     }

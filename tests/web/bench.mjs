@@ -24,20 +24,23 @@ export function setting(name) {
     return value;
 }
 
-async function serve() {
-    const server = spawn(setting("NF_PYTHON"), [join(ROOT, "tools/web/serve.py"), setting("NF_WEB"), "--port", "0"], {
-        stdio: ["ignore", "pipe", "inherit"],
-    });
+// `isPlain`: with a server that sends files alone, and none of the headers that isolate the page.
+async function serve(isPlain) {
+    const folder = setting("NF_WEB");
+    const args = isPlain
+        ? ["-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", folder]
+        : [join(ROOT, "tools/web/serve.py"), folder, "--port", "0"];
+    const server = spawn(setting("NF_PYTHON"), args, { stdio: ["ignore", "pipe", isPlain ? "ignore" : "inherit"] });
     for await (const line of createInterface({ input: server.stdout })) {
-        return { address: line, stop: () => server.kill("SIGINT") };
+        return { address: /http:[^\s)]+/.exec(line)[0], stop: () => server.kill("SIGINT") };
     }
     throw new Error("the server of the page has ended before it said its address");
 }
 
 // Calls test(page, address) with an open page. A request to another place, or an error in the page, fails it.
-// `options` are the browser's, and `init`, a function that the page calls before its own scripts.
-export async function withPage(test, { init, ...options } = {}) {
-    const server = await serve();
+// `options` are the browser's, and `init`, a script that comes before the page's own, as Playwright's addInitScript takes it.
+export async function withPage(test, { init, isPlain = false, ...options } = {}) {
+    const server = await serve(isPlain);
     const browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox"] });
     const strange = [];
     try {
@@ -122,6 +125,36 @@ export function ask(page, name, given, { keep, cancel } = {}) {
         };
         globalThis.testWorker.postMessage({ id: 1, name, given });
     }), [name, given, keep, cancel]);
+}
+
+export const button = (page, name) => page.getByRole("button", { name, exact: true });
+
+// Into a field, as a person does.
+export async function type(page, label, text) {
+    await page.getByLabel(label, { exact: true }).fill(text);
+    await page.keyboard.press("Enter");
+}
+
+// Until the drive is in it.
+export function state(page, name) {
+    return page.getByText(`State: ${name}`, { exact: true }).waitFor();
+}
+
+export async function reading(page, name) {
+    const text = await page.getByRole("row", { name: new RegExp(`^${name} `) }).locator("td").innerText();
+    return Number(text.split(" ")[0]);
+}
+
+// Until a reading is so.
+export function reads(page, name, holds) {
+    return until(() => reading(page, name), holds);
+}
+
+// What a button gives as a file: the path of it.
+export async function downloaded(page, name) {
+    const waiting = page.waitForEvent("download");
+    await page.getByRole("button", { name }).click();
+    return (await waiting).path();
 }
 
 // Opens another part of the bench.

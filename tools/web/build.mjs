@@ -14,20 +14,18 @@ const source = join(dirname(fileURLToPath(import.meta.url)), "src");
 
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
+const common = { outdir: out, bundle: true, minify: true, target: "es2022", logLevel: "warning" };
 await build({
+    ...common,
     entryPoints: { main: join(source, "main.tsx"), worker: join(source, "core/worker.ts") },
-    outdir: out,
-    bundle: true,
-    minify: true,
     format: "esm",
     splitting: true,
-    target: "es2022",
     jsx: "automatic",
     jsxImportSource: "preact",
     legalComments: "eof",
-    logLevel: "warning",
 });
-await build({ entryPoints: { main: join(source, "main.css") }, outdir: out, bundle: true, minify: true, logLevel: "warning" });
+await build({ ...common, entryPoints: { isolate: join(source, "isolate.ts") }, format: "iife" });
+await build({ ...common, entryPoints: { main: join(source, "main.css") } });
 await cp(join(source, "index.html"), join(out, "index.html"));
 for (const name of ["bench.mjs", "bench.wasm"]) {
     await cp(join(wasmFolder, name), join(out, name));

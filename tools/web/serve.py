@@ -13,6 +13,8 @@ class Handler(http.server.SimpleHTTPRequestHandler):
 
     def end_headers(self):
         self.send_header("Cache-Control", "no-cache")  # a page that was built anew is shown anew
+        self.send_header("Cross-Origin-Opener-Policy", "same-origin")  # these two: the page may share memory with its workers
+        self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
         super().end_headers()
 
     def log_message(self, format, *args):  # pylint: disable=redefined-builtin

@@ -3,6 +3,7 @@
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Client } from "./core/client.ts";
+import { isolateLater } from "./parts/isolation.ts";
 import { setTheme, type Theme, THEMES } from "./parts/theme.ts";
 import { TABS, type Tab, type TabProps } from "./tabs.ts";
 
@@ -71,4 +72,5 @@ function Page({ client }: { client: Client }) {
     );
 }
 
+isolateLater();
 render(<Page client={new Client()} />, document.getElementById("page") as HTMLElement);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The parts of the bench; each is a row.
 import type { ComponentType } from "preact";
+import { ConnectTab } from "./connect/connect_tab.tsx";
 import type { Client } from "./core/client.ts";
 import type { Names, SchemaKey } from "./core/protocol.ts";
 import { PlayTab } from "./play/play_tab.tsx";
@@ -28,4 +29,5 @@ export const TABS: Tab[] = [
     { id: "play", title: "Play", view: PlayTab },
     { id: "step", title: "Step", view: StepTab },
     { id: "replay", title: "Replay", view: ReplayTab },
+    { id: "connect", title: "Connect", view: ConnectTab },
 ];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The page's side of the worker: a promise a request.
-import type { Answer, Cancel, Request, RequestName, Requests } from "./protocol.ts";
+import type { Answer, Cancel, Request, RequestName, Requests, ToLine } from "./protocol.ts";
 
 export class Stopped extends Error {}
 
@@ -21,8 +21,9 @@ export class Client {
     private readonly waiting = new Map<number, Waiting>();
     private last = 0;
 
-    constructor() {
-        this.worker.onmessage = ({ data }: MessageEvent<Answer>) => this.take(data);
+    // `toLine` takes what the worker writes to a board.
+    constructor(toLine: (bytes: Uint8Array) => void = () => undefined) {
+        this.worker.onmessage = ({ data }: MessageEvent<Answer | ToLine>) => ("line" in data ? toLine(data.line) : this.take(data));
         this.worker.onerror = ({ message }) => this.fail(`the simulator could not be loaded: ${message}`);
     }
 
@@ -43,6 +44,12 @@ export class Client {
 
     ask<Name extends RequestName>(name: Name, given: Requests[Name]["given"]): Promise<Requests[Name]["back"]> {
         return this.begin(name, given).done;
+    }
+
+    // Whatever is under way ends with an error.
+    end(): void {
+        this.worker.terminate();
+        this.fail("the simulator was ended");
     }
 
     private take(answer: Answer): void {

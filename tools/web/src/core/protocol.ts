@@ -204,6 +204,56 @@ export interface Curves {
     states: StateChange[];
 }
 
+// Files of a board's configuration, as of `motorsim live`; empty: the shipped file that the board's name says.
+export interface BoardFiles {
+    motor: string;
+    board: string;
+    tuning: string;
+}
+
+export interface LiveOptions {
+    files: BoardFiles;
+    pace: number; // seconds of the board in a second
+    keep_s: number; // for a recording
+}
+
+// Who answers.
+export interface LiveHead {
+    name: string;
+    build: string; // of the firmware: the beginning of its commit or hash, hexadecimal
+    ticks_per_s: number;
+    baud: number; // as the board says; 0: its line has no rate
+    baud_needed: number; // for all ticks
+    speed_max_rpm: number;
+    moves: { from: string; to: string }[]; // of the state machine
+}
+
+// After some time of the board: how it stands, and the points of the scope that have become whole.
+export interface LiveBlock extends PlayBlock {
+    in_step: boolean; // else state, fault, values and time are the last ones that are known; the state is "" before the first
+    is_run_wanted: boolean; // by the command in force, as far as it is known
+    said: string[]; // lines since the last block
+    health: LiveHealth;
+}
+
+export interface LiveHealth {
+    load_pct: number; // of the board's processor
+    late_ticks: number; // control ticks that came late
+    tick_lost: boolean; // the control tick stays away
+    gaps: number;
+    broken: number; // frames that came damaged
+    bytes: number; // that came in
+    no_stream: string; // why the board sends no ticks; empty: it does
+}
+
+// A key of the board's motor, board or tuning file, with the value that the files and what was set make.
+export interface LiveKey {
+    name: string; // section.key
+    value: string;
+    allowed: string;
+    meaning: string;
+}
+
 // Name: what is given, and what comes back.
 export interface Requests {
     load: { given: null; back: { names: Names; schema: SchemaKey[] } };
@@ -224,6 +274,14 @@ export interface Requests {
     stepLook: { given: null; back: StepView };
     replayOpen: { given: { name: string; bytes: Uint8Array }; back: ReplayHead };
     replayHead: { given: null; back: ReplayHead | null };
+    liveOpen: { given: { line: SharedArrayBuffer; options: LiveOptions; scope: ScopeChoice }; back: LiveHead };
+    liveSignals: { given: null; back: SignalInfo[] | null }; // null: not in step yet
+    liveScope: { given: ScopeChoice; back: null };
+    livePass: { given: { seconds: number; values: string[] }; back: LiveBlock };
+    liveExecute: { given: { line: string }; back: { text: string; refused: boolean } };
+    liveKeys: { given: null; back: LiveKey[] };
+    liveRecord: { given: null; back: { text: string; log: string } }; // what was said, and the recording as a log
+    liveClose: { given: null; back: string }; // what a person is to know of the board that is left, or nothing
     replayColumns: { given: { signals: string[] }; back: Curves };
 }
 
@@ -237,6 +295,11 @@ export interface Request<Name extends RequestName = RequestName> {
 
 export interface Cancel {
     cancel: number; // the id of a request
+}
+
+// To the board, while a request is under way.
+export interface ToLine {
+    line: Uint8Array;
 }
 
 export type Answer =

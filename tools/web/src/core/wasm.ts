@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The simulator as compiled: its file system and its one function.
+import type { Line } from "./live_session.ts";
 import { FILE_KINDS, folderOf, type Requests } from "./protocol.ts";
 
 interface FileSystem {
@@ -20,6 +21,7 @@ export interface Module {
     _malloc(bytes: number): number;
     _free(address: number): void;
     _nf_web_call(name: number, given: number): number;
+    line?: Line; // of the board that is followed
 }
 
 export interface Block {
@@ -57,6 +59,10 @@ export class Core {
         } finally {
             texts.forEach((address) => this.module._free(address));
         }
+    }
+
+    useLine(line: Line): void {
+        this.module.line = line;
     }
 
     floats(block: Block): Float32Array {

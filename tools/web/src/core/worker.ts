@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The worker: it holds the simulator, takes requests one after the other, and lets a long one be stopped between slices.
 import type { Answer, Cancel, Names, Request, RequestName, Requests, SchemaKey } from "./protocol.ts";
+import * as live from "./live_session.ts";
 import * as play from "./play_session.ts";
 import * as replay from "./replay_session.ts";
 import { run, trace } from "./run_session.ts";
@@ -44,6 +45,7 @@ const handlers: Handlers = {
     ...play,
     ...step,
     ...replay,
+    ...live,
 };
 
 const cancelled = new Set<number>();

@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import { bandPainter } from "./bands.ts";
 import { axesOf, type Band, type Curve, seriesOf } from "./plot_panel.tsx";
 import { onThemeChange } from "./theme.ts";
+import { gapsOfTimes } from "./time_gaps.ts";
 
 export interface ScopePicture {
     data: [Float64Array, ...Float32Array[]];
@@ -32,7 +33,7 @@ function made(props: Props, element: HTMLElement, bands: () => Band[]): uPlot {
         width: element.clientWidth,
         height: props.height,
         scales: { x: { time: false, range: (_plot, min, max) => [min, max] } },
-        series: [{ label: "t [s]" }, ...props.curves.map((curve, index) => ({ ...seriesOf(curve, index), ...FAST }))],
+        series: [{ label: "t [s]" }, ...props.curves.map((curve, index) => ({ ...seriesOf(curve, index), ...FAST, gaps: gapsOfTimes }))],
         axes: axesOf(props.curves).map((axis, index) => (index === 0 ? axis : { ...axis, space: TICK_SPACE_PX })),
         cursor: { show: false },
         legend: { live: false },

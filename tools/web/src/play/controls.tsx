@@ -1,89 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What a person does to the machine: requests, commands, load, and what breaks it.
-import { useEffect, useId, useState } from "preact/hooks";
 import type { Knobs, PlayAct, PlayHead, PlayMode } from "../core/protocol.ts";
+import { CommandChoice } from "../parts/command_choice.tsx";
+import { Knob } from "../parts/knob.tsx";
+import { Requests } from "../parts/requests.tsx";
 
 interface Props {
     head: PlayHead;
     knobs: Knobs;
     act(act: PlayAct): void;
-}
-
-interface KnobProps {
-    name: string;
-    unit: string;
-    value: number;
-    largest: number; // either way
-    step: number;
-    onValue(value: number): void;
-}
-
-// A slider and a field for the same number. The field counts when it is left, or with Enter.
-function Knob({ name, unit, value, largest, step, onValue }: KnobProps) {
-    const id = useId();
-    const [text, setText] = useState(String(value));
-    useEffect(() => setText(String(value)), [value]);
-    const take = (given: string): void => {
-        setText(given);
-        if (given.trim() !== "" && Number.isFinite(Number(given))) {
-            onValue(Number(given));
-        } else {
-            setText(String(value));
-        }
-    };
-    return (
-        <div class="knob">
-            <label for={id}>{`${name} [${unit}]`}</label>
-            <input
-                id={id} type="number" value={text} min={-largest} max={largest} step="any"
-                onInput={(event) => setText(event.currentTarget.value)} onChange={(event) => take(event.currentTarget.value)}
-            />
-            <input
-                type="range" aria-label={`${name} slider, in ${unit}`} value={value} min={-largest} max={largest} step={step}
-                onInput={(event) => take(event.currentTarget.value)}
-            />
-        </div>
-    );
-}
-
-function Requests({ act }: Props) {
-    const ask = (what: "run" | "stop" | "clear") => () => act({ call: "request", what });
-    return (
-        <div class="buttons" role="group" aria-label="Requests">
-            <button type="button" class="main" onClick={ask("run")}>Run</button>
-            <button type="button" onClick={ask("stop")}>Stop</button>
-            <button type="button" onClick={ask("clear")}>Clear fault</button>
-        </div>
-    );
-}
-
-const MODES: Record<PlayMode, { unit: string; step: number }> = {
-    speed: { unit: "rpm", step: 10 },
-    position: { unit: "°", step: 5 },
-};
-
-function Command({ head, knobs, act }: Props) {
-    const { mode } = knobs;
-    const { unit, step } = MODES[mode];
-    const largest = mode === "speed" ? head.limits.speed_rpm : head.limits.position_deg;
-    const set = (next: PlayMode, value: number): void => act({ call: "command", mode: next, value });
-    return (
-        <fieldset>
-            <legend>Command</legend>
-            <div class="choices">
-                {(Object.keys(MODES) as PlayMode[]).map((name) => (
-                    <label key={name}>
-                        <input type="radio" name="mode" checked={mode === name} onChange={() => set(name, 0)} />
-                        {name}
-                    </label>
-                ))}
-            </div>
-            <Knob
-                name={mode === "speed" ? "Speed" : "Position"} unit={unit} value={knobs.command} largest={largest} step={step}
-                onValue={(value) => set(mode, value)}
-            />
-        </fieldset>
-    );
 }
 
 interface Breakage {
@@ -136,10 +61,15 @@ function Breakages({ head, knobs, act }: Props) {
 
 export function Controls(props: Props) {
     const { head, knobs, act } = props;
+    const command = (mode: PlayMode, value: number): void => act({ call: "command", mode, value });
     return (
         <section class="controls" aria-label="Controls">
-            <Requests {...props} />
-            <Command {...props} />
+            <Requests ask={(what) => act({ call: "request", what })} />
+            <CommandChoice
+                mode={knobs.mode} value={knobs.command}
+                largest={{ speed: head.limits.speed_rpm, position: head.limits.position_deg }}
+                onMode={(mode) => command(mode, 0)} onValue={(value) => command(knobs.mode, value)}
+            />
             <fieldset>
                 <legend>Load</legend>
                 <Knob

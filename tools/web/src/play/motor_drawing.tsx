@@ -66,7 +66,7 @@ function useDrawing(parts: { current: Parts }, player: Player, largestA: number,
             }
         };
         update();
-        return player.onDraw(update);
+        return player.track.drawn.add(update);
     }, [player, largestA, turning]);
 }
 

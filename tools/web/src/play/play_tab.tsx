@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Play: the machine of the chosen scenario without its script, in real time.
-import { useEffect, useMemo, useState } from "preact/hooks";
-import type { PlayBlock, PlayHead, ScopeChoice } from "../core/protocol.ts";
+import { useEffect, useState } from "preact/hooks";
+import type { PlayBlock, PlayHead } from "../core/protocol.ts";
+import { FaultCard } from "../parts/fault_card.tsx";
 import { shown } from "../parts/format.ts";
-import { RollingScope, type ScopePicture } from "../parts/rolling_scope.tsx";
-import { SignalTree } from "../parts/signal_tree.tsx";
+import { type Reading, Readings } from "../parts/readings.tsx";
+import { scopeChoice, ScopeScene, type SceneProps, SpanChoice } from "../parts/scope_scene.tsx";
+import { StateMachine } from "../parts/state_machine.tsx";
 import { FIRST, type Selection } from "../run/bench_state.ts";
 import { MachineChoice } from "../run/machine_choice.tsx";
 import { keepInLink, selectionOfLink } from "../run/selection_link.ts";
@@ -12,7 +14,6 @@ import type { TabProps } from "../tabs.ts";
 import { Controls } from "./controls.tsx";
 import { MotorDrawing } from "./motor_drawing.tsx";
 import type { Player } from "./player.ts";
-import { StateMachine } from "./state_machine.tsx";
 import { type Play, usePlay } from "./use_play.ts";
 
 const FIRST_PANELS = [
@@ -20,9 +21,7 @@ const FIRST_PANELS = [
     ["i_q_a", "i_d_a"],
 ];
 const FIRST_SPAN_S = 5;
-const SPANS_S = [1, 2, 5, 10];
 const SLOWNESS: Record<string, number> = { "1": 1, "1/10": 10, "1/100": 100, "1/1000": 1000 };
-const SCOPE_PX = 126;
 
 const READINGS: [string, string, string][] = [
     ["Speed", "speed_rpm", "rpm"],
@@ -36,65 +35,8 @@ const READINGS: [string, string, string][] = [
     ["Rotor position", "position_rad", "rad"],
 ];
 
-function Readings({ block }: { block: PlayBlock }) {
-    return (
-        <table class="readings">
-            <caption>{`Now, t = ${block.time_s.toFixed(3)} s`}</caption>
-            <tbody>
-                {READINGS.map(([label, name, unit]) => (
-                    <tr key={name}>
-                        <th scope="row">{label}</th>
-                        <td>{`${shown(block.values[name])} ${unit}`}</td>
-                    </tr>
-                ))}
-            </tbody>
-        </table>
-    );
-}
-
-function FaultCard({ block }: { block: PlayBlock | undefined }) {
-    const fault = block?.fault ?? null;
-    return (
-        <div role="alert">
-            {fault !== null && (
-                <div class="fault">
-                    <strong>{`${fault.name} at ${shown(fault.time_s)} s`}</strong>
-                    <p>{fault.measure}</p>
-                    <p>{fault.advice}</p>
-                    <p class="note">Repair what is broken, press Clear fault, then Run.</p>
-                </div>
-            )}
-        </div>
-    );
-}
-
-interface ScopeProps {
-    index: number;
-    names: string[];
-    head: PlayHead;
-    player: Player;
-    span: number;
-    selected: boolean;
-    select(): void;
-}
-
-function ScopePanel({ index, names, head, player, span, selected, select }: ScopeProps) {
-    const curves = useMemo(
-        () => names.map((name) => ({ name, unit: head.signals.find((signal) => signal.name === name)?.unit ?? "" })),
-        [names.join(), head],
-    );
-    const attach = useMemo(() => (draw: (picture: ScopePicture) => void) => {
-        const update = (): void => draw({ data: player.data(names), now: player.block?.time_s ?? 0, bands: player.bands });
-        update();
-        return player.onDraw(update);
-    }, [player, names.join()]);
-    const title = `Scope ${index + 1}`;
-    return (
-        <section class={selected ? "panel selected" : "panel"} aria-label={title} onPointerDown={select}>
-            <header><button type="button" aria-pressed={selected} onClick={select}>{title}</button></header>
-            <RollingScope title={title} curves={curves} span={span} height={SCOPE_PX} attach={attach} />
-        </section>
-    );
+function readingsOf({ values }: PlayBlock): Reading[] {
+    return READINGS.map(([label, name, unit]) => ({ label, text: `${shown(values[name])} ${unit}` }));
 }
 
 function Pace({ play }: { play: Play }) {
@@ -129,70 +71,30 @@ function Toolbar({ props, play, choosing, setChoosing, span, setSpan }: ToolbarP
                     {Object.keys(SLOWNESS).map((name) => <option key={name}>{name}</option>)}
                 </select>
             </label>
-            <label>
-                {"Scope "}
-                <select value={span} onChange={(event) => setSpan(Number(event.currentTarget.value))}>
-                    {SPANS_S.map((seconds) => <option key={seconds} value={seconds}>{`${seconds} s`}</option>)}
-                </select>
-            </label>
+            <SpanChoice span={span} setSpan={setSpan} />
             <button type="button" aria-pressed={choosing} onClick={() => setChoosing(!choosing)}>Signals</button>
             <Pace play={play} />
         </div>
     );
 }
 
-function toggled(panels: string[][], index: number, name: string): string[][] {
-    const without = (names: string[]): string[] => names.filter((known) => known !== name);
-    return panels.map((names, at) => (at !== index ? names : names.includes(name) ? without(names) : [...names, name]));
-}
-
-interface SceneProps {
+interface Props {
     head: PlayHead;
     player: Player;
     play: Play;
-    scope: Scope;
+    scope: Pick<SceneProps, "panels" | "span" | "setPanels">;
     choosing: boolean;
 }
 
-interface Scope {
-    panels: string[][];
-    span: number;
-    setPanels(panels: string[][]): void;
-}
-
-function Scene({ head, player, play, scope, choosing }: SceneProps) {
-    const [chosen, setChosen] = useState(0);
-    const { panels, span, setPanels } = scope;
+function Scene({ head, player, play, scope, choosing }: Props) {
+    const { block } = play;
     return (
-        <div class="scene">
-            <div class="scene-main scroll" tabIndex={0} role="group" aria-label="Scopes and motor">
-                {panels.map((names, index) => (
-                    <ScopePanel
-                        key={index} index={index} names={names} head={head} player={player} span={span}
-                        selected={index === chosen} select={() => setChosen(index)}
-                    />
-                ))}
-                <div class="scene-below">
-                    <MotorDrawing player={player} largestA={head.limits.current_a} />
-                    <StateMachine moves={head.moves} state={play.block?.state ?? "INIT"} />
-                    {play.block !== undefined && <Readings block={play.block} />}
-                </div>
-            </div>
-            {choosing && (
-                <aside aria-label="Choice of signals">
-                    <p class="note">{`A ticked signal is in scope ${chosen + 1}.`}</p>
-                    <SignalTree
-                        signals={head.signals} chosen={new Set(panels[chosen])}
-                        onToggle={(name) => setPanels(toggled(panels, chosen, name))}
-                    />
-                </aside>
-            )}
-        </div>
+        <ScopeScene label="Scopes and motor" signals={head.signals} track={player.track} choosing={choosing} {...scope}>
+            <MotorDrawing player={player} largestA={head.limits.current_a} />
+            <StateMachine moves={head.moves} state={block?.state ?? "INIT"} />
+            {block !== undefined && <Readings caption={`Now, t = ${block.time_s.toFixed(3)} s`} rows={readingsOf(block)} />}
+        </ScopeScene>
     );
-}
-
-function scopeChoice(panels: string[][], span: number): ScopeChoice {
-    return { signals: [...new Set(panels.flat())], span_s: span };
 }
 
 function Side({ props, play, selection, choose }: {
@@ -209,7 +111,7 @@ function Side({ props, play, selection, choose }: {
                 {head === undefined ? "Switch the machine on" : "Begin anew"}
             </button>
             {play.problem !== "" && <p class="problem" role="alert">{play.problem}</p>}
-            <FaultCard block={play.block} />
+            <FaultCard fault={play.block?.fault ?? null} />
             {head !== undefined && knobs !== undefined && <Controls head={head} knobs={knobs} act={play.act} />}
         </div>
     );

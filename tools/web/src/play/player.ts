@@ -3,8 +3,7 @@
 // draws the one before it; when it is late, time goes by more slowly and the page stays quick.
 import type { Client } from "../core/client.ts";
 import type { Knobs, PlayAct, PlayBlock, ScopeChoice } from "../core/protocol.ts";
-import type { Band } from "../parts/plot_panel.tsx";
-import { Rolling } from "../parts/rolling.ts";
+import { ScopeTrack } from "../parts/scope_track.ts";
 
 // Signals that the page shows beside the scope.
 export const SHOWN = [
@@ -15,7 +14,6 @@ export const SHOWN = [
 const BLOCK_MAX_S = 0.1; // longer pauses of the page do not count as time
 const FRAME_MS = 1000 / 60;
 const WINDOW_MS = 1000; // of the figures of speed
-const SCOPE_POINTS = 840; // two a bucket, 400 buckets a span, and some more
 
 export interface Pace {
     ratio: number; // to real time, over the last second
@@ -26,10 +24,8 @@ export interface Pace {
 export class Player {
     pace: Pace = { ratio: 0, frames: 0, dropped: 0 };
     block: PlayBlock | undefined;
-    bands: Band[] = [];
     slowness = 1; // how many times slower than real time
-    private rolling: Rolling;
-    private readonly drawers = new Set<() => void>();
+    readonly track: ScopeTrack;
     private running = false;
     private waiting = false;
     private lastFrame = 0;
@@ -39,10 +35,10 @@ export class Player {
     constructor(
         private readonly client: Client,
         private readonly periodS: number,
-        private scope: ScopeChoice,
+        scope: ScopeChoice,
         private readonly failed: (error: Error) => void,
     ) {
-        this.rolling = new Rolling(scope.signals, SCOPE_POINTS);
+        this.track = new ScopeTrack(scope);
     }
 
     get isRunning(): boolean {
@@ -61,16 +57,9 @@ export class Player {
         this.running = false;
     }
 
-    // The function is called once a frame with something new. Gives the one that ends this.
-    onDraw(draw: () => void): () => void {
-        this.drawers.add(draw);
-        return () => this.drawers.delete(draw);
-    }
-
     async setScope(scope: ScopeChoice): Promise<void> {
         await this.client.ask("playScope", scope);
-        this.scope = scope;
-        this.rolling = new Rolling(scope.signals, SCOPE_POINTS);
+        this.track.setScope(scope);
     }
 
     // What it changes shows after a tick, also while time stands still.
@@ -80,10 +69,6 @@ export class Player {
             this.take(await this.client.ask("playAdvance", { ticks: 1, values: SHOWN }));
         }
         return knobs;
-    }
-
-    data(names: string[]): [Float64Array, ...Float32Array[]] {
-        return this.rolling.data(names);
     }
 
     private readonly frame = (now: number): void => {
@@ -130,24 +115,8 @@ export class Player {
     }
 
     private take(block: PlayBlock): void {
-        this.mark(block);
         this.block = block;
-        this.rolling.append(block.times, block.columns);
-        this.drawers.forEach((draw) => draw());
-    }
-
-    // States as grounds, faults as lines; what has left the screen is forgotten.
-    private mark(block: PlayBlock): void {
-        const { time_s: at, state, fault } = block;
-        const last = this.bands.filter(({ kind }) => kind === "state").at(-1);
-        const isNew = last === undefined || last.label !== state;
-        if (last !== undefined) {
-            last.to = at;
-        }
-        const made: Band[] = isNew ? [{ from: at, to: at, label: state, kind: "state" }] : [];
-        if (isNew && fault !== null) {
-            made.push({ from: fault.time_s, to: fault.time_s, label: fault.name, kind: "fault" });
-        }
-        this.bands = [...this.bands, ...made].filter(({ to }) => to >= at - this.scope.span_s);
+        this.track.take(block);
+        this.track.drawn.tell();
     }
 }

@@ -3,11 +3,10 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Client } from "../core/client.ts";
 import type { Knobs, PlayAct, PlayBlock, PlayHead, ScopeChoice } from "../core/protocol.ts";
+import { useRefresh } from "../parts/use_refresh.ts";
 import type { Selection } from "../run/bench_state.ts";
 import { preparedChoice } from "../run/selection_link.ts";
 import { type Pace, Player } from "./player.ts";
-
-const REFRESH_MS = 100; // of what a person reads
 
 export interface Play {
     head: PlayHead | undefined;
@@ -26,18 +25,6 @@ export interface Play {
 interface Machine {
     head: PlayHead;
     player: Player;
-}
-
-// Also redraws the readers now and then.
-function useRefresh(player: Player | undefined): void {
-    const [, refresh] = useState(0);
-    useEffect(() => {
-        const timer = setInterval(() => refresh((count) => count + 1), REFRESH_MS);
-        return () => {
-            clearInterval(timer);
-            player?.pause();
-        };
-    }, [player]);
 }
 
 interface Owned {
@@ -73,7 +60,8 @@ export function usePlay(client: Client, scope: ScopeChoice): Play {
     const failed = (error: Error): void => setProblem(error.message);
     const { machine, knobs, setKnobs, use } = useMachine(client, newest, failed);
     const player = machine?.player;
-    useRefresh(player);
+    useRefresh();
+    useEffect(() => () => player?.pause(), [player]);
 
     const go = (on: boolean, whose = player): void => {
         on ? whose?.run() : whose?.pause();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The stepper's command line: history with the arrow keys, completion with Ctrl+Space, and what was said.
-import { useEffect, useId, useRef, useState } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 import type { Client } from "../core/client.ts";
+import { useCommandHistory } from "../parts/command_history.ts";
+import { SaidLog } from "../parts/said_log.tsx";
 import type { Stepper } from "./use_step.ts";
 
 // The longest beginning that all have.
@@ -16,8 +18,7 @@ function commonStart(words: string[]): string {
 }
 
 // As in a terminal: an empty line repeats a step.
-function repeated(history: string[]): string {
-    const last = history.at(-1) ?? "";
+function repeated(last: string): string {
     return /^(step|back)\b/.test(last) ? last : "";
 }
 
@@ -31,33 +32,31 @@ interface Line {
 }
 
 function useLine(client: Client, execute: (line: string) => Promise<void>): Line {
-    const [text, setText] = useState("");
+    const history = useCommandHistory();
     const [near, setNear] = useState<string[]>([]);
-    const history = useRef<string[]>([]);
-    const at = useRef(0); // in the history; its length: the new line
+    const { text } = history;
     const set = (next: string): void => {
-        setText(next);
+        history.set(next);
         setNear([]);
     };
     const enter = (): void => {
-        const line = text.trim() === "" ? repeated(history.current) : text.trim();
+        const line = text.trim() === "" ? repeated(history.last()) : text.trim();
         if (line !== "") {
-            history.current = history.current.at(-1) === line ? history.current : [...history.current, line];
-            at.current = history.current.length;
-            set("");
+            history.keep(line);
+            setNear([]);
             void execute(line);
         }
     };
     const recall = (by: number): void => {
-        at.current = Math.min(Math.max(at.current + by, 0), history.current.length);
-        set(history.current[at.current] ?? "");
+        history.recall(by);
+        setNear([]);
     };
     const complete = async (): Promise<void> => {
         const word = /\S*$/.exec(text)?.[0] ?? "";
         const before = text.slice(0, text.length - word.length);
         const words = await client.ask("stepComplete", { before, word });
         if (words.length > 0) {
-            setText(before + commonStart(words) + (words.length === 1 ? " " : ""));
+            history.set(before + commonStart(words) + (words.length === 1 ? " " : ""));
         }
         setNear(words.length > 1 ? words : []);
     };
@@ -82,21 +81,17 @@ const NEAR_SHOWN = 12;
 
 export function Console({ client, stepper }: { client: Client; stepper: Stepper }) {
     const id = useId();
-    const log = useRef<HTMLDivElement>(null);
     const line = useLine(client, stepper.execute);
-    useEffect(() => {
-        log.current?.scrollTo(0, log.current.scrollHeight);
-    }, [stepper.said]);
     return (
         <section class="console" aria-label="Dialogue">
-            <div class="scroll said" ref={log} tabIndex={0} role="log" aria-label="What the stepper said">
+            <SaidLog label="What the stepper said" said={stepper.said}>
                 {stepper.said.map(({ line: asked, text, refused }, index) => (
                     <div key={index}>
                         <code>{`> ${asked}`}</code>
                         <pre class={refused ? "problem" : ""}>{text.trimEnd()}</pre>
                     </div>
                 ))}
-            </div>
+            </SaidLog>
             <label for={id}>Command (help lists them; ↑ ↓ recall, Ctrl+Space completes)</label>
             <input
                 id={id} type="text" autocomplete="off" spellcheck={false} value={line.text}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Connect: a running board at a serial port, as `motorsim live` shows it.
+import { useEffect, useState } from "preact/hooks";
+import { ScopeScene, SpanChoice } from "../parts/scope_scene.tsx";
+import type { TabProps } from "../tabs.ts";
+import type { Board } from "./board.ts";
+import { BoardControls, RecordButtons } from "./board_controls.tsx";
+import { Alarms, BoardNow } from "./board_now.tsx";
+import { Connection } from "./connection.tsx";
+import { DialogueView } from "./dialogue_view.tsx";
+import { Parameters } from "./parameters.tsx";
+import { WhereAvailable } from "./unavailable.tsx";
+import { useBoard } from "./use_board.ts";
+
+// Wherever in the tab the keyboard is.
+function useEscape(stop: () => void): void {
+    useEffect(() => {
+        const gone = new AbortController();
+        const onKey = (event: KeyboardEvent): void => {
+            if (event.key === "Escape") {
+                stop();
+            }
+        };
+        document.addEventListener("keydown", onKey, { signal: gone.signal });
+        return () => gone.abort();
+    }, []);
+}
+
+function Side({ props, board }: { props: TabProps; board: Board }) {
+    return (
+        <div class="side scroll" tabIndex={0} role="group" aria-label="The board">
+            <Connection board={board} names={props.names} />
+            <Alarms board={board} />
+            {board.phase === "following" && <BoardControls board={board} />}
+            {board.head !== undefined && (
+                <>
+                    <RecordButtons board={board} props={props} />
+                    <DialogueView board={board} />
+                </>
+            )}
+        </div>
+    );
+}
+
+type Panel = "Signals" | "Parameters";
+
+interface ToolbarProps {
+    board: Board;
+    open: Panel | undefined;
+    setOpen(open: Panel | undefined): void;
+}
+
+function Toolbar({ board, open, setOpen }: ToolbarProps) {
+    const { panels, span } = board.scopes;
+    return (
+        <div class="buttons toolbar">
+            <SpanChoice span={span} setSpan={(next) => void board.setScope(panels, next)} />
+            {(["Signals", "Parameters"] as const).map((name) => (
+                <button
+                    type="button" key={name} aria-pressed={open === name}
+                    onClick={() => setOpen(open === name ? undefined : name)}
+                >
+                    {name}
+                </button>
+            ))}
+        </div>
+    );
+}
+
+function Main({ board }: { board: Board }) {
+    const [open, setOpen] = useState<Panel>();
+    const { track, panels, span } = board.scopes;
+    if (board.head === undefined) {
+        return (
+            <div class="run-main">
+                <p class="note">
+                    A board that runs the firmware of this bench shows every signal of each control tick here. What is shown was
+                    computed here from what the board measures, and has the board's own hash.
+                </p>
+            </div>
+        );
+    }
+    return (
+        <div class="run-main">
+            <Toolbar board={board} open={open} setOpen={setOpen} />
+            <ScopeScene
+                label="Scopes and state" signals={board.signals} track={track} panels={panels} span={span}
+                choosing={open === "Signals"} setPanels={(next) => void board.setScope(next, span)}
+                beside={open === "Parameters" && <Parameters board={board} />}
+            >
+                <BoardNow board={board} />
+            </ScopeScene>
+        </div>
+    );
+}
+
+function Bench({ props }: { props: TabProps }) {
+    const board = useBoard();
+    useEscape(() => board.talk.stop());
+    return (
+        <div class="run connect">
+            <Side props={props} board={board} />
+            <Main board={board} />
+        </div>
+    );
+}
+
+export function ConnectTab(props: TabProps) {
+    return <WhereAvailable><Bench props={props} /></WhereAvailable>;
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// A running board at a serial line. Each call follows it for some hundredths of a second; between two calls other requests come in.
+import type { LiveBlock, LiveHead, LiveKey, Requests, ScopeChoice, SignalInfo, ToLine } from "./protocol.ts";
+import { SharedLine } from "./shared_line.ts";
+import type { Block, Core } from "./wasm.ts";
+
+type Given<Name extends keyof Requests> = Requests[Name]["given"];
+
+const RECORDING = "field.log";
+const MS_PER_S = 1000;
+
+// What the simulator asks of the line (host_sim/web/worker_line.cpp).
+export interface Line {
+    take(to: Uint8Array, waitS: number): number;
+    write(bytes: Uint8Array): void;
+    nowS(): number;
+    takeStop(): boolean;
+}
+
+function lineOn(memory: SharedArrayBuffer): Line {
+    const shared = new SharedLine(memory);
+    return {
+        take: (to, waitS) => shared.take(to, waitS * MS_PER_S),
+        write: (bytes) => {
+            const message: ToLine = { line: bytes.slice() };
+            self.postMessage(message, { transfer: [message.line.buffer] });
+        },
+        nowS: () => performance.now() / MS_PER_S,
+        takeStop: () => shared.takeStop(),
+    };
+}
+
+export function liveOpen(core: Core, { line, options, scope }: Given<"liveOpen">): LiveHead {
+    core.useLine(lineOn(line));
+    return core.call("live.open", { ...options, ...scope });
+}
+
+export function liveSignals(core: Core): SignalInfo[] | null {
+    return core.call("live.signals", {});
+}
+
+export function liveScope(core: Core, choice: ScopeChoice): null {
+    return core.call("live.scope", choice);
+}
+
+// As the simulator has it: columns lie in its memory.
+type Answer = Omit<LiveBlock, "times" | "columns"> & { times: Block; columns: Record<string, Block> };
+
+export function livePass(core: Core, given: Given<"livePass">): LiveBlock {
+    const answer = core.call<Answer>("live.pass", given);
+    return { ...answer, times: core.doubles(answer.times), columns: core.columns(answer.columns) };
+}
+
+export function liveExecute(core: Core, { line }: Given<"liveExecute">): Requests["liveExecute"]["back"] {
+    return core.call("live.execute", { line });
+}
+
+export function liveKeys(core: Core): LiveKey[] {
+    return core.call("live.keys", {});
+}
+
+export function liveRecord(core: Core): Requests["liveRecord"]["back"] {
+    const text = core.call<string>("live.record", { file: RECORDING });
+    return { text, log: core.take(RECORDING) };
+}
+
+export function liveClose(core: Core): string {
+    return core.call("live.close", {});
+}
