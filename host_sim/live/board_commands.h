@@ -40,6 +40,9 @@ public:
     // LinkError.
     FileChoice files_in_force();
 
+    // What the drive is told, without a request to clear; nothing where that is not known. Of a measurement only the request counts.
+    std::optional<drive_command_t> in_force() const;
+
     // The drive is asked to run, as far as that is known.
     bool runs() const
     {
@@ -66,7 +69,6 @@ private:
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;
-    std::optional<drive_command_t> in_force() const;
     void remember(const std::optional<drive_command_t> &command);
     void take_line(const std::string &line);
     bool dump_once();
