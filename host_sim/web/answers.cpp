@@ -3,6 +3,8 @@
 
 #include "names.h"
 
+#include <cmath>
+
 extern "C" {
 #include "fault_text.h"
 #include "transitions.h"
@@ -11,15 +13,37 @@ extern "C" {
 namespace nf::web
 {
 
+namespace
+{
+
+Json signal_entry(const SignalInfo &signal, const Simulation &sim)
+{
+    return {{"name", signal.name},
+            {"unit", unit_text(signal, sim)},
+            {"format", format_text(signal, sim)}};
+}
+
+} // namespace
+
 Json signals_json(const Simulation &sim)
 {
     Json all = Json::array();
     for (const SignalInfo &signal : all_signals()) {
-        all.push_back({{"name", signal.name},
-                       {"unit", unit_text(signal, sim)},
-                       {"format", format_text(signal, sim)}});
+        all.push_back(signal_entry(signal, sim));
     }
     return all;
+}
+
+Json recorded_signals_json(const Simulation &sim)
+{
+    const Tick tick = tick_of_frame(sim, sim.in(), 0);
+    Json known = Json::array();
+    for (const SignalInfo &signal : all_signals()) {
+        if (!std::isnan(si_value(signal, tick))) {
+            known.push_back(signal_entry(signal, sim));
+        }
+    }
+    return known;
 }
 
 Json signal_json(const SignalInfo &signal, const Tick &tick)

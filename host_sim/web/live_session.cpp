@@ -20,6 +20,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -68,8 +70,8 @@ public:
 
     void add(const Tick &tick) override
     {
-        if (tick.time_s - time_s_ > 1.5 * period_s_) {
-            scope_.skip();
+        if (std::abs(tick.time_s - time_s_ - period_s_) > period_s_ / 2) {
+            scope_.skip(); // ticks are missing, or the board counts anew
         }
         scope_.add(tick);
         time_s_ = tick.time_s;
@@ -150,7 +152,7 @@ public:
                      [](const RecordedRun &) { return false; }})
     {
         follower_.connect();
-        live::check(follower_.about().name, files_);
+        check_files();
         sink_.shown = std::make_unique<Shown>(given, follower_.bases().control_period_s);
     }
 
@@ -160,17 +162,15 @@ public:
         pass(seconds * pace_);
     }
 
-    // Of the board's time. Ends early when a person asks for a stop, which does not wait for the command that is under way.
+    // Of the board's time. A stop that a person asks for does not wait for the command that is under way.
     void pass(double seconds)
     {
         const double until_s = follower_.now_s() + seconds;
-        while (follower_.now_s() < until_s) {
+        do {
+            stop_where_asked();
             follower_.step(std::min(PASS_S, seconds));
-            if (WorkerLine::take_stop()) {
-                tell("stop", commands_.execute("stop"));
-                return;
-            }
-        }
+        } while (follower_.now_s() < until_s);
+        stop_where_asked();
     }
 
     Answer execute(const std::string &line)
@@ -188,9 +188,16 @@ public:
         return std::exchange(said_, {});
     }
 
+    // What the board has answered to a stop.
+    std::optional<Answer> take_stop_answer()
+    {
+        return std::exchange(stop_answer_, std::nullopt);
+    }
+
     // The board goes on, and does not watch any more whether somebody is there.
     std::string leave()
     {
+        stop_where_asked();
         const bool runs = commands_.runs();
         follower_.leave();
         return runs ? "the motor runs on, and the board does not watch for a PC any more" : "";
@@ -204,9 +211,9 @@ public:
     {
         return *sink_.shown;
     }
-    bool is_run_wanted() const
+    std::optional<drive_command_t> command() const
     {
-        return commands_.runs();
+        return commands_.in_force();
     }
 
     std::string state; // the last one that is known; empty before
@@ -220,10 +227,22 @@ private:
         return options;
     }
 
-    void tell(const std::string &line, const Answer &answer)
+    // A board whose files are wrong is left as it was found.
+    void check_files()
     {
-        said_.push_back("> " + line);
-        said_.push_back((answer.outcome == Outcome::refused ? "refused: " : "") + answer.text);
+        try {
+            live::check(follower_.about().name, files_);
+        } catch (const ConfigError &) {
+            follower_.leave();
+            throw;
+        }
+    }
+
+    void stop_where_asked()
+    {
+        if (WorkerLine::take_stop()) {
+            stop_answer_ = commands_.execute("stop");
+        }
     }
 
     live::FileChoice files_;
@@ -232,6 +251,7 @@ private:
     live::PacedChannel paced_;
     Later sink_;
     std::vector<std::string> said_;
+    std::optional<Answer> stop_answer_;
     live::Follower follower_;
     live::BoardCommands commands_;
 };
@@ -276,7 +296,7 @@ Json signals(const Json &given)
 {
     (void)given;
     const live::Shadow &shadow = open_session().follower().shadow();
-    return shadow.is_in_step() ? signals_json(shadow.sim()) : Json(nullptr);
+    return shadow.is_in_step() ? recorded_signals_json(shadow.sim()) : Json(nullptr);
 }
 
 Json scope(const Json &given)
@@ -285,13 +305,17 @@ Json scope(const Json &given)
     return nullptr;
 }
 
-Json fault_of(const Simulation &sim)
+// The drive's count of ticks wraps, the shadow's does not.
+Json fault_of(const live::Shadow &shadow)
 {
+    const Simulation &sim = shadow.sim();
     if (sim.drive().state != DRIVE_STATE_FAULT) {
         return nullptr;
     }
     const FoundFault fault = found_fault(sim.drive(), sim.bases());
-    return fault_json(fault, fault.tick * sim.bases().control_period_s,
+    const uint32_t ago = static_cast<uint32_t>(shadow.next()) - fault.tick;
+    const auto tick = static_cast<double>(shadow.next() - ago);
+    return fault_json(fault, tick * sim.bases().control_period_s,
                       fault_measure(fault, sim.bases()));
 }
 
@@ -300,16 +324,48 @@ void look(LiveSession &s)
     const live::Shadow &shadow = s.follower().shadow();
     if (shadow.is_in_step()) {
         s.state = state_name(shadow.sim().drive().state);
-        s.fault = fault_of(shadow.sim());
+        s.fault = fault_of(shadow);
     }
+}
+
+// In rpm, or in degrees of the shaft.
+Json command_json(const std::optional<drive_command_t> &command, const Bases &bases)
+{
+    constexpr double Q16 = 65536.0;
+    constexpr double DEG_PER_TURN = 360.0;
+    if (!command) {
+        return nullptr;
+    }
+    const bool is_position =
+        command->request == DRIVE_REQUEST_RUN && command->mode == DRIVE_MODE_POSITION;
+    const double value = is_position ? command->target / Q16 / bases.pole_pairs * DEG_PER_TURN
+                                     : bases.rpm_from_step(command->target);
+    return {{"run", command->request != 0},
+            {"mode", is_position ? "position" : "speed"},
+            {"value", value}};
+}
+
+Json answer_json(const Answer &answer)
+{
+    return {{"text", answer.text}, {"refused", answer.outcome == Outcome::refused}};
+}
+
+Json timeout_json(const live::Shadow &shadow)
+{
+    if (!shadow.is_in_step()) {
+        return nullptr;
+    }
+    const Simulation &sim = shadow.sim();
+    return sim.cfg().link.timeout_ticks * sim.bases().control_period_s;
 }
 
 Json health_json(const live::Follower &follower)
 {
     const live::Health &health = follower.health();
-    return {{"load_pct", health.load_pct},      {"late_ticks", health.late_ticks},
-            {"tick_lost", health.tick_lost},    {"gaps", follower.gaps().size()},
-            {"broken", follower.broken()},      {"bytes", follower.bytes_in()},
+    return {{"load_pct", health.load_pct},         {"late_ticks", health.late_ticks},
+            {"tick_lost", health.tick_lost},       {"gaps", follower.gaps().size()},
+            {"departures", follower.departures()}, {"hashes", follower.shadow().hashes_compared()},
+            {"broken", follower.broken()},         {"bytes", follower.bytes_in()},
             {"no_stream", follower.no_stream()}};
 }
 
@@ -321,6 +377,7 @@ Json pass(const Json &given)
     shown.set_values(texts_of(given, "values"));
     s.follow(given.at("seconds"));
     look(s);
+    const std::optional<Answer> stop = s.take_stop_answer();
     return {{"tick", s.follower().shadow().next()},
             {"time_s", shown.time_s()},
             {"state", s.state},
@@ -329,7 +386,9 @@ Json pass(const Json &given)
             {"times", block_of(shown.scope().times_s())},
             {"columns", columns_json(shown.scope())},
             {"in_step", s.follower().shadow().is_in_step()},
-            {"is_run_wanted", s.is_run_wanted()},
+            {"command", command_json(s.command(), s.follower().bases())},
+            {"stop", stop ? answer_json(*stop) : Json(nullptr)},
+            {"timeout_s", timeout_json(s.follower().shadow())},
             {"said", s.take_said()},
             {"health", health_json(s.follower())}};
 }
@@ -339,22 +398,41 @@ struct Elsewhere {
     const char *word;
     const char *place;
 };
-constexpr std::array<Elsewhere, 3> ELSEWHERE = {
+constexpr std::array<Elsewhere, 4> ELSEWHERE = {
     {{"record", "press Record"},
      {"debug", "press Record, then Open in Replay: the stepper is there"},
+     {"wait", "wait is for scripts"},
      {"quit", "press Disconnect"}}};
+
+const Elsewhere *elsewhere(const std::string &line)
+{
+    const std::string word = line.substr(0, line.find(' '));
+    const auto *const found = std::find_if(ELSEWHERE.begin(), ELSEWHERE.end(),
+                                           [&](const Elsewhere &one) { return word == one.word; });
+    return found == ELSEWHERE.end() ? nullptr : found;
+}
+
+// Without the commands that are elsewhere.
+std::string help_here()
+{
+    std::istringstream lines(live::BoardCommands::help());
+    std::vector<std::string> here;
+    for (std::string line; std::getline(lines, line);) {
+        if (elsewhere(line) == nullptr) {
+            here.push_back(line);
+        }
+    }
+    return fmt::format("{}", fmt::join(here, "\n"));
+}
 
 Json execute(const Json &given)
 {
     const std::string line = debug::trimmed(given.at("line"));
-    const std::string word = line.substr(0, line.find(' '));
-    for (const Elsewhere &elsewhere : ELSEWHERE) {
-        if (word == elsewhere.word) {
-            return {{"text", elsewhere.place}, {"refused", true}};
-        }
+    if (const Elsewhere *const other = elsewhere(line)) {
+        return {{"text", other->place}, {"refused", true}};
     }
-    const Answer answer = open_session().execute(line);
-    return {{"text", answer.text}, {"refused", answer.outcome == Outcome::refused}};
+    return answer_json(line == "help" ? Answer{Outcome::done, help_here()}
+                                      : open_session().execute(line));
 }
 
 // Of the files whose configuration is in force: all that `set` takes.

@@ -66,7 +66,7 @@ Json head_of(const ReplaySession &s)
             {"equal", !s.result.difference},
             {"step_tick", replay::tick_of_interest(s.recording, s.result)},
             {"faults", faults_of(s)},
-            {"signals", signals_json(s.stepper.timeline.run().sim())}};
+            {"signals", recorded_signals_json(s.stepper.timeline.run().sim())}};
 }
 
 // A recording that cannot be read leaves the one before it open.

@@ -51,6 +51,10 @@ class Board {
         this.#program.kill("SIGSTOP");
     }
 
+    thaw() {
+        this.#program.kill("SIGCONT");
+    }
+
     end() {
         this.#program.kill("SIGKILL");
     }

@@ -6,7 +6,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { gzipSync } from "node:zlib";
-import { openTab, packages, recordedFault, setting, settled, switchOn, withPage } from "./bench.mjs";
+import { button, openTab, packages, recordedFault, setting, settled, state, switchOn, withPage } from "./bench.mjs";
+import { connectToReady, run, setKey, withBoard } from "./connected.mjs";
 
 const BYTES_MAX = 700_000; // with gzip -9, which each static server has
 const TABLET = { width: 820, height: 1180 };
@@ -42,7 +43,26 @@ for (const colorScheme of ["light", "dark"]) {
         await page.getByRole("button", { name: /^Step from tick/ }).waitFor();
         assert.deepEqual(await violations(page), []);
         await rm(folder, { recursive: true });
-    }, { colorScheme }));
+        await openTab(page, "Connect");
+        await page.getByRole("heading", { name: /Web Serial/ }).waitFor();
+        assert.deepEqual(await violations(page), []);
+    }, { colorScheme, init: () => delete Navigator.prototype.serial }));
+
+    test(`axe-core finds nothing beside a board, ${colorScheme}`, async () => withBoard(async (page, cable) => {
+        assert.deepEqual(await violations(page), []);
+        await connectToReady(page);
+        await run(page);
+        await button(page, "Parameters").click();
+        await setKey(page, "board.temperature_max_c", "20"); // the simulated power stage has 25 °C
+        await state(page, "FAULT");
+        assert.deepEqual(await violations(page), []);
+        await openTab(page, "Run");
+        assert.deepEqual(await violations(page), []);
+        await openTab(page, "Connect");
+        await cable.pull();
+        await button(page, "Connect").waitFor();
+        assert.deepEqual(await violations(page), []);
+    }, undefined, { colorScheme }));
 }
 
 test("nothing is wider than the window", async () => withPage(async (page) => {
@@ -55,6 +75,18 @@ test("nothing is wider than the window", async () => withPage(async (page) => {
     for (const tab of ["Play", "Step", "Replay"]) {
         await openTab(page, tab);
         assert.ok((await beyond()) <= 0, tab);
+    }
+}));
+
+test("nothing is wider than the window beside a board", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    const beyond = () => page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    for (const panel of ["Parameters", "Signals"]) {
+        await button(page, panel).click();
+        for (const size of [page.viewportSize(), TABLET]) {
+            await page.setViewportSize(size);
+            assert.ok((await beyond()) <= 0, `${panel} at ${size.width}`);
+        }
     }
 }));
 

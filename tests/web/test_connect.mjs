@@ -5,64 +5,13 @@ import { copyFile, mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { button, downloaded, motorsim, openTab, reading, reads, settled, state, switchOn, type, until, withPage } from "./bench.mjs";
-import { EMULATED_PACE, emulatedBoard, SIMULATED_PACE, simulatedBoard } from "./board.mjs";
-import { Cable, FAKE_SERIAL } from "./cable.mjs";
+import { button, downloaded, motorsim, openTab, reading, reads, state, switchOn, until, type, withPage } from "./bench.mjs";
+import { EMULATED_PACE, emulatedBoard, simulatedBoard } from "./board.mjs";
+import { BAUD, connect, connectToReady, openConnect, run, setKey, SPEED_RPM, withBoard } from "./connected.mjs";
 import { otherFirmware, printer } from "./strangers.mjs";
 
-const BAUD = 460800; // board.baud of both boards
-const SPEED_RPM = 600;
-const SPEED_NEAR_RPM = 30; // 5 %
-const STILL_LOOKS = 15; // the page shows figures anew after some five
 const LOAD_NM = 2;
 const LOADED_A = 2 * LOAD_NM / 3 / 2 / 0.387 / 2; // half of torque over 3/2 · pole pairs · flux
-
-async function openConnect(page) {
-    await settled(page);
-    await openTab(page, "Connect");
-}
-
-// Calls test(page, cable, board) with the tab open and the board at the cable.
-async function withBoard(test, makeBoard = simulatedBoard, options = {}) {
-    const board = await makeBoard();
-    try {
-        await withPage(async (page) => {
-            const cable = await Cable.of(page, board);
-            try {
-                await openConnect(page);
-                await test(page, cable, board);
-            } finally {
-                await cable.close();
-            }
-        }, { init: FAKE_SERIAL, ...options });
-    } finally {
-        board.end();
-    }
-}
-
-// As a person connects: the board says who it is, and its signals come.
-async function connect(page, pace = SIMULATED_PACE) {
-    await type(page, "Baud rate [baud]", String(BAUD));
-    await type(page, "Board's time ×", String(pace));
-    await button(page, "Connect").click();
-    await button(page, "Disconnect").waitFor();
-    await page.locator(".board-name").getByText(/^neurofoc: motor A \(paper A, table 1\), /).waitFor();
-    await page.getByText(/^State: [A-Z]/).waitFor();
-}
-
-// The script of a simulated board commands it until somebody else does.
-async function connectToReady(page) {
-    await connect(page);
-    await button(page, "Stop").click();
-    await state(page, "READY");
-}
-
-async function run(page, rpm = SPEED_RPM) {
-    await type(page, "Speed [rpm]", String(rpm));
-    await button(page, "Run").click();
-    await state(page, "RUN");
-    await reads(page, "Speed, estimated", (now) => Math.abs(now - rpm) < SPEED_NEAR_RPM);
-}
 
 // To the line that was asked last.
 function answers(page, line, text) {
@@ -72,23 +21,9 @@ function answers(page, line, text) {
     });
 }
 
-// A command that waits is under way: the page hears nothing new meanwhile.
-function standsStill(page) {
-    let [before, times] = ["", 0];
-    return until(() => page.locator("caption").filter({ hasText: "Now, t" }).innerText(), (now) => {
-        times = now === before ? times + 1 : 0;
-        before = now;
-        return times > STILL_LOOKS;
-    });
-}
-
 async function tell(page, line) {
     await page.getByLabel(/^Command \(/).fill(line);
     await page.keyboard.press("Enter");
-}
-
-async function setKey(page, key, value) {
-    await type(page, `New value of ${key}`, value);
 }
 
 function valueOf(page, key) {
@@ -128,21 +63,42 @@ test("Stop stops the motor, by its button and by Escape", async () => withBoard(
     await state(page, "READY");
 }));
 
-test("a stop does not wait for the command that is under way", async () => withBoard(async (page) => {
+test("what waits for its turn when a stop comes is not done after it", async () => withBoard(async (page, _, board) => {
     await connectToReady(page);
-    await run(page);
-    await tell(page, "wait 600");
-    await standsStill(page);
+    board.freeze();
+    await tell(page, "store");
+    await button(page, "Run").click();
     await page.keyboard.press("Escape");
-    await state(page, "READY");
+    board.thaw();
+    await answers(page, "store", /^ok$/);
+    await page.getByRole("log").getByText("run: not done, a stop came before its turn").waitFor();
     await tell(page, "status");
     await answers(page, "status", /^READY, speed/);
+}));
+
+test("a line of the program that the page has elsewhere says where", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    for (const [line, place] of [["wait 5", /^wait is for scripts$/], ["record x.log", /^press Record$/], ["quit", /^press Disconnect$/]]) {
+        await tell(page, line);
+        await answers(page, line, place);
+    }
+}));
+
+test("a position turns the shaft from where it was when position was chosen", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await type(page, "Speed [rpm]", "0");
+    await reads(page, "Speed, estimated", (rpm) => Math.abs(rpm) < 1);
+    const at = await reading(page, "Position");
+    await page.getByLabel("position", { exact: true }).check();
+    await type(page, "Position [°]", "360");
+    await reads(page, "Position", (now) => Math.abs(now - at - 360) < 20);
 }));
 
 test("a motor that is left runs on, which is said; whoever connects next finds it so", async () => withBoard(async (page) => {
     await connectToReady(page);
     await run(page);
-    await button(page, "Disconnect").click();
+    await button(page, "Leave it running").click();
     await page.getByText("the motor runs on, and the board does not watch for a PC any more").first().waitFor();
     await connect(page);
     await state(page, "RUN");

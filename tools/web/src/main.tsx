@@ -2,6 +2,7 @@
 // The page: its head, its tabs, and the one that is open.
 import { render } from "preact";
 import { useEffect, useState } from "preact/hooks";
+import { BoardLine } from "./connect/board_line.tsx";
 import { Client } from "./core/client.ts";
 import { isolateLater } from "./parts/isolation.ts";
 import { setTheme, type Theme, THEMES } from "./parts/theme.ts";
@@ -60,6 +61,7 @@ function Page({ client }: { client: Client }) {
             <header class="head">
                 <h1>neurofoc bench</h1>
                 <TabList open={open} show={({ id }) => show(id)} />
+                <BoardLine isShown={open.id !== "connect"} />
                 <ThemeChoice />
             </header>
             <main>

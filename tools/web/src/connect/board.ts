@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: MIT
 // The board that the page is connected to, or was. It is followed whichever part of the bench is open, and also while nobody sees
-// the page: without timers and frames of the screen, which such a page does not have. A board that hears nobody stops its motor.
+// the page: without timers and frames of the screen, which such a page does not have. Where tuning.command_timeout_s says so, a
+// board that hears nobody for that long stops its motor.
 import type { LiveBlock, LiveHead, SignalInfo } from "../core/protocol.ts";
 import { Listeners } from "../parts/listeners.ts";
 import { BoardLink } from "./board_link.ts";
 import { ByteRate } from "./byte_rate.ts";
 import { Scopes } from "./scopes.ts";
 import type { Connection } from "./settings.ts";
+import { rotorDeg, SHOWN } from "./shown.ts";
 import { Talk } from "./talk.ts";
+import { alertAfterwards } from "./time_out.ts";
 import type { SerialPort } from "./web_serial.ts";
 
 const PASS_S = 0.03;
+const FRESH_MS = 500; // at the board's own pace
 
-// Signals that the page shows beside the scopes.
-export const SHOWN = [
-    "speed_command_rpm", "speed_estimated_rpm", "position_estimated_rad",
-    "drive.signals.current.q", "drive.signals.current.d", "drive.signals.bus",
-];
+export type Phase = "away" | "connecting" | "following" | "leaving" | "closing";
 
-export type Phase = "away" | "connecting" | "following" | "leaving";
+// What a person can do about it.
+function explained(error: Error, baud: number): Error {
+    return error.message.startsWith("the board does not answer")
+        ? new Error(`${error.message}. Is it powered, and is ${baud} baud the board.baud of its file?`)
+        : error;
+}
 
 export class Board {
     readonly changed = new Listeners();
@@ -27,24 +32,42 @@ export class Board {
     phase: Phase = "away";
     problem = ""; // why there is no board any more
     parting = ""; // what a person is to know of the one that was left
+    danger = ""; // of the motor of one that was lost
     head: LiveHead | undefined;
     signals: SignalInfo[] = [];
     block: LiveBlock | undefined;
+    timeoutS: number | null = null; // as of LiveBlock, when it was known last
     rate = new ByteRate();
     private link: BoardLink | undefined;
+    private isCut = false; // by a person
+    private pace = 1;
+    private newestMs = 0; // when the newest tick came
+
+    // What is known of the board is how it stands now.
+    get isNow(): boolean {
+        const isFresh = performance.now() - this.newestMs < FRESH_MS / this.pace;
+        return this.phase === "following" && this.block?.in_step === true && isFresh;
+    }
+
+    get mayRun(): boolean {
+        return this.block?.command?.run ?? true;
+    }
 
     async connect(port: SerialPort, { baud, options }: Connection): Promise<void> {
-        this.begin();
+        this.begin(options.pace);
         try {
-            this.link = await BoardLink.open(port, baud);
-            this.head = await this.link.ask("liveOpen", { line: this.link.memory, options, scope: this.scopes.choice });
+            const link = await BoardLink.open(port, baud);
+            this.link = link;
+            if (this.isCut) {
+                throw new Error("it is not wanted any more");
+            }
+            this.head = await link.ask("liveOpen", { line: link.memory, options, scope: this.scopes.choice });
+            this.phase = "following";
+            this.changed.tell();
+            await this.follow(link);
         } catch (error) {
-            await this.end(error as Error);
-            return;
+            await this.lose(explained(error as Error, baud));
         }
-        this.phase = "following";
-        this.changed.tell();
-        await this.follow(this.link);
     }
 
     async disconnect(): Promise<void> {
@@ -53,18 +76,26 @@ export class Board {
             return;
         }
         this.phase = "leaving";
-        this.talk.drop();
+        this.talk.drop("the board was left before its turn");
         this.changed.tell();
         try {
             this.parting = await link.ask("liveClose", null);
             await this.end();
         } catch (error) {
-            await this.end(error as Error);
+            await this.lose(error as Error);
         }
     }
 
-    // Also while the board is asked who it is, or a command holds up the parting.
+    // One that does not confirm the stop is not left.
+    async stopAndDisconnect(): Promise<void> {
+        if (await this.talk.stop()) {
+            await this.disconnect();
+        }
+    }
+
+    // Also while the port opens, the board is asked who it is, or a command holds up the parting.
     cut(): void {
+        this.isCut = true;
         this.link?.cut();
     }
 
@@ -79,57 +110,72 @@ export class Board {
         }
     }
 
-    private begin(): void {
+    private begin(pace: number): void {
         this.phase = "connecting";
         this.problem = "";
         this.parting = "";
+        this.danger = "";
         this.head = undefined;
         this.signals = [];
         this.block = undefined;
+        this.timeoutS = null;
         this.rate = new ByteRate();
+        this.isCut = false;
+        this.pace = pace;
         this.talk.begin();
         this.scopes.begin();
         this.changed.tell();
     }
 
-    private async end(error?: Error): Promise<void> {
+    // Not as it was to end.
+    private async lose(error: Error): Promise<void> {
+        if (!this.isCut) {
+            this.problem = this.link?.problem || error.message;
+        }
+        if (this.head !== undefined && this.mayRun) {
+            this.danger = alertAfterwards(this.timeoutS);
+        }
+        await this.end();
+    }
+
+    private async end(): Promise<void> {
         const { link } = this;
-        this.talk.drop();
-        this.problem = error === undefined ? "" : link?.problem || error.message;
-        await link?.close();
+        this.phase = "closing";
         this.link = undefined;
+        this.talk.end();
+        this.changed.tell();
+        try {
+            await link?.close();
+        } catch (error) {
+            this.problem = [this.problem, (error as Error).message].filter((text) => text !== "").join(" ");
+        }
         this.phase = "away";
         this.changed.tell();
     }
 
-    // One pass after the other; the worker does what a person asks for in between.
+    // One pass after the other; the worker does what a person asks for in between. Rejects when the board is lost.
     private async follow(link: BoardLink): Promise<void> {
-        try {
-            while (this.phase === "following") {
-                const block = await link.ask("livePass", { seconds: PASS_S, values: SHOWN });
-                this.take(block);
-                if (block.in_step && this.signals.length === 0) {
-                    await this.learn(link, block);
-                }
-            }
-        } catch (error) {
-            if (this.phase === "following") { // else whoever leaves says it
-                await this.end(error as Error);
+        while (this.phase === "following") {
+            this.take(await link.ask("livePass", { seconds: PASS_S, values: SHOWN }));
+            if (this.block?.in_step === true && this.signals.length === 0) {
+                this.signals = (await link.ask("liveSignals", null)) ?? [];
+                this.changed.tell();
             }
         }
     }
 
-    // A motor may run already: the knob begins where its command is.
-    private async learn(link: BoardLink, { values }: LiveBlock): Promise<void> {
-        this.talk.steering.begin({ mode: "speed", value: Math.round(values["speed_command_rpm"] ?? 0) });
-        this.signals = (await link.ask("liveSignals", null)) ?? [];
-        this.changed.tell();
-    }
-
     private take(block: LiveBlock): void {
+        if (block.time_s !== this.block?.time_s) {
+            this.newestMs = performance.now();
+        }
         this.block = block;
+        this.timeoutS = block.timeout_s ?? this.timeoutS;
         this.rate.take(block.health.bytes);
         this.scopes.take(block);
         this.talk.log("news", ...block.said);
+        if (block.stop !== null) {
+            this.talk.takeStop(block.stop);
+        }
+        this.talk.steering.follow(block.command, rotorDeg(block));
     }
 }

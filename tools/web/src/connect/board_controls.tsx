@@ -9,32 +9,33 @@ import type { Board } from "./board.ts";
 import type { Recording } from "./talk.ts";
 
 const POSITION_MAX_DEG = 3600; // of the slider
-const DEG_PER_RAD = 180 / Math.PI;
+const NOTES: Record<PlayMode, string> = {
+    speed: "The choice sends nothing; a value does.",
+    position: "From where the rotor was. The choice sends nothing; a value does.",
+};
 const LOG = "field.log";
-
-// Another mode changes nothing yet: a position is that of the shaft, and the motor would turn to it.
-function begin(board: Board, mode: PlayMode): void {
-    const at = Math.round((board.block?.values["position_estimated_rad"] ?? 0) * DEG_PER_RAD);
-    board.talk.steering.begin({ mode, value: mode === "position" ? at : 0 });
-}
 
 function Command({ board }: { board: Board }) {
     const { steering } = board.talk;
     return (
         <CommandChoice
-            mode={steering.shown.mode} value={steering.shown.value}
+            mode={steering.mode} value={steering.value}
             largest={{ speed: board.head?.speed_max_rpm ?? 0, position: POSITION_MAX_DEG }}
-            note="The choice sends nothing; a value does."
-            onMode={(mode) => begin(board, mode)} onValue={(value) => steering.go(value)}
+            note={NOTES[steering.mode]}
+            onMode={(mode) => steering.choose(mode)} onValue={(value) => steering.go(value)}
+            onHold={(isHeld) => steering.hold(isHeld)}
         />
     );
 }
 
-function Recorded({ recording, props }: { recording: Recording; props: TabProps }) {
+function Recorded({ board, recording, props }: { board: Board; recording: Recording; props: TabProps }) {
     const replay = async (): Promise<void> => {
-        const bytes = new TextEncoder().encode(recording.log);
-        await props.client.ask("replayOpen", { name: LOG, bytes });
-        props.show("replay");
+        try {
+            await props.client.ask("replayOpen", { name: LOG, bytes: new TextEncoder().encode(recording.log) });
+            props.show("replay");
+        } catch (error) {
+            board.talk.log("refusal", (error as Error).message);
+        }
     };
     return (
         <>
@@ -54,9 +55,9 @@ export function RecordButtons({ board, props }: { board: Board; props: TabProps 
                 type="button" title="The ticks that are kept, up to the last fault"
                 disabled={isRecording || board.phase !== "following"} onClick={() => void board.talk.record()}
             >
-                {isRecording ? "Records…" : "Record"}
+                {isRecording ? "Recording…" : "Record"}
             </button>
-            {recording !== undefined && <Recorded recording={recording} props={props} />}
+            {recording !== undefined && <Recorded board={board} recording={recording} props={props} />}
         </div>
     );
 }

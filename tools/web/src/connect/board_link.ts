@@ -20,6 +20,11 @@ export class BoardLink {
         return this.port.line.memory;
     }
 
+    // How often a stop was asked for.
+    get stops(): number {
+        return this.port.line.stops;
+    }
+
     // Why the port has gone; empty while it is there.
     get problem(): string {
         return this.port.problem;
@@ -36,11 +41,12 @@ export class BoardLink {
 
     // Whatever is under way ends with an error.
     cut(): void {
-        this.port.line.close();
+        this.client.end();
     }
 
+    // Rejects when the port does not close.
     async close(): Promise<void> {
-        await this.port.close();
         this.client.end();
+        await this.port.close();
     }
 }

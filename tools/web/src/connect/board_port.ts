@@ -4,6 +4,18 @@ import { SharedLine } from "../core/shared_line.ts";
 import type { SerialPort } from "./web_serial.ts";
 
 const BUFFER_BYTES = 1 << 16;
+const FLUSH_MS = 500; // a port that takes nothing any more would hold its end up
+
+async function opened(port: SerialPort, baudRate: number): Promise<void> {
+    try {
+        await port.open({ baudRate, bufferSize: BUFFER_BYTES });
+    } catch (error) {
+        const text = (error as Error).message.replace(/\.$/, "");
+        throw new Error(
+            `The port cannot be opened: ${text}. Another program may have it; on Linux the user has to be in the group dialout.`,
+        );
+    }
+}
 
 export class BoardPort {
     readonly line = new SharedLine();
@@ -20,7 +32,7 @@ export class BoardPort {
     }
 
     static async open(port: SerialPort, baudRate: number): Promise<BoardPort> {
-        await port.open({ baudRate, bufferSize: BUFFER_BYTES });
+        await opened(port, baudRate);
         return new BoardPort(port);
     }
 
@@ -28,14 +40,36 @@ export class BoardPort {
         this.writer?.write(bytes).catch((error: Error) => this.lose(error));
     }
 
-    // What was written before is sent.
+    // What was written before is sent. Rejects when the port does not close.
     async close(): Promise<void> {
         this.isClosing = true;
         this.line.close();
         await this.reader?.cancel().catch(() => undefined);
         await this.reading;
-        await this.writer?.close().catch(() => undefined); // of a port that is gone it fails
-        await this.port.close().catch(() => undefined);
+        await this.flush();
+        try {
+            await this.port.close();
+        } catch (error) {
+            const { name, message } = error as DOMException;
+            if (name !== "InvalidStateError") { // a port that is gone is closed already
+                throw new Error(`The port cannot be closed: ${message}`);
+            }
+        }
+    }
+
+    // Of a port that is gone it fails.
+    private async flush(): Promise<void> {
+        const { writer } = this;
+        if (writer === undefined) {
+            return;
+        }
+        let timer: ReturnType<typeof setTimeout> | undefined;
+        const late = new Promise<never>((_, reject) => {
+            timer = setTimeout(() => reject(new Error("the port takes nothing")), FLUSH_MS);
+        });
+        await Promise.race([writer.close(), late]).catch((error: Error) => writer.abort(error).catch(() => undefined));
+        clearTimeout(timer);
+        writer.releaseLock();
     }
 
     // After a byte that was damaged or came too fast the port has another stream; after it is unplugged none.

@@ -1,30 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Connect: a running board at a serial port, as `motorsim live` shows it.
-import { useEffect, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { ScopeScene, SpanChoice } from "../parts/scope_scene.tsx";
 import type { TabProps } from "../tabs.ts";
+import { Alarms } from "./alarms.tsx";
 import type { Board } from "./board.ts";
 import { BoardControls, RecordButtons } from "./board_controls.tsx";
-import { Alarms, BoardNow } from "./board_now.tsx";
+import { BoardNow } from "./board_now.tsx";
 import { Connection } from "./connection.tsx";
 import { DialogueView } from "./dialogue_view.tsx";
 import { Parameters } from "./parameters.tsx";
 import { WhereAvailable } from "./unavailable.tsx";
 import { useBoard } from "./use_board.ts";
-
-// Wherever in the tab the keyboard is.
-function useEscape(stop: () => void): void {
-    useEffect(() => {
-        const gone = new AbortController();
-        const onKey = (event: KeyboardEvent): void => {
-            if (event.key === "Escape") {
-                stop();
-            }
-        };
-        document.addEventListener("keydown", onKey, { signal: gone.signal });
-        return () => gone.abort();
-    }, []);
-}
 
 function Side({ props, board }: { props: TabProps; board: Board }) {
     return (
@@ -74,8 +61,8 @@ function Main({ board }: { board: Board }) {
         return (
             <div class="run-main">
                 <p class="note">
-                    A board that runs the firmware of this bench shows every signal of each control tick here. What is shown was
-                    computed here from what the board measures, and has the board's own hash.
+                    A board that runs the firmware of this bench shows every signal of each control tick here. The page computes each
+                    value from the board's measurements, and checks it against a hash that the board sends.
                 </p>
             </div>
         );
@@ -96,7 +83,6 @@ function Main({ board }: { board: Board }) {
 
 function Bench({ props }: { props: TabProps }) {
     const board = useBoard();
-    useEscape(() => board.talk.stop());
     return (
         <div class="run connect">
             <Side props={props} board={board} />

@@ -1,29 +1,25 @@
 // SPDX-License-Identifier: MIT
 // What was asked of a board, and what it and the program have said.
+import type { Said } from "../core/protocol.ts";
 
-export interface Said {
+export interface Line {
     kind: "asked" | "answer" | "refusal" | "news";
     text: string;
 }
 
-export interface Answer {
-    text: string;
-    refused: boolean;
-}
-
-const SAID_MAX = 500;
+const LINES_MAX = 500;
 
 export class Dialogue {
-    said: Said[] = []; // another array with each change
+    lines: Line[] = []; // another array with each change
 
-    add(kind: Said["kind"], ...texts: string[]): void {
-        const made = texts.filter((text) => text !== "").map((text): Said => ({ kind, text: text.trimEnd() }));
+    add(kind: Line["kind"], ...texts: string[]): void {
+        const made = texts.filter((text) => text !== "").map((text): Line => ({ kind, text: text.trimEnd() }));
         if (made.length > 0) {
-            this.said = [...this.said, ...made].slice(-SAID_MAX);
+            this.lines = [...this.lines, ...made].slice(-LINES_MAX);
         }
     }
 
-    answer({ text, refused }: Answer): void {
+    answer({ text, refused }: Said): void {
         this.add(refused ? "refusal" : "answer", text);
     }
 }

@@ -4,9 +4,9 @@ import { useId } from "preact/hooks";
 import { type CommandHistory, useCommandHistory } from "../parts/command_history.ts";
 import { SaidLog } from "../parts/said_log.tsx";
 import type { Board } from "./board.ts";
-import type { Said } from "./dialogue.ts";
+import type { Line } from "./dialogue.ts";
 
-function Line({ said: { kind, text } }: { said: Said }) {
+function LineView({ line: { kind, text } }: { line: Line }) {
     if (kind === "asked") {
         return <div><code>{`> ${text}`}</code></div>;
     }
@@ -35,11 +35,11 @@ function onKey(event: KeyboardEvent, history: CommandHistory, execute: (line: st
 export function DialogueView({ board: { talk, phase } }: { board: Board }) {
     const id = useId();
     const history = useCommandHistory();
-    const { said } = talk.dialogue;
+    const { lines } = talk.dialogue;
     return (
         <section class="console" aria-label="Dialogue">
-            <SaidLog label="What was said" said={said}>
-                {said.map((one, index) => <Line key={index} said={one} />)}
+            <SaidLog label="What was said" said={lines}>
+                {lines.map((line, index) => <LineView key={index} line={line} />)}
             </SaidLog>
             <label for={id}>Command (help lists them; ↑ ↓ recall)</label>
             <input

@@ -46,12 +46,12 @@ export function PortSetup(props: Props) {
         <div class="setup">
             <Field {...props} name="baud" />
             <Field {...props} name="keep_s" />
-            <Field {...props} name="pace" />
-            <p class="note">The board's time is slower or faster than yours in an emulator alone.</p>
             <details class="setup">
                 <summary>Files of the board</summary>
                 {FILES.map((kind) => <FileChoice {...props} key={kind} kind={kind} />)}
             </details>
+            <Field {...props} name="pace" />
+            <p class="note">Leave this at 1 unless the board is emulated.</p>
         </div>
     );
 }

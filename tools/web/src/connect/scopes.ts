@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What of a board is drawn. It stays when the board has gone.
 import type { LiveBlock, ScopeChoice } from "../core/protocol.ts";
+import { FIRST_PANELS } from "../parts/board_panels.ts";
 import { scopeChoice } from "../parts/scope_scene.tsx";
 import { ScopeTrack } from "../parts/scope_track.ts";
 
-const FIRST_PANELS = [
-    ["speed_command_rpm", "speed_estimated_rpm"],
-    ["drive.signals.current.q", "drive.signals.current.d"],
-    ["drive.signals.bus"],
-];
 const FIRST_SPAN_S = 5;
 
 export class Scopes {

@@ -13,7 +13,7 @@ export interface NumberField {
 
 export const NUMBERS: Record<NumberName, NumberField> = {
     baud: { label: "Baud rate", unit: "baud", least: 1200, most: 12_000_000 },
-    keep_s: { label: "Seconds kept for a recording", unit: "s", least: 0.1, most: 600 },
+    keep_s: { label: "Seconds kept for a recording", unit: "s", least: 0.1, most: 60 },
     pace: { label: "Board's time ×", unit: "", least: 0.001, most: 1000 },
 };
 

@@ -25,12 +25,12 @@ function NotIsolated() {
             <h2>The page has to be loaded once more</h2>
             <p>
                 The page and its simulator share memory for what comes from the board. The browser lets them only when nothing of
-                another place can be in the page. The page has now said so; this counts from the next loading on.
+                another place can be in the page. Load the page again to allow it.
             </p>
             <button type="button" class="main" onClick={() => location.reload()}>Load the page once more</button>
             <p>
-                {canIsolateLater() ? "Where it does not help" : "It may not help here"}
-                {": the server then has to send two headers with each file, over https or from this machine:"}
+                {canIsolateLater() ? "Where that does not help" : "Loading it again did not help"}
+                {": the server has to send two headers with each file, over https or from this machine:"}
             </p>
             <pre>{"Cross-Origin-Opener-Policy: same-origin\nCross-Origin-Embedder-Policy: require-corp"}</pre>
         </>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A running board at a serial line. Each call follows it for some hundredths of a second; between two calls other requests come in.
-import type { LiveBlock, LiveHead, LiveKey, Requests, ScopeChoice, SignalInfo, ToLine } from "./protocol.ts";
-import { SharedLine } from "./shared_line.ts";
+import type { LiveBlock, LiveHead, LiveKey, Requests, Said, ScopeChoice, SignalInfo, ToLine } from "./protocol.ts";
+import { type Line, SharedLine } from "./shared_line.ts";
 import type { Block, Core } from "./wasm.ts";
 
 type Given<Name extends keyof Requests> = Requests[Name]["given"];
@@ -9,29 +9,28 @@ type Given<Name extends keyof Requests> = Requests[Name]["given"];
 const RECORDING = "field.log";
 const MS_PER_S = 1000;
 
-// What the simulator asks of the line (host_sim/web/worker_line.cpp).
-export interface Line {
-    take(to: Uint8Array, waitS: number): number;
-    write(bytes: Uint8Array): void;
-    nowS(): number;
-    takeStop(): boolean;
-}
+let shared: SharedLine | undefined; // of the board that is followed
 
-function lineOn(memory: SharedArrayBuffer): Line {
-    const shared = new SharedLine(memory);
+function lineOn(line: SharedLine): Line {
+    let { stops } = line;
     return {
-        take: (to, waitS) => shared.take(to, waitS * MS_PER_S),
+        take: (to, waitS) => line.take(to, waitS * MS_PER_S),
         write: (bytes) => {
             const message: ToLine = { line: bytes.slice() };
             self.postMessage(message, { transfer: [message.line.buffer] });
         },
         nowS: () => performance.now() / MS_PER_S,
-        takeStop: () => shared.takeStop(),
+        takeStop: () => {
+            const isNew = stops !== line.stops;
+            stops = line.stops;
+            return isNew;
+        },
     };
 }
 
 export function liveOpen(core: Core, { line, options, scope }: Given<"liveOpen">): LiveHead {
-    core.useLine(lineOn(line));
+    shared = new SharedLine(line);
+    core.useLine(lineOn(shared));
     return core.call("live.open", { ...options, ...scope });
 }
 
@@ -51,8 +50,11 @@ export function livePass(core: Core, given: Given<"livePass">): LiveBlock {
     return { ...answer, times: core.doubles(answer.times), columns: core.columns(answer.columns) };
 }
 
-export function liveExecute(core: Core, { line }: Given<"liveExecute">): Requests["liveExecute"]["back"] {
-    return core.call("live.execute", { line });
+// What was asked before a stop is not done after it.
+export function liveExecute(core: Core, { line, stops }: Given<"liveExecute">): Said {
+    return stops === shared?.stops
+        ? core.call("live.execute", { line })
+        : { text: `${line}: not done, a stop came before its turn`, refused: true };
 }
 
 export function liveKeys(core: Core): LiveKey[] {

@@ -231,9 +231,22 @@ export interface LiveHead {
 // After some time of the board: how it stands, and the points of the scope that have become whole.
 export interface LiveBlock extends PlayBlock {
     in_step: boolean; // else state, fault, values and time are the last ones that are known; the state is "" before the first
-    is_run_wanted: boolean; // by the command in force, as far as it is known
+    command: BoardCommand | null; // in force; null: not known
+    stop: Said | null; // what the board has answered to a stop since the last block
+    timeout_s: number | null; // without a PC the drive stops after so long; 0: it never does; null: not known
     said: string[]; // lines since the last block
     health: LiveHealth;
+}
+
+export interface BoardCommand {
+    run: boolean;
+    mode: PlayMode;
+    value: number; // rpm, or degrees of the shaft
+}
+
+export interface Said {
+    text: string;
+    refused: boolean;
 }
 
 export interface LiveHealth {
@@ -241,6 +254,8 @@ export interface LiveHealth {
     late_ticks: number; // control ticks that came late
     tick_lost: boolean; // the control tick stays away
     gaps: number;
+    departures: number; // how often the board's state was not that of the same inputs here
+    hashes: number; // compared
     broken: number; // frames that came damaged
     bytes: number; // that came in
     no_stream: string; // why the board sends no ticks; empty: it does
@@ -269,7 +284,7 @@ export interface Requests {
     playAdvance: { given: { ticks: number; values: string[] }; back: PlayBlock };
     playAct: { given: PlayAct; back: Knobs };
     stepOpen: { given: { source: StepSource; choice: Choice | null }; back: StepHead };
-    stepExecute: { given: { line: string }; back: { text: string; refused: boolean } };
+    stepExecute: { given: { line: string }; back: Said };
     stepComplete: { given: { before: string; word: string }; back: string[] };
     stepLook: { given: null; back: StepView };
     replayOpen: { given: { name: string; bytes: Uint8Array }; back: ReplayHead };
@@ -278,7 +293,7 @@ export interface Requests {
     liveSignals: { given: null; back: SignalInfo[] | null }; // null: not in step yet
     liveScope: { given: ScopeChoice; back: null };
     livePass: { given: { seconds: number; values: string[] }; back: LiveBlock };
-    liveExecute: { given: { line: string }; back: { text: string; refused: boolean } };
+    liveExecute: { given: { line: string; stops: number }; back: Said }; // `stops` asked for when it was: it is not done after a later one
     liveKeys: { given: null; back: LiveKey[] };
     liveRecord: { given: null; back: { text: string; log: string } }; // what was said, and the recording as a log
     liveClose: { given: null; back: string }; // what a person is to know of the board that is left, or nothing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The simulator as compiled: its file system and its one function.
-import type { Line } from "./live_session.ts";
 import { FILE_KINDS, folderOf, type Requests } from "./protocol.ts";
+import type { Line } from "./shared_line.ts";
 
 interface FileSystem {
     readFile(path: string, options: { encoding: "utf8" }): string;

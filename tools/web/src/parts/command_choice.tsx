@@ -5,11 +5,12 @@ import { Knob } from "./knob.tsx";
 
 interface Props {
     mode: PlayMode;
-    value: number;
+    value: number | undefined; // undefined: not known yet
     largest: Record<PlayMode, number>; // either way
     note?: string;
     onMode(mode: PlayMode): void;
     onValue(value: number): void;
+    onHold?(isHeld: boolean): void; // whether a person is in the field
 }
 
 const MODES: Record<PlayMode, { name: string; unit: string; step: number }> = {
@@ -17,7 +18,7 @@ const MODES: Record<PlayMode, { name: string; unit: string; step: number }> = {
     position: { name: "Position", unit: "°", step: 5 },
 };
 
-export function CommandChoice({ mode, value, largest, note, onMode, onValue }: Props) {
+export function CommandChoice({ mode, value, largest, note, onMode, onValue, onHold }: Props) {
     const { name, unit, step } = MODES[mode];
     return (
         <fieldset>
@@ -30,7 +31,10 @@ export function CommandChoice({ mode, value, largest, note, onMode, onValue }: P
                     </label>
                 ))}
             </div>
-            <Knob name={name} unit={unit} value={value} largest={largest[mode]} step={step} onValue={onValue} />
+            <Knob
+                name={name} unit={unit} value={value ?? 0} largest={largest[mode]} step={step} isDisabled={value === undefined}
+                onValue={onValue} {...(onHold && { onHold })}
+            />
             {note !== undefined && <p class="note">{note}</p>}
         </fieldset>
     );

@@ -3,12 +3,13 @@
 import type { Fault } from "../core/protocol.ts";
 import { shown } from "./format.ts";
 
-export function FaultCard({ fault }: { fault: Fault | null }) {
+// `isPast`: it is the last one that is known, and may not be there any more.
+export function FaultCard({ fault, isPast = false }: { fault: Fault | null; isPast?: boolean }) {
     return (
         <div role="alert">
             {fault !== null && (
                 <div class="fault">
-                    <strong>{`${fault.name} at ${shown(fault.time_s)} s`}</strong>
+                    <strong>{`${isPast ? "The last known fault: " : ""}${fault.name} at ${shown(fault.time_s)} s`}</strong>
                     <p>{fault.measure}</p>
                     <p>{fault.advice}</p>
                     <p class="note">Repair what is broken, press Clear fault, then Run.</p>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The drive's states and which may follow which, as the firmware has them; the present one is lit. Left out are the moves that
-// each running state has: STOP to READY, and a fault.
+// The drive's states and which may follow which, as the firmware has them; the present one, or the last that is known, is lit. Left
+// out are the moves that each running state has: STOP to READY, and a fault.
 
 interface Move {
     from: string;
@@ -52,12 +52,16 @@ function State({ name, lit }: { name: string; lit: boolean }) {
     );
 }
 
-export function StateMachine({ moves, state }: { moves: Move[]; state: string }) {
+export function StateMachine({ moves, state, isPast = false }: { moves: Move[]; state: string; isPast?: boolean }) {
+    const said = isPast ? `last known ${state}` : state;
     const names = [...new Set(moves.flatMap(({ from, to }) => [from, to]))];
     return (
-        <section class="state-machine" aria-label="State machine">
-            <p class="note" role="status">{`State: ${state}`}</p>
-            <svg viewBox={`-2 -2 ${3 * COLUMN + WIDTH + 4} ${2 * ROW + HEIGHT + 4}`} role="img" aria-label={`State machine; the present state is ${state}`}>
+        <section class={isPast ? "state-machine past" : "state-machine"} aria-label="State machine">
+            <p class="note" role="status">{`State: ${said}`}</p>
+            <svg
+                viewBox={`-2 -2 ${3 * COLUMN + WIDTH + 4} ${2 * ROW + HEIGHT + 4}`} role="img"
+                aria-label={`State machine; the ${isPast ? "last known" : "present"} state is ${state}`}
+            >
                 <defs>
                     <marker id="arrow" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">
                         <path d="M0 0 L8 4 L0 8 z" class="arrow" />

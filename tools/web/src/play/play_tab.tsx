@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Play: the machine of the chosen scenario without its script, in real time.
 import { useEffect, useState } from "preact/hooks";
-import type { PlayBlock, PlayHead } from "../core/protocol.ts";
+import type { PlayHead } from "../core/protocol.ts";
 import { FaultCard } from "../parts/fault_card.tsx";
-import { shown } from "../parts/format.ts";
-import { type Reading, Readings } from "../parts/readings.tsx";
+import { Readings, readingsOf } from "../parts/readings.tsx";
 import { scopeChoice, ScopeScene, type SceneProps, SpanChoice } from "../parts/scope_scene.tsx";
 import { StateMachine } from "../parts/state_machine.tsx";
 import { FIRST, type Selection } from "../run/bench_state.ts";
@@ -14,6 +13,7 @@ import type { TabProps } from "../tabs.ts";
 import { Controls } from "./controls.tsx";
 import { MotorDrawing } from "./motor_drawing.tsx";
 import type { Player } from "./player.ts";
+import { READINGS } from "./shown.ts";
 import { type Play, usePlay } from "./use_play.ts";
 
 const FIRST_PANELS = [
@@ -22,22 +22,6 @@ const FIRST_PANELS = [
 ];
 const FIRST_SPAN_S = 5;
 const SLOWNESS: Record<string, number> = { "1": 1, "1/10": 10, "1/100": 100, "1/1000": 1000 };
-
-const READINGS: [string, string, string][] = [
-    ["Speed", "speed_rpm", "rpm"],
-    ["Speed, estimated", "speed_estimated_rpm", "rpm"],
-    ["Torque", "torque_nm", "N·m"],
-    ["i_q", "i_q_a", "A"],
-    ["i_d", "i_d_a", "A"],
-    ["v_q", "v_q_v", "V"],
-    ["v_d", "v_d_v", "V"],
-    ["Bus", "bus_v", "V"],
-    ["Rotor position", "position_rad", "rad"],
-];
-
-function readingsOf({ values }: PlayBlock): Reading[] {
-    return READINGS.map(([label, name, unit]) => ({ label, text: `${shown(values[name])} ${unit}` }));
-}
 
 function Pace({ play }: { play: Play }) {
     const { ratio, frames, dropped } = play.pace;
@@ -92,7 +76,7 @@ function Scene({ head, player, play, scope, choosing }: Props) {
         <ScopeScene label="Scopes and motor" signals={head.signals} track={player.track} choosing={choosing} {...scope}>
             <MotorDrawing player={player} largestA={head.limits.current_a} />
             <StateMachine moves={head.moves} state={block?.state ?? "INIT"} />
-            {block !== undefined && <Readings caption={`Now, t = ${block.time_s.toFixed(3)} s`} rows={readingsOf(block)} />}
+            {block !== undefined && <Readings caption={`Now, t = ${block.time_s.toFixed(3)} s`} rows={readingsOf(READINGS, block.values)} />}
         </ScopeScene>
     );
 }

@@ -4,12 +4,7 @@
 import type { Client } from "../core/client.ts";
 import type { Knobs, PlayAct, PlayBlock, ScopeChoice } from "../core/protocol.ts";
 import { ScopeTrack } from "../parts/scope_track.ts";
-
-// Signals that the page shows beside the scope.
-export const SHOWN = [
-    "speed_rpm", "speed_estimated_rpm", "speed_command_rpm", "torque_nm", "load_torque_nm", "i_q_a", "i_d_a", "v_q_v", "v_d_v",
-    "bus_v", "angle_el_deg", "angle_estimated_el_deg", "angle_error_el_deg", "position_rad",
-];
+import { SHOWN } from "./shown.ts";
 
 const BLOCK_MAX_S = 0.1; // longer pauses of the page do not count as time
 const FRAME_MS = 1000 / 60;

@@ -3,14 +3,9 @@
 import { useEffect, useId, useMemo, useState } from "preact/hooks";
 import type { Client } from "../core/client.ts";
 import type { Curves as Recorded, ReplayHead } from "../core/protocol.ts";
+import { FIRST_PANELS } from "../parts/board_panels.ts";
 import { Curves } from "../run/curves.tsx";
 import type { TabProps } from "../tabs.ts";
-
-const FIRST_PANELS = [
-    ["speed_command_rpm", "speed_estimated_rpm"],
-    ["drive.signals.current.q", "drive.signals.current.d"],
-    ["drive.signals.bus"],
-];
 
 interface Opened {
     head: ReplayHead;
