@@ -54,6 +54,24 @@ test("a scenario with imperfections has the program's figures", async () => with
     }
 }));
 
+test("an edit's effect stands beside the run before it, in figures and curves", async () => withPage(async (page) => {
+    await settled(page);
+    const first = await figures(page);
+    await replaceLine(page, await openFile(page, "motors/motor_a.toml", "inertia_kg_m2"), "inertia_kg_m2 = 0.03");
+    await page.getByRole("button", { name: "Run", exact: true }).click();
+    await page.getByRole("columnheader", { name: "Before" }).waitFor();
+    const before = await page.locator("tr").filter({ hasText: "speed_error_rms_rpm" }).locator(".before").innerText();
+    assert.equal(before.split(" ")[0], first.speed_error_rms_rpm);
+    assert.notEqual((await figures(page)).speed_error_rms_rpm, first.speed_error_rms_rpm);
+    await page.getByRole("button", { name: "Curves" }).click();
+    await page.getByRole("group", { name: /^Panel 1: speed_command_rpm.*, and of the run before, / }).waitFor();
+    const shot = () => page.locator(".u-over").first().locator("xpath=..").screenshot();
+    const compared = await shot();
+    await page.getByRole("button", { name: "Run before" }).click();
+    await page.getByRole("group", { name: /^Panel 1: speed_command_rpm(?!.*before)/ }).waitFor();
+    assert.ok(!compared.equals(await shot()), "the curves of the run before are not drawn");
+}));
+
 test("a signal is found by name and unit, and drawn", async () => withPage(async (page) => {
     await settled(page);
     await page.getByLabel("Search signals by name or unit").fill("torque n·m");

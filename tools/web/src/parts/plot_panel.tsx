@@ -10,6 +10,7 @@ export interface Curve {
     name: string;
     unit: string;
     values: Float32Array;
+    isBefore?: boolean; // of another run, to compare
 }
 
 export interface Band {
@@ -47,6 +48,12 @@ function dashOf(name: string): number[] | undefined {
         return [8, 4];
     }
     return /reference|command/.test(name) ? [2, 3] : undefined;
+}
+
+// Faint, in the colour of its curve, without a line of its own in the legend.
+function faint(curves: Curve[], curve: Curve): Partial<uPlot.Series> {
+    const index = curves.findIndex(({ name }) => name === curve.name);
+    return { class: "before", alpha: 0.35, stroke: () => token(`--curve-${(index % COLOURS) + 1}`) };
 }
 
 export function seriesOf(curve: Pick<Curve, "name" | "unit">, index: number): uPlot.Series {
@@ -89,7 +96,9 @@ function optionsOf(props: Props, width: number, onRange: (range: Range) => void)
         width,
         height: props.height,
         scales: { x: { time: false, range: (_plot, min, max) => [min, max] } },
-        series: [{ label: "t [s]", value: (_plot, value) => shown(value) }, ...props.curves.map(seriesOf)],
+        series: [{ label: "t [s]", value: (_plot, value) => shown(value) }, ...props.curves.map((curve, index) => ({
+            ...seriesOf(curve, index), ...(curve.isBefore && faint(props.curves, curve)),
+        }))],
         axes: axesOf(props.curves),
         cursor: { sync: { key: props.syncKey }, drag: { x: true, y: false }, points: { size: 6 } },
         hooks: {
@@ -163,8 +172,10 @@ function onWheel(event: WheelEvent, plot: uPlot, props: Props): void {
 }
 
 function described({ title, curves, range }: Props): string {
-    const names = curves.map(({ name, unit }) => withUnit(name, unit)).join(", ");
-    return `${title}: ${names === "" ? "no signal" : names}, ${shown(range.from)} s to ${shown(range.to)} s. Arrow keys move the cursor, with shift they pan; plus and minus zoom, 0 shows all.`;
+    const names = curves.filter(({ isBefore }) => !isBefore).map(({ name, unit }) => withUnit(name, unit)).join(", ");
+    const others = curves.some(({ isBefore }) => isBefore) ? ", and of the run before" : "";
+    return `${title}: ${names === "" ? "no signal" : names}${others}, ${shown(range.from)} s to ${shown(range.to)} s. `
+        + "Arrow keys move the cursor, with shift they pan; plus and minus zoom, 0 shows all.";
 }
 
 export function PlotPanel(props: Props) {

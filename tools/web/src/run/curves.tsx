@@ -10,6 +10,7 @@ export type Drawn = Pick<Run, "times" | "columns" | "signals" | "states" | "faul
 
 interface Props {
     run: Drawn;
+    before?: Drawn | undefined; // drawn faintly behind
     panels: string[][];
     onPanels(panels: string[][]): void;
 }
@@ -41,6 +42,22 @@ function curvesOf(run: Drawn, names: string[]): Curve[] {
     });
 }
 
+// At these times, as far as they go.
+function valuesAt(times: Float64Array, { times: own }: Drawn, values: Float32Array): Float32Array {
+    let at = 0;
+    return Float32Array.from(times, (time) => {
+        while (at + 1 < own.length && (own[at + 1] ?? 0) <= time) {
+            at++;
+        }
+        return time >= (own[0] ?? 0) && time <= (own.at(-1) ?? 0) ? (values[at] ?? NaN) : NaN;
+    });
+}
+
+function curvesBefore(run: Drawn, before: Drawn | undefined, names: string[]): Curve[] {
+    const curves = before === undefined ? [] : curvesOf(before, names);
+    return curves.map((curve) => ({ ...curve, values: valuesAt(run.times, before as Drawn, curve.values), isBefore: true }));
+}
+
 interface PanelProps {
     index: number;
     props: Props;
@@ -52,9 +69,12 @@ interface PanelProps {
 }
 
 function Panel({ index, props, selected, select, range, whole, onRange }: PanelProps) {
-    const { run, panels, onPanels } = props;
+    const { run, before, panels, onPanels } = props;
     const names = panels[index] ?? [];
-    const curves = useMemo(() => curvesOf(run, names), [run, names.join()]);
+    const curves = useMemo(
+        () => [...curvesOf(run, names), ...curvesBefore(run, before, names)],
+        [run, before, names.join()],
+    );
     const bands = useMemo(() => bandsOf(run, whole.to), [run]);
     const height = Math.max(MIN_HEIGHT_PX, Math.floor((innerHeight * AREA_SHARE) / panels.length) - 60);
     const title = `Panel ${index + 1}`;
@@ -94,6 +114,8 @@ export function Curves(props: Props) {
     const whole = useMemo(() => ({ from: run.times[0] ?? 0, to: run.times.at(-1) ?? 1 }), [run.times]);
     const [range, setRange] = useState<Range>(whole);
     const [chosen, setChosen] = useState(0);
+    const [comparing, setComparing] = useState(true);
+    const drawn = comparing ? props : { ...props, before: undefined };
     const selected = Math.min(chosen, panels.length - 1);
     useEffect(() => setRange(whole), [whole.from, whole.to]);
     return (
@@ -101,7 +123,7 @@ export function Curves(props: Props) {
             <div class="panels scroll" tabIndex={0} role="group" aria-label="Panels">
                 {panels.map((_, index) => (
                     <Panel
-                        key={index} index={index} props={props} selected={index === selected}
+                        key={index} index={index} props={drawn} selected={index === selected}
                         select={() => setChosen(index)} range={range} whole={whole} onRange={setRange}
                     />
                 ))}
@@ -110,7 +132,11 @@ export function Curves(props: Props) {
                 <div class="buttons">
                     <button type="button" onClick={() => onPanels([...panels, []])}>Add panel</button>
                     <button type="button" onClick={() => setRange(whole)}>Show all</button>
+                    {props.before !== undefined && (
+                        <button type="button" aria-pressed={comparing} onClick={() => setComparing(!comparing)}>Run before</button>
+                    )}
                 </div>
+                {drawn.before !== undefined && <p class="note">The fainter curves are of the run before.</p>}
                 <p class="note">{`A ticked signal is in panel ${selected + 1}.`}</p>
                 <SignalTree
                     signals={run.signals}

@@ -10,19 +10,24 @@ function verdict(row: ResultRow): string {
     return row.holds ? "✓ ok" : "✗ not met";
 }
 
-function Row({ row }: { row: ResultRow }) {
-    const unit = unitOfName(row.name);
+function valueOf({ name, value }: ResultRow): string {
+    return withUnit(value, Number.isNaN(Number(value)) ? "" : unitOfName(name));
+}
+
+function Row({ row, before }: { row: ResultRow; before: ResultRow[] | undefined }) {
+    const then = before?.find(({ name }) => name === row.name);
     return (
         <tr class={row.limit !== "" && !row.holds ? "broken" : ""}>
             <th scope="row">{row.name}</th>
-            <td>{withUnit(row.value, Number.isNaN(Number(row.value)) ? "" : unit)}</td>
+            <td>{valueOf(row)}</td>
+            {before !== undefined && <td class="before">{then === undefined ? "" : valueOf(then)}</td>}
             <td>{row.limit}</td>
             <td>{verdict(row)}</td>
         </tr>
     );
 }
 
-function Figures({ run }: { run: Run }) {
+function Figures({ run, before }: { run: Run; before: Run | undefined }) {
     return (
         <table>
             <caption>{run.accepted ? "Results: all limits hold" : "Results: a limit is not met"}</caption>
@@ -30,11 +35,12 @@ function Figures({ run }: { run: Run }) {
                 <tr>
                     <th scope="col">Figure</th>
                     <th scope="col">Value</th>
+                    {before !== undefined && <th scope="col">Before</th>}
                     <th scope="col">Limit</th>
                     <th scope="col">Verdict</th>
                 </tr>
             </thead>
-            <tbody>{run.rows.map((row) => <Row key={row.name} row={row} />)}</tbody>
+            <tbody>{run.rows.map((row) => <Row key={row.name} row={row} before={before?.rows} />)}</tbody>
         </table>
     );
 }
@@ -76,14 +82,14 @@ function FaultCard({ fault }: { fault: Fault }) {
 }
 
 // Busy while a newer run is under way.
-export function Results({ run, busy }: { run: Run; busy: boolean }) {
+export function Results({ run, before, busy }: { run: Run; before: Run | undefined; busy: boolean }) {
     return (
         <section class="results scroll" aria-label="Results" aria-busy={busy} tabIndex={0}>
             <h2>{run.head.title}</h2>
             <p class="note">{`${run.head.motor}, ${run.head.board}, tuning ${run.head.tuning}`}</p>
             {run.faults.map((fault) => <FaultCard key={fault.time_s} fault={fault} />)}
             {run.notes.map((note) => <p key={note} class="note">{`Note: ${note}`}</p>)}
-            <Figures run={run} />
+            <Figures run={run} before={before} />
             <Parameters parameters={run.parameters} />
         </section>
     );

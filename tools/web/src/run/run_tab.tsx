@@ -9,12 +9,11 @@ import { Files } from "./files.tsx";
 import { Results } from "./results.tsx";
 import { keepInLink, selectionOfLink } from "./selection_link.ts";
 import { Setup } from "./setup.tsx";
-import { type Runner, useRun } from "./use_run.ts";
+import { filesOf, type Runner, useRun } from "./use_run.ts";
 
 function isStale(runner: Runner, selection: Selection): boolean {
     const { ran } = runner;
-    const files = ({ scenario, with: sets, edits }: Selection): string => JSON.stringify([scenario, sets, edits]);
-    return ran !== undefined && files(ran) !== files(selection);
+    return ran !== undefined && filesOf(ran) !== filesOf(selection);
 }
 
 interface MainProps {
@@ -51,7 +50,7 @@ function Toolbar({ props, runner, selection, view, setView }: MainProps & { view
 
 function Main(props: MainProps) {
     const { runner, selection, select } = props;
-    const { run, parts } = runner;
+    const { run, before, parts } = runner;
     const [view, setView] = useState("Curves");
     // Other signals: the same once more, with them.
     const setPanels = (panels: string[][]): void => {
@@ -64,7 +63,7 @@ function Main(props: MainProps) {
     return (
         <div class="run-main">
             <Toolbar {...props} view={view} setView={setView} />
-            {view === "Curves" && run !== undefined && <Curves run={run} panels={selection.panels} onPanels={setPanels} />}
+            {view === "Curves" && run !== undefined && <Curves run={run} before={before} panels={selection.panels} onPanels={setPanels} />}
             {view === "Files" && parts !== undefined && (
                 <Files
                     key={selection.scenario} client={props.props.client} schema={props.props.schema}
@@ -117,7 +116,7 @@ export function RunTab(props: TabProps) {
                 {problem !== "" && <p class="problem" role="alert">{problem}</p>}
                 <Setup names={props.names} selection={selection} runner={runner} onSelect={choose} />
                 <Status runner={runner} selection={selection} />
-                {runner.run !== undefined && <Results run={runner.run} busy={runner.progress !== undefined} />}
+                {runner.run !== undefined && <Results run={runner.run} before={runner.before} busy={runner.progress !== undefined} />}
             </div>
             <Main props={props} runner={runner} selection={selection} select={select} />
         </div>
