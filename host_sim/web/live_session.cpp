@@ -337,8 +337,8 @@ Json command_json(const std::optional<drive_command_t> &command, const Bases &ba
         return nullptr;
     }
     // A measurement has words of its own there.
-    const bool is_position = (command->request & DRIVE_REQUEST_PROBE) == 0 &&
-                             command->mode == DRIVE_MODE_POSITION;
+    const bool is_position =
+        (command->request & DRIVE_REQUEST_PROBE) == 0 && command->mode == DRIVE_MODE_POSITION;
     const double value = is_position ? command->target / Q16 / bases.pole_pairs * DEG_PER_TURN
                                      : bases.rpm_from_step(command->target);
     return {{"run", command->request != 0},

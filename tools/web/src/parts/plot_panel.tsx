@@ -9,7 +9,7 @@ import { onThemeChange, token } from "./theme.ts";
 export interface Curve {
     name: string;
     unit: string;
-    values: Float32Array;
+    values: ArrayLike<number | null>; // null: not known
     isBefore?: boolean; // of another run, to compare
 }
 
@@ -115,6 +115,11 @@ function optionsOf(props: Props, width: number, onRange: (range: Range) => void)
     };
 }
 
+// uPlot takes arrays of either kind.
+function dataOf({ times, curves }: Props): uPlot.AlignedData {
+    return [times, ...curves.map(({ values }) => values)] as uPlot.AlignedData;
+}
+
 function zoomed({ from, to }: Range, factor: number, centre: number): Range {
     return { from: centre - (centre - from) * factor, to: centre + (to - centre) * factor };
 }
@@ -187,7 +192,7 @@ export function PlotPanel(props: Props) {
     useEffect(() => {
         const element = box.current as HTMLDivElement;
         const options = optionsOf(props, element.clientWidth, (range) => latest.current.onRange(range));
-        const made = new uPlot(options, [props.times, ...props.curves.map(({ values }) => values)], element);
+        const made = new uPlot(options, dataOf(props), element);
         plot.current = made;
         made.setScale("x", { min: latest.current.range.from, max: latest.current.range.to });
         made.over.addEventListener("wheel", (event) => onWheel(event, made, latest.current), { passive: false });

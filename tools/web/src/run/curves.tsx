@@ -43,13 +43,13 @@ function curvesOf(run: Drawn, names: string[]): Curve[] {
 }
 
 // At these times, as far as they go.
-function valuesAt(times: Float64Array, { times: own }: Drawn, values: Float32Array): Float32Array {
+function valuesAt(times: Float64Array, { times: own }: Drawn, values: Curve["values"]): (number | null)[] {
     let at = 0;
-    return Float32Array.from(times, (time) => {
+    return Array.from(times, (time) => {
         while (at + 1 < own.length && (own[at + 1] ?? 0) <= time) {
             at++;
         }
-        return time >= (own[0] ?? 0) && time <= (own.at(-1) ?? 0) ? (values[at] ?? NaN) : NaN;
+        return time >= (own[0] ?? 0) && time <= (own.at(-1) ?? 0) ? (values[at] ?? null) : null;
     });
 }
 

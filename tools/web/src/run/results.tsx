@@ -10,6 +10,11 @@ function verdict(row: ResultRow): string {
     return row.holds ? "✓ ok" : "✗ not met";
 }
 
+// At its underscores.
+function breakable(name: string) {
+    return name.split("_").flatMap((word, index) => (index === 0 ? [word] : ["_", <wbr key={index} />, word]));
+}
+
 function valueOf({ name, value }: ResultRow): string {
     return withUnit(value, Number.isNaN(Number(value)) ? "" : unitOfName(name));
 }
@@ -18,7 +23,7 @@ function Row({ row, before }: { row: ResultRow; before: ResultRow[] | undefined 
     const then = before?.find(({ name }) => name === row.name);
     return (
         <tr class={row.limit !== "" && !row.holds ? "broken" : ""}>
-            <th scope="row">{row.name}</th>
+            <th scope="row">{breakable(row.name)}</th>
             <td>{valueOf(row)}</td>
             {before !== undefined && <td class="before">{then === undefined ? "" : valueOf(then)}</td>}
             <td>{row.limit}</td>
