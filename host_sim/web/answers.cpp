@@ -3,6 +3,7 @@
 
 #include "names.h"
 
+#include <algorithm>
 #include <cmath>
 
 extern "C" {
@@ -92,6 +93,13 @@ Json moves_json()
         }
     }
     return moves;
+}
+
+Scope scope_of(const Json &given, double period_s)
+{
+    constexpr double BUCKETS_IN_SPAN = 400; // two pixels a bucket
+    const double ticks = given.at("span_s").get<double>() / period_s / BUCKETS_IN_SPAN;
+    return {texts_of(given, "signals"), std::max<int64_t>(std::llround(ticks), 1)};
 }
 
 Json columns_json(const Scope &scope)

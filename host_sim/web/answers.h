@@ -29,6 +29,9 @@ Json states_json(const std::vector<StateChange> &changes);
 // The state machine as the firmware has it: which state may follow which.
 Json moves_json();
 
+// Of "signals" and "span_s", what the screen shows of them.
+Scope scope_of(const Json &given, double period_s);
+
 // Name: the points that have become whole.
 Json columns_json(const Scope &scope);
 

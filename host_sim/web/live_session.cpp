@@ -35,8 +35,7 @@ namespace
 using debug::Answer;
 using debug::Outcome;
 
-constexpr double PASS_S = 0.02;         // between two looks at what a person asks for
-constexpr double BUCKETS_IN_SPAN = 400; // two pixels a bucket
+constexpr double PASS_S = 0.02; // between two looks at what a person asks for
 constexpr double PS_PER_S = 1e12;
 constexpr std::array<FileKind, 3> FILES_OF_A_BOARD = {FileKind::motor, FileKind::board,
                                                       FileKind::tuning};
@@ -45,13 +44,14 @@ constexpr std::array<FileKind, 3> FILES_OF_A_BOARD = {FileKind::motor, FileKind:
 class Shown : public TickSink
 {
 public:
-    Shown(const Json &scope, double period_s) : period_s_(period_s), scope_(scope_of(scope))
+    Shown(const Json &scope, double period_s)
+        : period_s_(period_s), scope_(scope_of(scope, period_s))
     {
     }
 
     void set_scope(const Json &given)
     {
-        scope_ = scope_of(given);
+        scope_ = scope_of(given, period_s_);
     }
 
     // Of the last tick, from the next one on.
@@ -106,12 +106,6 @@ private:
         const SignalInfo *signal;
         double last;
     };
-
-    Scope scope_of(const Json &given) const
-    {
-        const double ticks = given.at("span_s").get<double>() / period_s_ / BUCKETS_IN_SPAN;
-        return {texts_of(given, "signals"), std::max<int64_t>(std::llround(ticks), 1)};
-    }
 
     double period_s_;
     Scope scope_;

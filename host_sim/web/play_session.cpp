@@ -28,8 +28,7 @@ namespace
 {
 
 constexpr double KEPT_S = 10;
-constexpr double LONGEST_S = 86400;     // a day at 48 kHz is less than the drive's tick can count
-constexpr double BUCKETS_IN_SPAN = 400; // two pixels a bucket
+constexpr double LONGEST_S = 86400; // a day at 48 kHz is less than the drive's tick can count
 constexpr double POSITION_MAX_DEG = 3600;
 constexpr double RAD_PER_DEG = 3.14159265358979323846 / 180.0;
 
@@ -139,9 +138,7 @@ Json head_of(const PlaySession &s)
 
 void set_scope(PlaySession &s, const Json &given)
 {
-    const double ticks = given.at("span_s").get<double>() / s.period_s / BUCKETS_IN_SPAN;
-    s.scope = std::make_unique<Scope>(texts_of(given, "signals"),
-                                      std::max<int64_t>(std::llround(ticks), 1));
+    s.scope = std::make_unique<Scope>(scope_of(given, s.period_s));
 }
 
 Json start(const Json &given)

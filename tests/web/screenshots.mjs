@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { button, openTab, reads, recordedFault, settled, state, switchOn, type, withPage } from "./bench.mjs";
 import { simulatedBoard } from "./board.mjs";
 import { Cable, FAKE_SERIAL } from "./cable.mjs";
+import { connect, openConnect } from "./connected.mjs";
 
 const [folder] = process.argv.slice(2);
 if (folder === undefined) {
@@ -53,12 +54,10 @@ async function replay(page) {
     await rm(recordings, { recursive: true });
 }
 
-async function connect(page, board) {
+async function followed(page, board) {
     const cable = await Cable.of(page, board);
-    await settled(page);
-    await openTab(page, "Connect");
-    await type(page, "Baud rate [baud]", "460800");
-    await button(page, "Connect").click();
+    await openConnect(page);
+    await connect(page);
     await state(page, "RUN"); // its script runs it
     await button(page, "Parameters").click();
     await type(page, "Speed [rpm]", "600");
@@ -74,7 +73,7 @@ await withPage(playAndStep, { colorScheme: "dark" });
 await withPage(replay);
 const board = await simulatedBoard();
 try {
-    await withPage((page) => connect(page, board), { init: FAKE_SERIAL });
+    await withPage((page) => followed(page, board), { init: FAKE_SERIAL });
 } finally {
     board.end();
 }

@@ -2,30 +2,13 @@
 // The tab Play, used as a person would. How fast it is, is printed: NF_PLAY_S is how long that is watched.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { openFile, openTab, replaceLine, settled, switchOn, until, withPage } from "./bench.mjs";
+import {
+    button, openFile, openTab, reading, reads, replaceLine, settled, state, switchOn, type, until, withPage,
+} from "./bench.mjs";
 
 const WATCHED_S = Number(process.env.NF_PLAY_S ?? 5);
 const SPEED_RPM = 600;
 const SPEED_NEAR_RPM = 30; // 5 %
-
-function state(page, name) {
-    return page.getByText(`State: ${name}`, { exact: true }).waitFor();
-}
-
-async function reading(page, name) {
-    const text = await page.getByRole("row", { name: new RegExp(`^${name} `) }).locator("td").innerText();
-    return Number(text.split(" ")[0]);
-}
-
-// Until a reading is so.
-function reads(page, name, holds) {
-    return until(() => reading(page, name), holds);
-}
-
-async function type(page, label, text) {
-    await page.getByLabel(label, { exact: true }).fill(text);
-    await page.keyboard.press("Enter");
-}
 
 async function running(page, scenario = "s1_robust") {
     await settled(page);
@@ -35,8 +18,6 @@ async function running(page, scenario = "s1_robust") {
     await type(page, "Speed [rpm]", String(SPEED_RPM));
     await state(page, "RUN");
 }
-
-const button = (page, name) => page.getByRole("button", { name, exact: true });
 
 test("it follows a speed, and bears a load", async () => withPage(async (page) => {
     await running(page);

@@ -5,13 +5,7 @@ import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
-import { motorsim, openFile, replaceLine, settled, until, withPage } from "./bench.mjs";
-
-async function downloaded(page, button) {
-    const waiting = page.waitForEvent("download");
-    await page.getByRole("button", { name: button }).click();
-    return readFile(await (await waiting).path());
-}
+import { downloaded, motorsim, openFile, replaceLine, settled, until, withPage } from "./bench.mjs";
 
 // In the page: notes when the results of the first run are in the document.
 function noteFirstResults() {
@@ -146,11 +140,11 @@ test("trace, results and picture can be taken along", async () => withPage(async
     await settled(page);
     const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
     await motorsim(["run", "s1_robust", "--trace", join(folder, "trace.csv")]);
-    const trace = await downloaded(page, "Download trace (CSV)");
+    const trace = await readFile(await downloaded(page, "Download trace (CSV)"));
     assert.ok(trace.equals(await readFile(join(folder, "trace.csv"))), "the traces differ");
     const { stdout } = await motorsim(["run", "s1_robust", "--json", "-"]);
-    assert.equal((await downloaded(page, "Download results (JSON)")).toString(), stdout);
-    const picture = await downloaded(page, "Download picture");
+    assert.equal((await readFile(await downloaded(page, "Download results (JSON)"))).toString(), stdout);
+    const picture = await readFile(await downloaded(page, "Download picture"));
     assert.equal(picture.subarray(1, 4).toString(), "PNG");
     assert.ok(picture.length > 10_000);
     await rm(folder, { recursive: true });
