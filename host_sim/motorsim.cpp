@@ -385,22 +385,12 @@ int debug(const DebugArguments &arguments)
     return converse(session, arguments.script);
 }
 
-// Of what departs, or else of the fault, or else the last.
-int64_t tick_of_interest(const nf::replay::Recording &recording, const nf::replay::Result &result)
-{
-    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
-    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= recording.run.first() &&
-                      fault <= recording.last();
-    const int64_t end = seen ? fault : recording.last();
-    return result.difference ? result.difference->tick : end;
-}
-
 int debug_recording(const nf::replay::Recording &recording, const nf::replay::Result &result,
                     const ReplayArguments &arguments)
 {
     nf::debug::Session session(recording.run,
                                std::filesystem::path(arguments.file).filename().string());
-    session.timeline.go_to(tick_of_interest(recording, result));
+    session.timeline.go_to(nf::replay::tick_of_interest(recording, result));
     return converse(session, arguments.script);
 }
 

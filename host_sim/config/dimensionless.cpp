@@ -40,7 +40,7 @@ double voltage_use(const Config &config, const Ratings &r)
     const double current = r.current_a / 2;
     const double along_q = r.emf_v + config.motor.resistance_ohm * current;
     const double along_d = r.omega * config.motor.inductance_q_h * current;
-    return std::hypot(along_q, along_d) /
+    return std::sqrt(along_q * along_q + along_d * along_d) /
            (largest_ratio(config.board) * config.board.bus_nominal_v);
 }
 

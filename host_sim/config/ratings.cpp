@@ -48,7 +48,7 @@ void note_rated_point(Config &config)
     const double current = rated_current(m);
     const double along_q = m.resistance_ohm * current + omega * m.flux_linkage_wb;
     const double along_d = omega * m.inductance_q_h * current;
-    const double needed = std::hypot(along_q, along_d);
+    const double needed = std::sqrt(along_q * along_q + along_d * along_d);
     const double there = largest_ratio(config.board) * config.board.bus_nominal_v;
     if (needed > there) {
         note(config, "motor.rated_speed_rpm", m.rated_speed_rpm,

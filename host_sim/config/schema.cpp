@@ -41,7 +41,7 @@ using T = TuningSettings;
 using S = ScenarioSettings;
 using P = PlantSettings;
 
-constexpr double NAME_MAX = 80;        // characters
+constexpr double NAME_CHARS_MAX = 80;
 constexpr std::size_t POINTS_MAX = 16; // of a sensor's line
 constexpr double PCT_MAX = 1000;       // of a bar: a value that is not known at all
 constexpr double SEED_MAX = 4294967295.0;
@@ -52,7 +52,7 @@ constexpr bool OPTIONAL = false;
 // checked when it is turned into the firmware's numbers.
 // clang-format off
 const std::vector<Field> FIELDS = {
-    {"motor", "name", "", 1, NAME_MAX, NEEDED, motor<&M::name>, "what it is called in reports"},
+    {"motor", "name", "", 1, NAME_CHARS_MAX, NEEDED, motor<&M::name>, "what it is called in reports"},
     {"motor", "pole_pairs", "", 1, 50, NEEDED, motor<&M::pole_pairs>, "pole pairs, half the number of poles"},
     {"motor", "resistance_ohm", "Ω", 0.001, 50, NEEDED, motor<&M::resistance_ohm>, "phase resistance"},
     {"motor", "inductance_d_h", "H", 5e-7, 1, NEEDED, motor<&M::inductance_d_h>, "phase inductance, d axis"},
@@ -92,7 +92,7 @@ const std::vector<Field> FIELDS = {
     {"measured", "gain_mismatch_pct", "%", -50, 50, OPTIONAL, measured<&E::gain_mismatch_pct>, "gain of current sensor a over that of b, less one", RECORD},
     {"measured", "gain_mismatch_bar_pct", "%", 0, 50, OPTIONAL, measured<&E::gain_mismatch_bar_pct>, "its error, at most, in % of the gain; 0: not stated", RECORD},
 
-    {"board", "name", "", 1, NAME_MAX, NEEDED, board<&B::name>, "what it is called in reports"},
+    {"board", "name", "", 1, NAME_CHARS_MAX, NEEDED, board<&B::name>, "what it is called in reports"},
     {"board", "pwm_frequency_hz", "Hz", 2000, 100000, NEEDED, board<&B::pwm_frequency_hz>, "PWM frequency and control rate"},
     {"board", "timer_clock_hz", "Hz", 1e6, 1e9, NEEDED, board<&B::timer_clock_hz>, "clock of the PWM timer, centre-aligned"},
     {"board", "adc_bits", "bit", 8, 15, NEEDED, board<&B::adc_bits>, "resolution of the converter"},
@@ -132,7 +132,7 @@ const std::vector<Field> FIELDS = {
     {"hal", "adc_reference_v", "V", 1, 5, OPTIONAL, hal<&H::adc_reference_v>, "full scale of the converters"},
     {"hal", "bus_divider", "", 1e-4, 1, OPTIONAL, hal<&H::bus_divider>, "bus voltage to converter"},
 
-    {"tuning", "name", "", 1, NAME_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
+    {"tuning", "name", "", 1, NAME_CHARS_MAX, NEEDED, tuning<&T::name>, "what it is called in reports"},
     {"tuning", "command_timeout_s", "s", 0, 3600, OPTIONAL, tuning<&T::command_timeout_s>, "on a link, the drive ramps to a stop when no message has come for so long; 0: it never does"},
     {"drive", "method", "", 0, 0, OPTIONAL, tuning<&T::method>, "what controls the motor in RUN"},
     {"drive", "angle_source", "", 0, 0, OPTIONAL, tuning<&T::angle_source>, "where the rotor's angle is from; with a sensor there is no start-up"},
@@ -230,8 +230,8 @@ const std::vector<Field> FIELDS = {
     {"plant", "sensor_bandwidth_hz", "Hz", 0, 1e6, OPTIONAL, plant<&P::sensor_bandwidth_hz>, "corner of the current sensors' first-order low pass; 0: none"},
     {"plant", "angle_counts", "", 0, 65536, OPTIONAL, plant<&P::angle_counts>, "of the angle sensor in a turn of the shaft; 0: as fine as the frame, 65536", WITH_ANGLE_SENSOR},
 
-    {"scenario", "title", "", 1, NAME_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
-    {"scenario", "paper_figure", "", 0, NAME_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
+    {"scenario", "title", "", 1, NAME_CHARS_MAX, NEEDED, scenario<&S::title>, "one line for reports"},
+    {"scenario", "paper_figure", "", 0, NAME_CHARS_MAX, OPTIONAL, scenario<&S::paper_figure>, "figure of the papers that shows the same"},
     {"scenario", "mode", "", 0, 0, NEEDED, scenario<&S::mode>, "what the command is"},
     {"scenario", "duration_s", "s", 0.001, 3600, NEEDED, scenario<&S::duration_s>, "from t = 0 to the end"},
     {"scenario", "prelude_s", "s", 0, 60, OPTIONAL, scenario<&S::prelude_s>, "simulated before t = 0, not in the metrics; 0: as long as the calibration"},
@@ -409,7 +409,7 @@ template <typename Choice> void choose(Choice *place, const Node &value)
 }
 
 // Of a choice or a number.
-template <typename Value> std::string plain_default(const Value *value)
+template <typename Value> std::string plain_text(const Value *value)
 {
     if constexpr (std::is_enum_v<Value>) {
         return fmt::format(R"("{}")", words_of(value)[static_cast<std::size_t>(*value)]);
@@ -485,10 +485,12 @@ std::string Field::number_text(const Config &config) const
 
 std::string Field::default_text() const
 {
-    if (required) {
-        return "required";
-    }
-    Config untouched;
+    return required ? "required" : value_text(Config{});
+}
+
+std::string Field::value_text(const Config &config) const
+{
+    Config copy = config;
     return std::visit(Overloaded{
                           [](const std::string *text) { return '"' + *text + '"'; },
                           [](const std::array<double, 2> *pair) {
@@ -500,9 +502,9 @@ std::string Field::default_text() const
                           [](const std::vector<double> *points) {
                               return fmt::format("[{}]", fmt::join(*points, ", "));
                           },
-                          [](const auto *other) { return plain_default(other); },
+                          [](const auto *other) { return plain_text(other); },
                       },
-                      target(untouched));
+                      target(copy));
 }
 
 const std::vector<Field> &schema()

@@ -45,7 +45,8 @@ struct Field {
     std::string allowed() const;                         // "0.001 to 50 Ω"
     std::string default_text() const;                    // "required", or the default as in a file
     std::string meaning() const;                         // the help, and when the key acts
-    std::string number_text(const Config &config) const; // as in a file; "" where it is no number
+    std::string value_text(const Config &config) const;  // as in a file
+    std::string number_text(const Config &config) const; // likewise; "" where it is no number
 };
 
 const std::vector<Field> &schema();

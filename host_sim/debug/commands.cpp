@@ -14,6 +14,7 @@ extern "C" {
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdlib>
 #include <functional>
 #include <iterator>
@@ -179,7 +180,7 @@ std::string remove_break(Session &session, const std::string &rest)
         throw Refusal("there are no breaks");
     }
     const int64_t number = integer(rest, "a break", 1, static_cast<int64_t>(session.breaks.size()));
-    session.breaks.erase(session.breaks.begin() + (number - 1));
+    session.breaks.erase(session.breaks.begin() + static_cast<std::ptrdiff_t>(number - 1));
     return list_breaks(session);
 }
 

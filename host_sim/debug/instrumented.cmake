@@ -30,6 +30,20 @@ target_link_libraries(nf_instrumented PRIVATE nf_drive)
 target_compile_options(nf_instrumented PRIVATE -g0 -fno-sanitize=all "SHELL:-include ${redirect}")
 set_target_properties(nf_instrumented PROPERTIES EXPORT_COMPILE_COMMANDS OFF)
 
+if(EMSCRIPTEN)
+    # A WebAssembly object keeps its global names: they are renamed before they are compiled.
+    set(renamed ${CMAKE_CURRENT_BINARY_DIR}/renamed.h)
+    add_custom_command(OUTPUT ${renamed}
+        COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DHEADER=${renamed} "-DOBJECTS=$<TARGET_OBJECTS:nf_drive>"
+            -P ${CMAKE_CURRENT_LIST_DIR}/renamed.cmake
+        DEPENDS $<TARGET_OBJECTS:nf_drive> ${CMAKE_CURRENT_LIST_DIR}/renamed.cmake
+        VERBATIM)
+    set_source_files_properties(${sources} PROPERTIES OBJECT_DEPENDS ${renamed})
+    target_compile_options(nf_instrumented PRIVATE "SHELL:-include ${renamed}")
+    set(instrumented $<TARGET_OBJECTS:nf_instrumented>)
+    return()
+endif()
+
 set(instrumented ${CMAKE_CURRENT_BINARY_DIR}/instrumented.o)
 add_custom_command(OUTPUT ${instrumented}
     COMMAND ${CMAKE_LINKER} -r -o ${instrumented} $<TARGET_OBJECTS:nf_instrumented>

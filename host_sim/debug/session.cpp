@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "session.h"
 
-#include "interrupt.h"
 #include "names.h"
 
 extern "C" {
@@ -51,6 +50,7 @@ const Break *Session::struck()
 std::string Session::run_until(const Value &condition, const std::string &text)
 {
     arm();
+    wanted.reset();
     while (timeline.step()) {
         if (const Break *const one = struck()) {
             return fmt::format("break on {}", one->text);
@@ -58,7 +58,7 @@ std::string Session::run_until(const Value &condition, const std::string &text)
         if (condition && is_true(condition(timeline.tick()))) {
             return text;
         }
-        if (was_interrupted()) {
+        if (stop()) {
             return INTERRUPTED;
         }
     }
@@ -67,7 +67,12 @@ std::string Session::run_until(const Value &condition, const std::string &text)
 
 std::string Session::go_to(int64_t tick)
 {
-    return timeline.go_to(tick, was_interrupted) ? "" : fmt::format("stopped: {}\n", INTERRUPTED);
+    wanted.reset();
+    if (timeline.go_to(tick, stop)) {
+        return "";
+    }
+    wanted = tick;
+    return fmt::format("stopped: {}\n", INTERRUPTED);
 }
 
 std::string Session::position_text() const

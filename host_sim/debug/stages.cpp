@@ -124,15 +124,23 @@ const std::vector<Stage> &all_stages()
     return STAGES;
 }
 
+std::vector<const Stage *> stages_of(const Tick &tick)
+{
+    std::vector<const Stage *> shown;
+    for (const Stage &stage : STAGES) {
+        if (is_shown(stage, tick)) {
+            shown.push_back(&stage);
+        }
+    }
+    return shown;
+}
+
 std::string stages_text(const Tick &tick)
 {
     std::string text;
-    for (const Stage &stage : STAGES) {
-        if (!is_shown(stage, tick)) {
-            continue;
-        }
-        text += fmt::format("{}\n", stage.title);
-        for (const char *const name : stage.signals) {
+    for (const Stage *const stage : stages_of(tick)) {
+        text += fmt::format("{}\n", stage->title);
+        for (const char *const name : stage->signals) {
             text += fmt::format("  {}\n", signal_line(named_signal(name), tick));
         }
     }

@@ -22,6 +22,9 @@ struct Stage {
 
 const std::vector<Stage> &all_stages();
 
+// Those that this tick has.
+std::vector<const Stage *> stages_of(const Tick &tick);
+
 std::string stages_text(const Tick &tick);
 
 } // namespace nf::debug

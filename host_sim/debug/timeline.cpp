@@ -9,7 +9,7 @@
 namespace nf::debug
 {
 
-Timeline::Timeline(const Config &config) : run_(config)
+Timeline::Timeline(const Config &config, int64_t keep) : run_(config), keep_(keep)
 {
     control();
 }
@@ -38,10 +38,25 @@ void Timeline::control()
 
 void Timeline::keep_snapshot()
 {
-    if ((now() - first()) % spacing_ == 0 && snapshots_.count(now()) == 0) {
+    const bool due = (now() - run_.first()) % spacing_ == 0 && snapshots_.count(now()) == 0;
+    if (due) {
         snapshots_.emplace(now(), run_.save());
-        thin_out();
     }
+    if (due && keep_ == FOR_EVER) {
+        thin_out();
+    } else if (due) {
+        forget_past();
+    }
+}
+
+// The ticks to be kept begin at or behind the oldest snapshot. What was done before it lies in it.
+void Timeline::forget_past()
+{
+    const int64_t needed = std::max(now() - keep_, first());
+    snapshots_.erase(snapshots_.begin(), std::prev(snapshots_.upper_bound(needed)));
+    edits_.erase(std::remove_if(edits_.begin(), edits_.end(),
+                                [this](const Edit &edit) { return edit.until < first() - 1; }),
+                 edits_.end());
 }
 
 // Every other one goes, but never the first.
@@ -52,7 +67,7 @@ void Timeline::thin_out()
     }
     spacing_ *= 2;
     for (auto at = snapshots_.begin(); at != snapshots_.end();) {
-        at = (at->first - first()) % spacing_ == 0 ? std::next(at) : snapshots_.erase(at);
+        at = (at->first - run_.first()) % spacing_ == 0 ? std::next(at) : snapshots_.erase(at);
     }
 }
 

@@ -4,6 +4,7 @@
 // At a tick its control interrupt has run: the drive's signals are those of t_k, and so is the truth. Backwards is a
 // snapshot and the ticks from there: a run is its inputs, so it comes to the same bits. Snapshots are thinned out as
 // the run gets longer: there are never more than SNAPSHOTS_MAX, evenly spaced, and a way back runs at most one spacing.
+// Of a run without an end the recent past alone is kept: its snapshots are not thinned out, and what is older is gone.
 #pragma once
 
 #include "scripted_run.h"
@@ -23,17 +24,21 @@ public:
     static constexpr int64_t SPACING_MIN = 1024;
     static constexpr std::size_t SNAPSHOTS_MAX = 256;
 
-    // At the first tick. Throws ConfigError. The configuration must outlive it.
-    explicit Timeline(const Config &config);
+    static constexpr int64_t FOR_EVER = std::numeric_limits<int64_t>::max();
+
+    // At the first tick. Throws ConfigError. The configuration must outlive it. `keep`: at least so many ticks of the past
+    // can be reached.
+    explicit Timeline(const Config &config, int64_t keep = FOR_EVER);
     explicit Timeline(const RecordedRun &recorded);
 
     int64_t now() const
     {
         return run_.tick();
     }
+    // That can still be reached.
     int64_t first() const
     {
-        return run_.first();
+        return snapshots_.begin()->first;
     }
     int64_t last() const
     {
@@ -68,8 +73,6 @@ public:
     // A line for each.
     std::vector<std::string> edits() const;
 
-    static constexpr int64_t FOR_EVER = std::numeric_limits<int64_t>::max();
-
     std::size_t snapshots() const
     {
         return snapshots_.size();
@@ -87,9 +90,11 @@ private:
     void control();
     void keep_snapshot();
     void thin_out();
+    void forget_past();
     void forget_future();
 
     ScriptedRun run_;
+    int64_t keep_ = FOR_EVER;
     Tick tick_{};
     drive_t before_{};
     std::map<int64_t, ScriptedRun::Snapshot> snapshots_; // each before the control interrupt

@@ -13,10 +13,8 @@
 #include "run_recording.h"
 #include "trimmed.h"
 
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <future>
 #include <utility>
 
 extern "C" {
@@ -230,20 +228,31 @@ Answer BoardCommands::torque(const std::string &value)
     });
 }
 
+FileChoice BoardCommands::files_in_force()
+{
+    return files_of(follower_.block_in_force());
+}
+
+FileChoice BoardCommands::files_of(const config_block_t &block) const
+{
+    FileChoice choice = choice_of(block.about.name, files_);
+    const drive_cfg_t of_files = build(load(choice));
+    if (of_files.crc != block.cfg.crc) {
+        throw ConfigError(fmt::format(
+            "the configuration in force is not that of {}, {}, {}: {}. Give its own motor, board and "
+            "tuning file, or `adopt` these first",
+            choice.motor, choice.board, choice.tuning,
+            differences(of_files, block.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
+    }
+    return choice;
+}
+
 // The board goes on with what it has where the configuration in force is not that of the files: a `set` would change more
 // than it says.
 Answer BoardCommands::set(const std::string &assignment)
 {
     const config_block_t now = follower_.block_in_force();
-    FileChoice wanted = choice_of(now.about.name, files_);
-    const drive_cfg_t of_files = build(load(wanted));
-    if (of_files.crc != now.cfg.crc) {
-        return refused(fmt::format(
-            "the configuration in force is not that of {}, {}, {}: {}. Give its files with --motor, "
-            "--board and --tuning, or `adopt` theirs first",
-            wanted.motor, wanted.board, wanted.tuning,
-            differences(of_files, now.cfg, follower_.bases(), DIFFERENCES_SHOWN)));
-    }
+    FileChoice wanted = files_of(now);
     const Config before = load(wanted);
     wanted.set.push_back(assignment);
     const Config config = load(wanted);
@@ -352,14 +361,14 @@ Answer BoardCommands::record_ring(OutputFile &file)
 // It takes some tenths of a second, and the board wants to hear somebody meanwhile.
 Answer BoardCommands::record_shown(const RecordedRun &run, OutputFile &file)
 {
-    std::future<replay::RunRecording> making =
-        std::async(std::launch::async, [&run, about = follower_.recorder_about()] {
-            return replay::recording_of(run, about);
+    double passed_s = follower_.now_s();
+    const replay::RunRecording recording =
+        replay::recording_of(run, follower_.recorder_about(), [&] {
+            if (follower_.now_s() - passed_s > PASS_S) {
+                surroundings_.pass(PASS_S);
+                passed_s = follower_.now_s();
+            }
         });
-    while (making.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-        surroundings_.pass(PASS_S);
-    }
-    const replay::RunRecording recording = making.get();
     file.write(recording.text);
     return done(fmt::format("ok: {:.4g} s from tick {} on, up to {}",
                             static_cast<double>(recording.ticks) * run.image.bases.control_period_s,

@@ -36,6 +36,13 @@ public:
 
     static std::string help();
 
+    // The files, and what was set in them, that make the configuration in force. Throws ConfigError where they make another one, and
+    // LinkError.
+    FileChoice files_in_force();
+
+    // What the drive is told, without a request to clear; nothing where that is not known. Of a measurement only the request counts.
+    std::optional<drive_command_t> in_force() const;
+
     // The drive is asked to run, as far as that is known.
     bool runs() const
     {
@@ -52,6 +59,7 @@ private:
     debug::Answer speed(const std::string &value);
     debug::Answer position(const std::string &value);
     debug::Answer torque(const std::string &value);
+    FileChoice files_of(const config_block_t &block) const;
     debug::Answer set(const std::string &assignment);
     debug::Answer adopt();
     debug::Answer apply(const Config &config);
@@ -62,7 +70,6 @@ private:
     debug::Answer wait(const std::string &seconds);
     debug::Answer step_through(const std::string &seconds);
     debug::Answer status() const;
-    std::optional<drive_command_t> in_force() const;
     void remember(const std::optional<drive_command_t> &command);
     void take_line(const std::string &line);
     bool dump_once();

@@ -64,8 +64,8 @@ FileChoice choice_of(const std::string &block_name, const FileChoice &given)
     if (const std::optional<FileChoice> found = search(block_name, given)) {
         return *found;
     }
-    throw ConfigError(fmt::format("no shipped files make the board's \"{}\": give its own with "
-                                  "--motor, --board and --tuning",
+    throw ConfigError(fmt::format("no shipped files make the board's \"{}\": give its own motor, "
+                                  "board and tuning file",
                                   block_name));
 }
 

@@ -19,8 +19,8 @@ struct FileChoice {
     std::vector<std::string> set; // KEY=VALUE, each over those before
 };
 
-// Fills in what is empty from the name of a block, `neurofoc: MOTOR, BOARD, TUNING`. Throws ConfigError with the option to
-// give when no shipped files have these names.
+// Fills in what is empty from the name of a block, `neurofoc: MOTOR, BOARD, TUNING`. Throws ConfigError when no
+// shipped files have these names.
 FileChoice choice_of(const std::string &block_name, const FileChoice &given);
 
 // Whether what is given can be read, and its keys be set, for a block of this name. Throws ConfigError. That the names do not

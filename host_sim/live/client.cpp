@@ -104,8 +104,20 @@ void Client::poll(double wait_s)
     }
 }
 
+// On a line of an adapter that collects bytes, answers come behind the time that they were waited for: the next is waited for longer.
+void Client::notice_late(const Message &message)
+{
+    constexpr double LONGEST_S = 0.3; // the drive's ring has no more than some tenths
+    const bool is_answer = message.type == LINK_REFUSED || message.type >= LINK_ANSWER;
+    if (is_answer && given_up_.test(message.tag)) {
+        given_up_.reset(message.tag);
+        timing_.ring_s = std::min(2 * timing_.ring_s, std::max(timing_.ring_s, LONGEST_S));
+    }
+}
+
 void Client::take(const Message &message)
 {
+    notice_late(message);
     const bool asked = !answered_ && message.tag == awaited_.tag && message.tag != TAG_UNASKED;
     if (message.type == AGAIN_ANSWER || message.type == LINK_FRAMES) {
         take_frames(message.body);
@@ -163,6 +175,7 @@ Bytes Client::ask(const Question &question)
     const auto tag = static_cast<uint8_t>(awaited_.tag % TAG_MAX + 1);
     const Bytes frame = frame_of({static_cast<uint8_t>(question.type), tag, question.body});
     awaited_ = {static_cast<uint8_t>(uint32_t{question.type} + LINK_ANSWER), tag, {}};
+    given_up_.reset(tag);
     answered_ = false;
     refused_ = false;
     for (unsigned k = 0; k < question.tries && !answered_; k++) {
@@ -171,6 +184,7 @@ Bytes Client::ask(const Question &question)
         wait_for_answer(question);
     }
     if (!answered_) {
+        given_up_.set(tag);
         throw LinkError(fmt::format(
             "the board does not answer: `{}` was asked {} times in {:.2g} s",
             name_of(question.type), question.tries, question.tries * question.answer_s));

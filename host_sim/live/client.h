@@ -6,6 +6,7 @@
 #include "frames.h"
 
 #include <array>
+#include <bitset>
 #include <functional>
 #include <optional>
 #include <stdexcept>
@@ -28,7 +29,8 @@ struct LinkError : std::runtime_error {
 struct Timing {
     double answer_s = 0.05; // until a question is asked again
     unsigned tries = 40;
-    double ring_s = 0.02; // the same for one that is asked once: what the ring may lose meanwhile
+    double ring_s =
+        0.02; // the same for one that is asked once: what the ring may lose meanwhile; longer where answers come late
 };
 
 struct Identity {
@@ -175,6 +177,7 @@ private:
     std::string verdict(link_question_t type, const Bytes &body = {});
     void wait_for_answer(const Question &question);
     void take(const Message &message);
+    void notice_late(const Message &message);
     void take_segment(const Bytes &body);
     void take_frames(const Bytes &body);
 
@@ -187,6 +190,7 @@ private:
     Message awaited_{}; // type and tag of the answer, and its body once it is there
     bool answered_ = false;
     bool refused_ = false;
+    std::bitset<256> given_up_; // tags whose answer is not waited for any more
 };
 
 } // namespace nf::live

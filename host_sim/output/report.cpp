@@ -29,14 +29,6 @@ std::vector<std::string> imperfection_names(const Config &config)
     return names;
 }
 
-// Of the files, then of the run.
-std::vector<std::string> notes_of(const Config &config, const RunResult &result)
-{
-    std::vector<std::string> notes = config.scenario.notes;
-    notes.insert(notes.end(), result.notes.begin(), result.notes.end());
-    return notes;
-}
-
 std::string line(const std::string &name, const std::string &value, const std::string &limit,
                  bool holds)
 {
@@ -45,39 +37,72 @@ std::string line(const std::string &name, const std::string &value, const std::s
     return text.substr(0, text.find_last_not_of(' ') + 1) + '\n';
 }
 
-std::string number_line(const std::string &metric, double value, const AcceptLimits &limits)
+const AcceptLimits &limits_or_none(const Config &config)
+{
+    static const AcceptLimits NO_LIMITS{};
+    const AcceptLimits *found = limits_of(config);
+    return found == nullptr ? NO_LIMITS : *found;
+}
+
+ResultRow number_row(const std::string &metric, double value, const AcceptLimits &limits)
 {
     const auto limit = limits.upper.find(metric);
     const bool limited = limit != limits.upper.end();
-    return line(metric, fmt::format("{:.4g}", value),
-                limited ? fmt::format("{:g}", limit->second) : "",
-                limited && value <= limit->second);
+    return {metric, fmt::format("{:.4g}", value), limited ? fmt::format("{:g}", limit->second) : "",
+            limited && value <= limit->second};
 }
 
-std::string flag_line(const FlagField &field, const MetricValues &metrics,
-                      const AcceptLimits &limits)
+ResultRow flag_row(const FlagField &field, const MetricValues &metrics, const AcceptLimits &limits)
 {
     const bool value = metrics.*field.value;
     const auto wanted = limits.flags.find(field.name);
     const bool limited = wanted != limits.flags.end();
-    return line(field.name, flag_text(value), limited ? flag_text(wanted->second) : "",
-                limited && value == wanted->second);
+    return {field.name, flag_text(value), limited ? flag_text(wanted->second) : "",
+            limited && value == wanted->second};
 }
 
-std::string saturation_lines(const Saturations &saturations)
+void add_saturations(const Saturations &saturations, std::vector<ResultRow> &rows)
 {
-    std::string text;
     for (std::size_t k = 0; k < SIGNAL_COUNT; k++) {
         if (saturations.ticks()[k] > 0) {
-            text += line(
-                fmt::format("{} {}", k < FIRST_LIMIT ? "saturated" : "at limit", signal_name(k)),
-                fmt::format("{} ticks", saturations.ticks()[k]), "", true);
+            rows.push_back(
+                {fmt::format("{} {}", k < FIRST_LIMIT ? "saturated" : "at limit", signal_name(k)),
+                 fmt::format("{} ticks", saturations.ticks()[k]), "", false});
         }
     }
-    return text;
 }
 
 } // namespace
+
+// Of the files, then of the run.
+std::vector<std::string> notes_of(const Config &config, const RunResult &result)
+{
+    std::vector<std::string> notes = config.scenario.notes;
+    notes.insert(notes.end(), result.notes.begin(), result.notes.end());
+    return notes;
+}
+
+std::vector<ResultRow> result_rows(const Config &config, const RunResult &result)
+{
+    const AcceptLimits &limits = limits_or_none(config);
+    std::vector<ResultRow> rows;
+    for (const FlagField &field : flag_fields()) {
+        rows.push_back(flag_row(field, result.metrics, limits));
+    }
+    for (const MetricField &field : metric_fields()) {
+        const std::optional<double> &value = result.metrics.*field.value;
+        if (value) {
+            rows.push_back(number_row(field.name, *value, limits));
+        } else if (limits.upper.count(field.name) > 0) {
+            rows.push_back(
+                {field.name, "none", fmt::format("{:g}", limits.upper.at(field.name)), false});
+        }
+    }
+    rows.push_back(number_row(SATURATION_INTERNAL_COUNT,
+                              static_cast<double>(result.saturations.internal_count()), limits));
+    add_saturations(result.saturations, rows);
+    return rows;
+}
 
 std::string json_text(const Config &config, const RunResult &result)
 {
@@ -125,9 +150,6 @@ std::string json_text(const Config &config, const RunResult &result)
 
 std::string table_text(const Config &config, const RunResult &result)
 {
-    static const AcceptLimits NO_LIMITS{};
-    const AcceptLimits *found = limits_of(config);
-    const AcceptLimits &limits = found == nullptr ? NO_LIMITS : *found;
     std::string text = fmt::format(
         "{}: {}\n  {}, tuning {}, imperfections: {}\n\n", config.scenario.id, config.scenario.title,
         config.motor.name, config.tuning.name, selection_name(config.sources.imperfections));
@@ -137,21 +159,9 @@ std::string table_text(const Config &config, const RunResult &result)
     }
     text += notes.empty() ? "" : "\n";
     text += fmt::format("  {:<28}{:>10}  {:>10}\n", "", "value", "limit");
-    for (const FlagField &field : flag_fields()) {
-        text += flag_line(field, result.metrics, limits);
+    for (const ResultRow &row : result_rows(config, result)) {
+        text += line(row.name, row.value, row.limit, row.holds);
     }
-    for (const MetricField &field : metric_fields()) {
-        const std::optional<double> &value = result.metrics.*field.value;
-        if (value) {
-            text += number_line(field.name, *value, limits);
-        } else if (limits.upper.count(field.name) > 0) {
-            text +=
-                line(field.name, "none", fmt::format("{:g}", limits.upper.at(field.name)), false);
-        }
-    }
-    text += number_line(SATURATION_INTERNAL_COUNT,
-                        static_cast<double>(result.saturations.internal_count()), limits);
-    text += saturation_lines(result.saturations);
     for (const FoundFault &fault : result.faults) {
         text += line("fault", fault_mark(fault, result.time_s(fault)), "", true);
         text +=

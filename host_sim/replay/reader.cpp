@@ -121,7 +121,7 @@ private:
         if (words < 1 || words > words_.size()) {
             return;
         }
-        words_.resize(words);
+        words_.resize(static_cast<std::size_t>(words));
         const uint32_t crc = crc_of(words_.data(), words_.size() - 1);
         if (crc != words_.back()) {
             throw RecordingError(fmt::format("the recording's CRC is 0x{:08x}, its words make "

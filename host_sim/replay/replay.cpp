@@ -123,6 +123,15 @@ Result replay(const Recording &recording)
     return result;
 }
 
+int64_t tick_of_interest(const Recording &recording, const Result &result)
+{
+    const int64_t fault = recording.run.tick_of(recording.header.fault_tick);
+    const bool seen = recording.header.fault_id != FAULT_NONE && fault >= recording.run.first() &&
+                      fault <= recording.last();
+    const int64_t end = seen ? fault : recording.last();
+    return result.difference ? result.difference->tick : end;
+}
+
 std::string summary(const Recording &recording, const Result &result)
 {
     const double period_s = recording.run.image.bases.control_period_s;

@@ -30,6 +30,9 @@ struct Result {
 // Runs the firmware on each frame and compares each tick's outputs, then the final state.
 Result replay(const Recording &recording);
 
+// Of what departs, or else of the fault, or else the last.
+int64_t tick_of_interest(const Recording &recording, const Result &result);
+
 // The recording and what came of it, for a person.
 std::string summary(const Recording &recording, const Result &result);
 

@@ -15,6 +15,8 @@ namespace
 
 constexpr uint32_t ENTRIES_OF_A_FRAME = 2; // it, and a change of what it is told, at most
 
+constexpr std::size_t TICKS_AT_ONCE = 256;
+
 // Frames of a run.
 struct Span {
     std::size_t first;
@@ -22,7 +24,7 @@ struct Span {
 };
 
 // Behind the last tick that brought FAULT and those that a board records after it.
-std::size_t end_of(const RecordedRun &run)
+std::size_t end_of(const RecordedRun &run, const std::function<void()> &meanwhile)
 {
     ScriptedRun ticks(run);
     std::size_t end = run.frames.size();
@@ -34,6 +36,9 @@ std::size_t end_of(const RecordedRun &run)
         }
         failed = fails;
         ticks.advance();
+        if (k % TICKS_AT_ONCE == 0) {
+            meanwhile();
+        }
     }
     return end;
 }
@@ -48,10 +53,10 @@ std::size_t frames_max()
 }
 
 // The recorder's snapshot is the state behind its first tick.
-Span span_of(const RecordedRun &run)
+Span span_of(const RecordedRun &run, const std::function<void()> &meanwhile)
 {
     constexpr std::size_t CONFIGURATIONS = 2;
-    Span span{0, end_of(run)};
+    Span span{0, end_of(run, meanwhile)};
     const auto behind =
         std::find_if(run.changes.begin(), run.changes.end(),
                      [&](const ConfigChange &change) { return change.frame >= span.end; });
@@ -64,9 +69,10 @@ Span span_of(const RecordedRun &run)
 
 } // namespace
 
-RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about)
+RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about,
+                          const std::function<void()> &meanwhile)
 {
-    const Span span = span_of(run);
+    const Span span = span_of(run, meanwhile);
     // One segment holds all of it.
     const auto frames = static_cast<uint32_t>(span.end - span.first);
     Writer writer(about, ENTRIES_OF_A_FRAME * frames + RECORDER_ENTRIES_MIN, Writer::Until::end);
@@ -77,6 +83,9 @@ RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about)
             writer.add(tick);
         }
         ticks.advance();
+        if (k % TICKS_AT_ONCE == 0) {
+            meanwhile();
+        }
     }
     const bool failed = ticks.sim().drive().state == DRIVE_STATE_FAULT;
     return {writer.text(), run.first() + static_cast<int64_t>(span.first) + 1,

@@ -5,6 +5,7 @@
 #include "recorded_run.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 extern "C" {
@@ -22,7 +23,9 @@ struct RunRecording {
 };
 
 // Up to POST_TICKS behind the run's last fault, else to its end. It begins with the second tick, or later: a recording holds
-// two configurations at most, and is not longer than read_file() takes. Of two ticks at least.
-RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about);
+// two configurations at most, and is not longer than read_file() takes. Of two ticks at least. It takes some tenths of a second:
+// `meanwhile` is called every few milliseconds.
+RunRecording recording_of(const RecordedRun &run, const recorder_about_t &about,
+                          const std::function<void()> &meanwhile);
 
 } // namespace nf::replay

@@ -28,12 +28,35 @@ Injection::Injection(const Config &config, double period_s, int64_t zero) : boar
         return std::max<int64_t>(zero + std::llround(time_s / period_s), 0);
     };
     for (const FaultEntry &entry : config.scenario.faults) {
-        const int64_t from = tick_of(entry.time_s);
-        const int64_t short_end = entry.span == FaultSpan::lasting ? NEVER : from + 1;
-        const int64_t until =
-            entry.until_s ? std::max(tick_of(*entry.until_s), from + 1) : short_end;
-        faults_.push_back({entry, from, until, false, {}});
-        next_ = std::min(next_, from);
+        add(entry, tick_of(entry.time_s), entry.until_s ? tick_of(*entry.until_s) : NEVER);
+    }
+}
+
+// Each is there for a tick at least, and what does not last for no more.
+void Injection::add(const FaultEntry &entry, int64_t from, int64_t until)
+{
+    const bool lasts = entry.span == FaultSpan::lasting || entry.until_s;
+    faults_.push_back({entry, from, lasts ? std::max(until, from + 1) : from + 1, false, {}});
+    next_ = std::min(next_, from);
+}
+
+// What is over is forgotten, so that a person may go on for hours.
+void Injection::begin(const FaultEntry &entry, int64_t tick)
+{
+    faults_.erase(
+        std::remove_if(faults_.begin(), faults_.end(),
+                       [tick](const Fault &fault) { return fault.begun && fault.until < tick; }),
+        faults_.end());
+    add(entry, tick, NEVER);
+}
+
+void Injection::end(FaultKind kind, int64_t tick)
+{
+    for (Fault &fault : faults_) {
+        if (fault.entry.kind == kind && fault.until > tick) {
+            fault.until = tick;
+            next_ = std::min(next_, tick);
+        }
     }
 }
 

@@ -28,6 +28,11 @@ public:
         return due;
     }
 
+    // A person breaks something: from this tick on, which has not acted yet, as long as such a fault lasts.
+    void begin(const FaultEntry &entry, int64_t tick);
+    // What lasts of this kind is over from this tick on.
+    void end(FaultKind kind, int64_t tick);
+
     // What it has put into the hardware binding.
     const hal_host_faults_t &binding() const
     {
@@ -45,6 +50,7 @@ private:
         drive_in_t last; // what the drive saw before it began
     };
 
+    void add(const FaultEntry &entry, int64_t from, int64_t until);
     void change(int64_t tick, Simulation &sim);
     static void strike(const Fault &fault, const Seam &seam);
     void impose(int64_t tick, const Seam &seam);

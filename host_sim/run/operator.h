@@ -21,6 +21,9 @@ public:
     // Times count from tick `zero`; requests before tick 0 act there.
     Operator(const std::vector<RequestEntry> &requests, double period_s, int64_t zero);
 
+    // A person asks, from the next act() on.
+    void take(const RequestEntry &entry);
+
     // Before control() of each tick. Call with ticks that rise.
     void act(int64_t tick, Simulation &sim);
 
@@ -29,8 +32,6 @@ private:
         int64_t tick;
         RequestEntry entry;
     };
-    void take(const RequestEntry &entry);
-
     std::vector<Request> requests_;
     std::size_t next_ = 0;
     bool run_ = true;

@@ -106,6 +106,12 @@ void ScriptedRun::set_command(double value)
     send_command();
 }
 
+void ScriptedRun::set_command(DriveMode mode, double value)
+{
+    mode_ = mode;
+    set_command(value);
+}
+
 void ScriptedRun::set_load_nm(double torque_nm)
 {
     load_.set(torque_nm);
@@ -144,6 +150,7 @@ void ScriptedRun::restore(const Snapshot &snapshot)
     operator_ = snapshot.user;
     forced_ = snapshot.forced;
     is_commanded_ = snapshot.is_commanded;
+    mode_ = snapshot.mode;
 }
 
 void ScriptedRun::act()

@@ -38,11 +38,13 @@ public:
         Operator user;
         hal_host_faults_t forced;
         bool is_commanded;
+        DriveMode mode;
     };
     // Between advance() and control(), of this run and no other.
     Snapshot save() const
     {
-        return {tick_, sim_.save(), command_, load_, injection_, operator_, forced_, is_commanded_};
+        return {tick_,     sim_.save(), command_,      load_, injection_,
+                operator_, forced_,     is_commanded_, mode_};
     }
     void restore(const Snapshot &snapshot);
 
@@ -72,6 +74,22 @@ public:
     // In place of the script's value, until its next step. Not of a recording.
     void set_command(double value);
     void set_load_nm(double torque_nm);
+    // The same with another meaning of the command: rpm, or mechanical rad in position mode.
+    void set_command(DriveMode mode, double value);
+
+    // What a person asks for and breaks, from the next control() on, beside what the script does. Not of a recording.
+    void ask(const RequestEntry &request)
+    {
+        operator_.take(request);
+    }
+    void begin_fault(const FaultEntry &fault)
+    {
+        injection_.begin(fault, tick_ + 1);
+    }
+    void end_fault(FaultKind kind)
+    {
+        injection_.end(kind, tick_ + 1);
+    }
 
     // From now on the script neither commands nor requests anything; its load and its faults go on. Not of a recording.
     void leave_to_user()

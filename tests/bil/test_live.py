@@ -6,23 +6,20 @@ the drive; the machine is that of BIL_MOTOR with motor A. It starts, takes a loa
 """
 
 import csv
-import os
 import subprocess
 import sys
 import tempfile
 import tomllib
-import tty
 import unittest
 from pathlib import Path
 
-import machine
+from port import Port
 
 IMAGE, BOARD, CLOCK, BIL_MOTOR, MOTORSIM = (Path(argument).resolve() for argument in sys.argv[1:6])
 
 FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
 TICKS_PER_S = FILE["pwm_frequency_hz"]
 HALF_PERIOD = round(FILE["timer_clock_hz"] / TICKS_PER_S / 2)
-SCENARIO = "s1_robust"  # motor A
 SCRIPT = b"speed 600\nrun\n"
 LOAD_NM = 2.0
 LOOK_TICKS = 100     # from one look at what is said to the next
@@ -31,43 +28,18 @@ FAULT_TICKS = 5000
 END_TICKS = 7000
 OPEN_PHASE = 1
 LONGEST_TICKS = 60000
-AT_ONCE = 4096
 PACE = 0.05  # seconds of the board in a second: as slow as a machine is with much else to do
 
 
-class Port(machine.Bench):
-    """The bench, whose console is on a pseudo-terminal."""
+class WatchedPort(Port):
+    """Of this image; remembers what its timer was given."""
 
     def __init__(self):
-        self.master, self.port = os.openpty()
-        tty.setraw(self.port)
-        os.set_blocking(self.master, False)
-        self.name = os.ttyname(self.port)
-        self.acted = []  # what the timer has been given in each tick
-        super().__init__(IMAGE, BOARD, CLOCK, [BIL_MOTOR, SCENARIO, f"board={BOARD}"], instant=False)
-
-    def close(self):
-        super().close()
-        os.close(self.master)
-        os.close(self.port)
-
-    def hear(self):
-        usart = self.board.chip.usart
-        try:
-            os.write(self.master, bytes(usart.said))
-        except BlockingIOError:
-            pass  # nobody reads: it is lost, as on a line
-        usart.said.clear()
-
-    def pass_on(self):
-        try:
-            self.board.chip.usart.receive(os.read(self.master, AT_ONCE))
-        except BlockingIOError:
-            pass  # nothing is there
+        self.acted = []  # in each tick
+        super().__init__(IMAGE, BOARD, CLOCK, BIL_MOTOR)
 
     def tick(self, ticks=1):
         for _ in range(ticks):
-            self.pass_on()
             super().tick()
             self.acted.append((self.board.chip.timer.preloaded(), self.gates_on()))
 
@@ -114,7 +86,7 @@ class Session:
 class Live(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        port = Port()
+        port = WatchedPort()
         cls.addClassCleanup(port.close)
         with tempfile.TemporaryDirectory() as folder:
             cls.said, cls.status = Session(port, Path(folder)).all()

@@ -2,6 +2,7 @@
 // A follower of a simulated board: what it shows is bit for bit what the board has computed, whatever the line does to it.
 #include "board_commands.h"
 #include "cfg_rows.h"
+#include "late_channel.h"
 #include "lossy_channel.h"
 #include "output_file.h"
 #include "own_path.h"
@@ -449,6 +450,34 @@ struct SlowLine {
 
 // 115200 baud carry half of the ticks. The board keeps the state that is read; behind it a segment of 304 entries, 660 bytes, has to
 // come within 0.1 s, which such a line carries too.
+// 16 ms is what a common USB adapter collects bytes for.
+void a_line_whose_bytes_come_late_is_followed_without_a_gap()
+{
+    constexpr double IN_STEP_S = 2;
+    constexpr double FOLLOWED_S = 2;
+    for (const double late_s : {0.016, 0.05, 0.1}) {
+        SimulatedBoard board(scripted("60"));
+        BoardLog log;
+        BoardChannel clean(board, &log);
+        LateChannel late(clean, late_s);
+        ShownTicks shown(log);
+        Follower follower(late, shown, {}, {{}, 10, 0.2, 1});
+        follower.connect();
+        const double from_s = late.now_s();
+        while (!follower.shadow().is_in_step() && late.now_s() < from_s + IN_STEP_S) {
+            follower.step(PASS_S);
+        }
+        TEST_ASSERT_TRUE_MESSAGE(follower.shadow().is_in_step(), fmt::format("{}", late_s).c_str());
+        const double until_s = late.now_s() + FOLLOWED_S;
+        while (late.now_s() < until_s) {
+            follower.step(PASS_S);
+        }
+        TEST_ASSERT_EQUAL_MESSAGE(0, follower.gaps().size(), fmt::format("{}", late_s).c_str());
+        TEST_ASSERT_EQUAL(0, shown.wrong);
+        TEST_ASSERT_GREATER_THAN((FOLLOWED_S - 1) * TICKS_PER_S, shown.ticks.size());
+    }
+}
+
 void at_115200_baud_some_of_each_second_is_shown_with_any_ring()
 {
     for (const int entries : {1216, 4096}) {
@@ -681,6 +710,7 @@ int main()
     RUN_TEST(a_minute_of_start_run_load_position_and_fault_is_shown_bit_for_bit);
     RUN_TEST(a_line_that_spoils_one_byte_in_a_hundred_shows_nothing_wrong);
     RUN_TEST(after_a_cut_the_gap_is_named_and_it_is_in_step_within_a_second);
+    RUN_TEST(a_line_whose_bytes_come_late_is_followed_without_a_gap);
     RUN_TEST(at_115200_baud_some_of_each_second_is_shown_with_any_ring);
     RUN_TEST(a_line_that_carries_no_segment_in_time_is_told);
     RUN_TEST(a_speed_before_the_command_in_force_is_known_is_refused_and_the_motor_runs_on);

@@ -53,7 +53,8 @@ class Dev(unittest.TestCase):
     def dev(self, command, status=HOLDS, contrast=BROKEN):
         environment = {**os.environ, "PATH": f"{self.root / 'bin'}:{os.environ['PATH']}", "LOG": str(self.root / "cmake.log"),
                        "STATUS": str(status), "CONTRAST_STATUS": str(contrast)}
-        return subprocess.run([self.root / "tools/dev", command], env=environment, text=True,
+        words = [command] if isinstance(command, str) else command
+        return subprocess.run([self.root / "tools/dev", *words], env=environment, text=True,
                               capture_output=True, check=False)
 
     def called(self):
@@ -75,6 +76,29 @@ class Quick(Dev):
 
     def test_a_test_that_fails_is_a_failure(self):
         self.assertEqual(self.dev("quick", status=BROKEN).returncode, BROKEN)
+
+
+class Web(Dev):
+    def setUp(self):
+        super().setUp()
+        self.write("tools/web/package-lock.json", "{}")
+        for name in ("tools/setup/node", "tools/web/node_modules/.bin/tsc"):
+            self.script(name, "#!/bin/sh\n")
+        self.script("bin/node", RECORDER + "exit $STATUS\n")
+
+    def test_it_builds_the_simulator_then_the_page(self):
+        done = self.dev("web")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.called().splitlines(), ["--preset web", "--build --preset web",
+                                                      "tools/web/build.mjs build/wasm build/web"])
+
+    def test_a_page_that_cannot_be_made_is_a_failure(self):
+        self.assertEqual(self.dev("web", status=BROKEN).returncode, BROKEN)
+
+    def test_another_option_is_refused_in_one_line(self):
+        done = self.dev(["web", "--help-me"])
+        self.assertEqual((done.returncode, done.stderr),
+                         (2, "tools/dev web: found '--help-me'; allowed: nothing or --serve\n"))
 
 
 class Demo(Dev):

@@ -13,9 +13,10 @@ import sources
 SAYS = "SPDX-License-Identifier: MIT"
 OF_KIND = {kind: form for form, kinds in {
     f"/* {SAYS} */": (".c", ".h", ".S", ".ld", ".def", ".css"),
-    f"// {SAYS}": (".cpp", ".hpp"),
+    f"// {SAYS}": (".cpp", ".hpp", ".mjs", ".ts", ".tsx"),
     f"# {SAYS}": (".py", ".cmake"),
     f"{{# {SAYS} #}}": (".jinja",),
+    f"<!-- {SAYS} -->": (".html",),
 }.items() for kind in kinds}
 OF_SCRIPT = f"# {SAYS}"
 DATA = {".bin", ".json", ".md", ".nfr", ".png", ".svg", ".toml", ".txt", ".xml"}

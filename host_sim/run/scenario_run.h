@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+// run_scenario() in slices, for whoever shows how far it is or may stop it.
+#pragma once
+
+#include "scenario.h"
+#include "scripted_run.h"
+
+namespace nf
+{
+
+class ScenarioRun
+{
+public:
+    // Throws ConfigError. All three must outlive the run; options.progress is not called.
+    ScenarioRun(const Config &real, const Config &believed, const RunOptions &options);
+
+    // So many ticks, or those that are left. Throws what the sink throws.
+    void advance(int64_t ticks);
+    bool is_done() const
+    {
+        return run_.tick() >= run_.end();
+    }
+    // The script, and where the run is in it.
+    const ScriptedRun &script() const
+    {
+        return run_;
+    }
+
+    // After the last tick, once.
+    RunResult finish();
+
+private:
+    void one();
+    void note_swing();
+    void judge_steps(const Tick &tick);
+    void evaluate(const Tick &tick);
+    void watch_state();
+    bool reference_moving();
+
+    const Config &config_; // the drive's
+    const RunOptions &options_;
+    ScriptedRun run_;
+    int64_t evaluate_from_;
+    Metrics metrics_;
+    double rpm_per_step_;
+    double ampere_per_bit_;
+    int64_t reference_ = 0;
+    drive_state_t state_ = DRIVE_STATE_INIT;
+    RunResult result_;
+};
+
+} // namespace nf

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""The image in the emulator with its USART on a pseudo-terminal, as a board on a serial port.
+
+port.py IMAGE BOARD CLOCK BIL_MOTOR: boots the image with motor A's machine, prints the name of the pseudo-terminal, and ticks
+until its input ends. Each line of that input is obeyed between two ticks: `open phase a`, `open phase none`, `load 2.0` (N·m).
+"""
+
+import os
+import sys
+import tty
+from pathlib import Path
+
+import machine
+
+SCENARIO = "s1_robust"  # motor A
+AT_ONCE = 4096
+PHASES = {"none": 0, "a": 1, "b": 2, "c": 4}  # bil_motor has a bit for each
+
+
+class WrongWord(Exception):
+    """A line that is not understood."""
+
+
+def read_at_once(file):
+    """What is there: nothing is b"", the end is None."""
+    try:
+        return os.read(file, AT_ONCE) or None
+    except BlockingIOError:
+        return b""
+
+
+class Port(machine.Bench):
+    """The bench, whose console is on a pseudo-terminal."""
+
+    def __init__(self, image, board, clock, bil_motor):
+        self.master, self.port = os.openpty()
+        tty.setraw(self.port)
+        os.set_blocking(self.master, False)
+        self.name = os.ttyname(self.port)
+        super().__init__(image, board, clock, [bil_motor, SCENARIO, f"board={board}"], instant=False)
+
+    def close(self):
+        super().close()
+        os.close(self.master)
+        os.close(self.port)
+
+    def hear(self):
+        usart = self.board.chip.usart
+        try:
+            os.write(self.master, bytes(usart.said))
+        except BlockingIOError:
+            pass  # nobody reads: it is lost, as on a line
+        usart.said.clear()
+
+    def tick(self, ticks=1):
+        for _ in range(ticks):
+            if said := read_at_once(self.master):
+                self.board.chip.usart.receive(said)
+            super().tick()
+
+    def obey(self, line):
+        """What happens to the motor."""
+        word, _, value = line.rpartition(" ")
+        if word == "open phase" and value in PHASES:
+            self.broken = PHASES[value]
+        elif word == "load":
+            self.load_nm = load_of(value)
+        else:
+            raise WrongWord(f"the line is \"{line}\"; allowed: `open phase` with {', '.join(PHASES)}, or `load` with N·m")
+
+
+def load_of(text):
+    try:
+        return float(text)
+    except ValueError:
+        raise WrongWord(f"load = \"{text}\"; allowed: a number, in N·m") from None
+
+
+def obey_until_end(port):
+    """Lines of standard input, which may come in pieces."""
+    os.set_blocking(sys.stdin.fileno(), False)
+    rest = b""
+    while (more := read_at_once(sys.stdin.fileno())) is not None:
+        *lines, rest = (rest + more).split(b"\n")
+        for line in lines:
+            port.obey(line.decode(errors="replace"))
+        port.tick()
+
+
+def main():
+    port = Port(*(Path(argument).resolve() for argument in sys.argv[1:5]))
+    try:
+        print(port.name, flush=True)
+        obey_until_end(port)
+    except WrongWord as wrong:
+        sys.exit(f"port.py: {wrong}")
+    finally:
+        port.close()
+
+
+if __name__ == "__main__":
+    main()

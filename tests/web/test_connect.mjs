@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// The tab Connect, used as a person would, beside boards on pseudo-terminals: the simulated one, and the image in the emulator.
+import assert from "node:assert/strict";
+import { copyFile, mkdtemp, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { test } from "node:test";
+import { button, downloaded, motorsim, openTab, reading, reads, state, switchOn, until, type, withPage } from "./bench.mjs";
+import { EMULATED_PACE, emulatedBoard, simulatedBoard } from "./board.mjs";
+import { BAUD, connect, connectToReady, openConnect, run, setKey, SPEED_RPM, withBoard } from "./connected.mjs";
+import { otherFirmware, printer } from "./strangers.mjs";
+
+const LOAD_NM = 2;
+const LOADED_A = 2 * LOAD_NM / 3 / 2 / 0.387 / 2; // half of torque over 3/2 · pole pairs · flux
+
+// To the line that was asked last.
+function answers(page, line, text) {
+    return until(() => page.getByRole("log").locator("> *").allInnerTexts(), (said) => {
+        const at = said.lastIndexOf(`> ${line}`);
+        return at >= 0 && said.slice(at + 1).some((answer) => text.test(answer));
+    });
+}
+
+async function tell(page, line) {
+    await page.getByLabel(/^Command \(/).fill(line);
+    await page.keyboard.press("Enter");
+}
+
+function valueOf(page, key) {
+    const row = page.getByRole("row").filter({ has: page.getByRole("rowheader", { name: key, exact: true }) });
+    return row.locator("td").first().innerText();
+}
+
+test("a page without Web Serial says so, and names the program that connects", async () => withPage(async (page) => {
+    await openTab(page, "Connect");
+    await page.getByText(/Web Serial/).first().waitFor();
+    await page.getByText(/motorsim live/).first().waitFor();
+}, { init: () => delete Navigator.prototype.serial }));
+
+test("without the server's headers the page asks to be loaded once more, and connects", async () => withBoard(async (page) => {
+    await button(page, "Load the page once more").click();
+    await openConnect(page);
+    await connect(page);
+}, simulatedBoard, { isPlain: true }));
+
+test("a board is identified and followed; Run and a speed bring it there", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    assert.equal(await page.evaluate(() => globalThis.fakeSerial.opened.baudRate), BAUD);
+    await run(page);
+    await button(page, "Signals").click();
+    await page.getByLabel("Search signals by name or unit").fill("angle_estimated");
+    await page.getByLabel("angle_estimated_el_deg").check();
+    await page.locator(".u-legend").getByText("angle_estimated_el_deg [deg]").waitFor();
+}));
+
+test("Stop stops the motor, by its button and by Escape", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await button(page, "Stop").click();
+    await state(page, "READY");
+    await run(page);
+    await page.keyboard.press("Escape");
+    await state(page, "READY");
+}));
+
+test("what waits for its turn when a stop comes is not done after it", async () => withBoard(async (page, _, board) => {
+    await connectToReady(page);
+    board.freeze();
+    await tell(page, "store");
+    await button(page, "Run").click();
+    await page.keyboard.press("Escape");
+    board.thaw();
+    await answers(page, "store", /^ok$/);
+    await page.getByRole("log").getByText("run: not done, a stop came before its turn").waitFor();
+    await tell(page, "status");
+    await answers(page, "status", /^READY, speed/);
+}));
+
+test("a line of the program that the page has elsewhere says where", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    for (const [line, place] of [["wait 5", /^wait is for scripts$/], ["record x.log", /^press Record$/], ["quit", /^press Disconnect$/]]) {
+        await tell(page, line);
+        await answers(page, line, place);
+    }
+}));
+
+test("a position turns the shaft from where it was when position was chosen", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await type(page, "Speed [rpm]", "0");
+    await reads(page, "Speed, estimated", (rpm) => Math.abs(rpm) < 1);
+    const at = await reading(page, "Position");
+    await page.getByLabel("position", { exact: true }).check();
+    await type(page, "Position [°]", "360");
+    await reads(page, "Position", (now) => Math.abs(now - at - 360) < 20);
+}));
+
+test("a motor that is left runs on, which is said; whoever connects next finds it so", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await button(page, "Leave it running").click();
+    await page.getByText("the motor runs on, and the board does not watch for a PC any more").first().waitFor();
+    await connect(page);
+    await state(page, "RUN");
+    await until(() => page.getByLabel("Speed [rpm]", { exact: true }).inputValue(), (rpm) => Number(rpm) === SPEED_RPM);
+}));
+
+test("a fault has its advice; after Clear fault and Run the motor turns again", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await button(page, "Parameters").click();
+    await setKey(page, "board.temperature_max_c", "20"); // the simulated power stage has 25 °C
+    await state(page, "FAULT");
+    assert.match(await page.locator(".fault").innerText(), /^OVERTEMPERATURE at [\d.]+ s\s+\S.*, limit .*\s+\w.*; \w/);
+    await setKey(page, "board.temperature_max_c", "100");
+    await button(page, "Clear fault").click();
+    await state(page, "READY");
+    await run(page);
+}));
+
+test("set acts and names the change; a wrong value gets the program's line", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await button(page, "Parameters").click();
+    await setKey(page, "observer.kappa", "0.05");
+    await answers(page, "set observer.kappa=0.05", /^ok: observer\.eta [\d.]+ to [\d.]+$/);
+    await until(() => valueOf(page, "observer.kappa"), (value) => value === "0.05");
+    await setKey(page, "observer.kappa", "5");
+    await answers(page, "set observer.kappa=5", /observer\.kappa = 5: is too large; allowed: 0 to 0\.5$/);
+    assert.equal(await valueOf(page, "observer.kappa"), "0.05");
+}));
+
+test("Store says ok; what is in force is so for whoever connects next, until Adopt files", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await button(page, "Parameters").click();
+    await setKey(page, "observer.kappa", "0.05");
+    await answers(page, "set observer.kappa=0.05", /^ok: observer\.eta/);
+    await button(page, "Store").click();
+    await answers(page, "store", /^ok$/);
+    await button(page, "Disconnect").click();
+    await connect(page);
+    await tell(page, "set observer.kappa_p=0.3");
+    await answers(page, "set observer.kappa_p=0.3", /is not that of .*: observer\.eta [\d.]+ to [\d.]+\./);
+    await button(page, "Adopt files").click();
+    await answers(page, "adopt", /^ok$/);
+    await tell(page, "set observer.kappa_p=0.3");
+    await answers(page, "set observer.kappa_p=0.3", /^ok: observer\./);
+    await button(page, "Defaults").click();
+    await answers(page, "defaults", /^ok$/);
+    await tell(page, "set observer.kappa_p=0.32");
+    await answers(page, "set observer.kappa_p=0.32", /^ok, and no number/);
+}));
+
+test("a recording is one that the program replays, and Replay shows it", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await button(page, "Record").click();
+    const folder = await mkdtemp(join(tmpdir(), "neurofoc-"));
+    try {
+        const log = join(folder, "field.log");
+        await copyFile(await downloaded(page, /^Download/), log);
+        const { stdout, status } = await motorsim(["replay", log]);
+        assert.equal(status, 0);
+        assert.match(stdout, /replayed: the outputs of all \d+ ticks and the state's hash \S+ are those recorded/);
+        await button(page, "Open in Replay").click();
+        await page.locator(".summary pre").waitFor();
+        assert.equal(await page.locator(".summary pre").innerText(), stdout);
+    } finally {
+        await rm(folder, { recursive: true });
+    }
+}));
+
+test("a damaged byte does not end the connection", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await page.evaluate(() => globalThis.fakeSerial.disturb());
+    await run(page);
+}));
+
+test("a port that goes away is told in a line, and Connect works again", async () => withBoard(async (page, cable) => {
+    await connectToReady(page);
+    await cable.pull();
+    await page.getByText("the port is gone: The device has been lost.").first().waitFor();
+    await connect(page);
+    await run(page);
+}));
+
+test("a person who chooses no port may choose again", async () => withBoard(async (page) => {
+    await page.evaluate(() => (globalThis.fakeSerial.cancelled = true));
+    await button(page, "Connect").click();
+    await page.evaluate(() => (globalThis.fakeSerial.cancelled = false));
+    await connect(page);
+}));
+
+test("a port that another program has gets a line", async () => withBoard(async (page) => {
+    await page.evaluate(() => (globalThis.fakeSerial.busy = true));
+    await button(page, "Connect").click();
+    await page.getByText(/Failed to open serial port/).first().waitFor();
+    await page.evaluate(() => (globalThis.fakeSerial.busy = false));
+    await connect(page);
+}));
+
+test("a board is followed without a gap while another part of the page is open", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await switchOn(page);
+    await openTab(page, "Connect");
+    await state(page, "RUN");
+    assert.equal(await reading(page, "Gaps"), 0);
+}));
+
+for (const [what, makeBoard, line] of [
+    ["a device of another kind", printer, /^the board does not answer/],
+    ["a board of another firmware", () => otherFirmware(99), /firmware is another one .*: version of the link 99, here \d/],
+    ["a port at which nobody answers", frozenBoard, /^the board does not answer/],
+]) {
+    test(`${what} gets a line`, async () => withBoard(async (page) => {
+        await button(page, "Connect").click();
+        await page.getByText(line).first().waitFor();
+        await button(page, "Connect").waitFor();
+    }, makeBoard));
+}
+
+async function frozenBoard() {
+    const board = await simulatedBoard();
+    board.freeze();
+    return board;
+}
+
+test("the image in the emulator runs, is loaded, and has a fault with its advice", async () => withBoard(async (page, _, board) => {
+    await connect(page, EMULATED_PACE);
+    await page.locator(".board-name").getByText(/STM32G431 with 310 V bench inverter/).waitFor();
+    await run(page);
+    board.tell(`load ${LOAD_NM}`);
+    await reads(page, "i_q", (amperes) => amperes > LOADED_A);
+    board.tell("open phase a");
+    await state(page, "FAULT");
+    assert.match(await page.locator(".fault").innerText(), /^[A-Z_]+ at [\d.]+ s\s+\S.*, limit .*\s+\w.* wire.*; \w/);
+    assert.equal(await reading(page, "Gaps"), 0);
+}, emulatedBoard));

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// The command that a person gives with a knob. A slider gives more of them than a line carries: the newest one counts. While
+// nobody gives one, the knob shows what is in force, whoever gave that.
+import type { BoardCommand, PlayMode, Said } from "../core/protocol.ts";
+
+interface Target {
+    mode: PlayMode;
+    value: number; // rpm, or degrees of the shaft
+}
+
+const AT_REST: Target = { mode: "speed", value: 0 };
+const REST_MS = 1000; // after a person's input
+const DIGITS = 2; // behind the point
+
+function rounded(value: number): number {
+    return Number(value.toFixed(DIGITS));
+}
+
+function lineOf({ mode, value }: Target): string {
+    return mode === "speed" ? `speed ${rounded(value)}` : `position ${rounded(value)}deg`;
+}
+
+export class Steering {
+    private target = AT_REST; // of the knob
+    private inForce = AT_REST;
+    private rotorDeg: number | undefined; // where it was last
+    private originDeg: number | undefined; // where it was when position was chosen
+    private next: Target | undefined;
+    private isGiving = false;
+    private isHeld = false; // a person is in the field
+    private isChosen = false; // a mode, of which nothing was sent yet
+    private inputMs = -Infinity;
+
+    constructor(
+        private readonly give: (line: string) => Promise<Said>,
+        private readonly changed: () => void,
+    ) {}
+
+    get mode(): PlayMode {
+        return this.target.mode;
+    }
+
+    // Rpm, or degrees from where the rotor was. Undefined: that is not known yet.
+    get value(): number | undefined {
+        const from = this.mode === "speed" ? 0 : this.originDeg;
+        return from === undefined ? undefined : rounded(this.target.value - from);
+    }
+
+    // With another board.
+    begin(): void {
+        this.rotorDeg = undefined;
+        this.inForce = AT_REST;
+        this.isHeld = false;
+        this.inputMs = -Infinity;
+        this.drop();
+    }
+
+    // Sends nothing: the motor would turn to a position at once.
+    choose(mode: PlayMode): void {
+        this.isChosen = mode !== this.inForce.mode;
+        this.show(this.isChosen ? { mode, value: 0 } : this.inForce);
+        this.changed();
+    }
+
+    hold(isHeld: boolean): void {
+        this.isHeld = isHeld;
+    }
+
+    go(value: number): void {
+        const from = this.mode === "speed" ? 0 : this.originDeg;
+        if (from === undefined) {
+            return;
+        }
+        this.isChosen = false;
+        this.inputMs = performance.now();
+        this.next = { mode: this.mode, value: from + value };
+        this.target = this.next;
+        this.changed();
+        if (!this.isGiving) {
+            void this.giveAll();
+        }
+    }
+
+    drop(): void {
+        this.next = undefined;
+        this.isChosen = false;
+        this.show(this.inForce);
+    }
+
+    // As the board has it. Null: not known.
+    follow(command: BoardCommand | null, rotorDeg: number | null): void {
+        const before = [this.mode, this.value];
+        this.rotorDeg = rotorDeg ?? this.rotorDeg;
+        this.inForce = command === null ? this.inForce : { mode: command.mode, value: command.value };
+        this.show(command !== null && this.isIdle() ? this.inForce : this.target);
+        if (this.mode !== before[0] || this.value !== before[1]) {
+            this.changed();
+        }
+    }
+
+    private isIdle(): boolean {
+        const isBusy = this.isGiving || this.isHeld || this.isChosen;
+        return !isBusy && performance.now() - this.inputMs > REST_MS;
+    }
+
+    private show(target: Target): void {
+        if (target.mode !== this.mode || target.mode === "speed") {
+            this.originDeg = undefined;
+        }
+        this.target = target;
+        if (this.mode === "position" && this.originDeg === undefined && this.rotorDeg !== undefined) {
+            this.originDeg = this.rotorDeg;
+            this.target = this.isChosen ? { mode: "position", value: this.rotorDeg } : target;
+        }
+    }
+
+    private async giveAll(): Promise<void> {
+        this.isGiving = true;
+        while (this.next !== undefined) {
+            const target = this.next;
+            this.next = undefined;
+            const { refused } = await this.give(lineOf(target));
+            this.settle(target, refused);
+        }
+        this.isGiving = false;
+    }
+
+    // A knob shows what was refused no longer.
+    private settle(target: Target, refused: boolean): void {
+        if (!refused) {
+            this.inForce = target;
+        } else if (this.next === undefined) {
+            this.show(this.inForce);
+        }
+        this.changed();
+    }
+}

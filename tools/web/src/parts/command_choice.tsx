@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What a drive is to follow: a speed or a position.
+import type { PlayMode } from "../core/protocol.ts";
+import { Knob } from "./knob.tsx";
+
+interface Props {
+    mode: PlayMode;
+    value: number | undefined; // undefined: not known yet
+    largest: Record<PlayMode, number>; // either way
+    note?: string;
+    onMode(mode: PlayMode): void;
+    onValue(value: number): void;
+    onHold?(isHeld: boolean): void; // whether a person is in the field
+}
+
+const MODES: Record<PlayMode, { name: string; unit: string; step: number }> = {
+    speed: { name: "Speed", unit: "rpm", step: 10 },
+    position: { name: "Position", unit: "°", step: 5 },
+};
+
+export function CommandChoice({ mode, value, largest, note, onMode, onValue, onHold }: Props) {
+    const { name, unit, step } = MODES[mode];
+    return (
+        <fieldset>
+            <legend>Command</legend>
+            <div class="choices">
+                {(Object.keys(MODES) as PlayMode[]).map((each) => (
+                    <label key={each}>
+                        <input type="radio" name="mode" checked={mode === each} onChange={() => onMode(each)} />
+                        {each}
+                    </label>
+                ))}
+            </div>
+            <Knob
+                name={name} unit={unit} value={value ?? 0} largest={largest[mode]} step={step} isDisabled={value === undefined}
+                onValue={onValue} {...(onHold && { onHold })}
+            />
+            {note !== undefined && <p class="note">{note}</p>}
+        </fieldset>
+    );
+}

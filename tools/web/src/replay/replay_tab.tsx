@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// Replay: a log of the field with a recording in it. What it is, the curves before the fault, and the way to the stepper.
+import { useEffect, useId, useMemo, useState } from "preact/hooks";
+import type { Client } from "../core/client.ts";
+import type { Curves as Recorded, ReplayHead } from "../core/protocol.ts";
+import { FIRST_PANELS } from "../parts/board_panels.ts";
+import { Curves } from "../run/curves.tsx";
+import type { TabProps } from "../tabs.ts";
+
+interface Opened {
+    head: ReplayHead;
+    curves: Recorded;
+}
+
+interface Replay {
+    opened: Opened | undefined;
+    panels: string[][];
+    problem: string;
+    open(file: File): Promise<void>;
+    setPanels(panels: string[][]): void;
+}
+
+function useReplay(client: Client): Replay {
+    const [opened, setOpened] = useState<Opened>();
+    const [panels, setPanels] = useState(FIRST_PANELS);
+    const [problem, setProblem] = useState("");
+    const show = async (head: ReplayHead, shown: string[][]): Promise<void> => {
+        const signals = [...new Set(shown.flat())];
+        setOpened({ head, curves: await client.ask("replayColumns", { signals }) });
+    };
+    const failed = (error: Error): void => setProblem(error.message);
+    const open = async (file: File): Promise<void> => {
+        setProblem("");
+        setOpened(undefined);
+        try {
+            const bytes = new Uint8Array(await file.arrayBuffer());
+            await show(await client.ask("replayOpen", { name: file.name, bytes }), panels);
+        } catch (error) {
+            failed(error as Error);
+        }
+    };
+    // One that is open stays so while another tab is shown.
+    useEffect(() => {
+        client.ask("replayHead", null).then((head) => head === null ? undefined : show(head, panels)).catch(failed);
+    }, []);
+    return {
+        opened, panels, problem, open,
+        setPanels: (next) => {
+            setPanels(next);
+            if (opened !== undefined) {
+                show(opened.head, next).catch(failed);
+            }
+        },
+    };
+}
+
+function DropZone({ open }: { open(file: File): Promise<void> }) {
+    const id = useId();
+    const [over, setOver] = useState(false);
+    const take = (files: FileList | null | undefined): void => {
+        const file = files?.[0];
+        if (file !== undefined) {
+            void open(file);
+        }
+    };
+    return (
+        <div
+            class={over ? "drop over" : "drop"}
+            onDragOver={(event) => {
+                event.preventDefault();
+                setOver(true);
+            }}
+            onDragLeave={() => setOver(false)}
+            onDrop={(event) => {
+                event.preventDefault();
+                setOver(false);
+                take(event.dataTransfer?.files);
+            }}
+        >
+            <p>Drop a log of the serial line here, with a recording of the flight recorder in it.</p>
+            <label for={id}>Or choose a file</label>
+            <input id={id} type="file" onChange={(event) => take(event.currentTarget.files)} />
+        </div>
+    );
+}
+
+function Fault({ head }: { head: ReplayHead }) {
+    return (
+        <>
+            {head.faults.map((fault) => (
+                <div class="fault" role="note" key={fault.time_s}>
+                    <strong>{fault.measure}</strong>
+                    <p>{fault.advice}</p>
+                </div>
+            ))}
+        </>
+    );
+}
+
+export function ReplayTab({ client, show }: TabProps) {
+    const replay = useReplay(client);
+    const { opened, panels, problem } = replay;
+    const drawn = useMemo(
+        () => opened && { ...opened.curves, signals: opened.head.signals, faults: opened.head.faults },
+        [opened],
+    );
+    return (
+        <div class="run">
+            <div class="side scroll" tabIndex={0} role="group" aria-label="The recording">
+                <DropZone open={replay.open} />
+                {problem !== "" && <p class="problem" role="alert">{problem}</p>}
+                {opened !== undefined && (
+                    <section class="summary" aria-label="Summary">
+                        <pre>{opened.head.summary}</pre>
+                        <Fault head={opened.head} />
+                        <button type="button" class="main" onClick={() => show("step", "recording")}>
+                            {`Step from tick ${opened.head.step_tick}`}
+                        </button>
+                    </section>
+                )}
+            </div>
+            <div class="run-main">
+                {drawn !== undefined && <Curves run={drawn} panels={panels} onPanels={replay.setPanels} />}
+            </div>
+        </div>
+    );
+}

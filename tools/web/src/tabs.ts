@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// The parts of the bench; each is a row.
+import type { ComponentType } from "preact";
+import { ConnectTab } from "./connect/connect_tab.tsx";
+import type { Client } from "./core/client.ts";
+import type { Names, SchemaKey } from "./core/protocol.ts";
+import { PlayTab } from "./play/play_tab.tsx";
+import { ReplayTab } from "./replay/replay_tab.tsx";
+import { RunTab } from "./run/run_tab.tsx";
+import { StepTab } from "./step/step_tab.tsx";
+
+export interface TabProps {
+    // Opens another tab; `what` is for it.
+    show(id: string, what?: string): void;
+    what: string;
+    client: Client;
+    names: Names;
+    schema: SchemaKey[];
+}
+
+export interface Tab {
+    id: string;
+    title: string;
+    view: ComponentType<TabProps>;
+}
+
+export const TABS: Tab[] = [
+    { id: "run", title: "Run", view: RunTab },
+    { id: "play", title: "Play", view: PlayTab },
+    { id: "step", title: "Step", view: StepTab },
+    { id: "replay", title: "Replay", view: ReplayTab },
+    { id: "connect", title: "Connect", view: ConnectTab },
+];
