@@ -1,58 +1,127 @@
 /* SPDX-License-Identifier: MIT */
 #include "current_reference.h"
 
+#include "inlining.h"
 #include "trig.h"
 
 #define CURRENT_END (16384)
 #define Q15_BITS (15U)
-#define FREE_SIXTEENTHS (15) /* of the voltage, up to which i_d* may take some */
-
-/* The demand is within 1/16 of the largest voltage of this bus: i_d* takes ω·L_d·i_d of it, which the torque needs. */
-static bool lacks_voltage(const current_reference_in_t *in)
-{
-    const int32_t near = fx_asr(in->voltage_max * FREE_SIXTEENTHS, 4U);
-    const int32_t square = near * near;
-
-    return transforms_square(in->voltage) > (uint32_t)square;
-}
+#define MTPA_END (131071) /* a larger c: MTPA has less than 0.2 % more torque than i_d = 0 */
+#define MTPA_SQUARE_MAX (32767)
+#define MTPA_SHIFT (2U)
+#define RISE_SHIFT (3U) /* of a weakened i_d*, a slow period */
 
 /*
- * i_d* that keeps the current vector large enough. It comes before the torque current is gone, which falls faster: less half of
- * i_q* the vector is never shorter than 0.89 of the least current, and less all of it 0.71. A load below floor_speed is alone
- * there: i_q* has the dead time across the EMF, where it turns the angle by some degrees; i_d* beside it would add its own.
+ * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes before the torque current is
+ * gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less all of it
+ * 0.71. A load below floor_speed is alone there: i_q* has the dead time across the EMF, where it turns the angle by some
+ * degrees; i_d* beside it would add its own.
  */
 static int32_t least_current_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
 {
     const int32_t torque = fx_abs(in->present.q);
     const int32_t lacking = cfg->floor - fx_asr(torque, cfg->floor_shift);
-    const bool fast = fx_abs(in->speed) >= in->floor_speed;
 
-    return ((lacking > 0) && fast && !lacks_voltage(in)) ? lacking : 0;
+    return (fx_abs(in->speed) >= in->floor_speed) ? lacking : -CURRENT_END;
 }
 
-int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
+/* i_d of the largest torque that |i| can have, at this i_q. saliency_q13: X_q − X_d > 0. */
+static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13,
+                             int32_t current_q)
+{
+    const int32_t magnet = (model->emf_q13 << 14U) / saliency_q13; /* c, Q15 of I_b */
+    int32_t depth = 0;
+
+    if (magnet <= MTPA_END) {
+        const uint32_t shift = (magnet > MTPA_SQUARE_MAX) ? MTPA_SHIFT : 0U;
+        const int32_t c = fx_asr(magnet, shift);
+        const int32_t q = fx_asr(fx_abs(current_q), shift);
+        const int32_t root = (int32_t)trig_sqrt((uint32_t)((c * c) + (q * q)));
+        const int32_t whole = fx_max((c + root) << shift, 1);
+
+        depth = (current_q * current_q) / whole;
+    }
+    return -fx_min(depth, CURRENT_END);
+}
+
+/* What the torque asks of i_d*. */
+static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
+{
+    const int32_t saliency_q13 = in->model->reactance_q_q13 - in->model->reactance_d_q13;
+    int32_t most = 0;
+
+    if ((cfg->most_torque != 0U) && (saliency_q13 > 0)) {
+        most = most_torque_d(in->model, saliency_q13, in->present.q);
+    }
+    return fx_max(least_current_d(cfg, in), most);
+}
+
+static int32_t sloped_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in,
+                        int32_t wanted)
 {
     const int32_t present = in->present.d;
-    const int32_t wanted = (in->imposed != 0) ? in->imposed : least_current_d(cfg, in);
     const int32_t slope = cfg->slope * in->ticks;
     const int32_t slower = cfg->slope_down * in->ticks;
 
     return fx_max(fx_towards(present, wanted, slope), fx_min(present, cfg->floor) - slower);
 }
 
-torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
-                                       int32_t current_d, int32_t current_max)
+/*
+ * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque each step of one is up to three times that of the
+ * other. So i_d* falls at once, and rises by an eighth of what it may.
+ */
+static int32_t weakened_d(int32_t present, int32_t limit)
 {
-    torque_range_t left = range;
+    return (limit > present) ? (present + fx_asr(limit - present, RISE_SHIFT)) : limit;
+}
 
-    if (current_d > cfg->floor) {
-        const int32_t square = fx_max((current_max * current_max) - (current_d * current_d), 0);
-        const int32_t room = (int32_t)trig_sqrt((uint32_t)square);
+NEVER_INLINED static void weaken(const current_reference_cfg_t *cfg, weakening_t *weakening,
+                                 const current_reference_in_t *in, current_reference_t *next)
+{
+    const weakening_in_t point = {
+        .model = in->model,
+        .speed_q15 = in->rotor_speed_q15,
+        .current = in->present,
+        .voltage = in->voltage,
+        .voltage_max = in->voltage_max,
+        .current_max = in->current_max,
+        .deepest = cfg->deepest,
+    };
+    const weakening_limits_t limits = weakening_step(weakening, &point, next->d);
 
-        left.upper = fx_min(range.upper, room);
-        left.lower = fx_max(range.lower, -room);
+    next->d = fx_min(next->d, weakened_d(in->present.d, limits.upper));
+    next->across = limits.across;
+}
+
+current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
+                                           weakening_t *weakening,
+                                           const current_reference_in_t *in)
+{
+    const int32_t wanted = (in->imposed != 0) ? in->imposed : wanted_d(cfg, in);
+    current_reference_t next = {.across = CURRENT_END};
+
+    next.d = sloped_d(cfg, in, wanted);
+    if (weakening_is_near(in->voltage, in->voltage_max)) {
+        weaken(cfg, weakening, in, &next);
+    } else {
+        weakening_rest(weakening, in->voltage_max);
     }
-    return left;
+    return next;
+}
+
+torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
+                                       const current_reference_t *reference, int32_t current_max)
+{
+    int32_t room = reference->across;
+
+    if ((reference->d > cfg->floor) || (reference->d < 0)) {
+        const int32_t square =
+            fx_max((current_max * current_max) - (reference->d * reference->d), 0);
+        const int32_t beside = (int32_t)trig_sqrt((uint32_t)square);
+
+        room = fx_min(room, beside);
+    }
+    return (torque_range_t){.lower = fx_max(range.lower, -room), .upper = fx_min(range.upper, room)};
 }
 
 int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_d)

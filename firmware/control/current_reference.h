@@ -5,17 +5,22 @@
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
  * In the order of a slow period:
- *     current_reference_d       i_d*
- *     current_reference_range   what i_d* leaves of the range of i_q*
+ *     current_reference_step    i_d*, and the largest i_q that the voltage leaves beside it
+ *     current_reference_range   what both leave of the range of i_q*
  *     current_reference_flux    ψ at i_d*, in the model in force
  *     current_reference_q       i_q* of a torque; current_reference_torque is the way back
  *
- * i_d* is the largest of what asks for it: the current that an imposed vector will have (hand-back), and the least current.
- * The least current keeps the vector so large that not all legs switch near the zero crossing of their current, where their
- * dead time is not known. A law that asks for i_d* by torque, speed or voltage belongs here: it has all three in its input.
+ * i_d* follows from what asks for it:
+ *     imposed     the current that an imposed vector will have, where RUN hands back. It is alone then.
+ *     least       keeps the vector so large that not all legs switch near the zero crossing of their current, where their dead
+ *                 time is not known
+ *     MTPA        the largest torque of a current, where L_q > L_d:
+ *                 i_d = −i_q² / (c + √(c² + i_q²)),  c = φ / (2·(L_q − L_d))
+ *     weakening   what the voltage allows (weakening.h)
+ * The larger one of least current and MTPA, and not more than weakening allows. The first three follow a slope. Weakening does not:
+ * where the voltage is short, the current control has nothing to follow a slope with.
  *
- * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator holds i_d at 0: what i_d is to
- * be then would be the aim of its angle, and it would get that from here.
+ * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator holds i_d at 0.
  *
  * Units: currents Q15 of I_b; voltages Q15 of U_b; flux Q13 of U_b/Ω_b; torque Q28 of T_b = 1.5·P·U_b·I_b/Ω_b; speeds step_t.
  * Pure, total within the ranges. Control interrupt, once per slow period.
@@ -27,6 +32,7 @@
 #include "fx.h"
 #include "motion_loop.h"
 #include "transforms.h"
+#include "weakening.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -40,32 +46,45 @@ typedef struct {
     uint32_t floor_shift; /* 0…1 */
     int32_t slope;        /* change of i_d* in a tick, 1…16384 */
     int32_t slope_down;   /* where it falls below `floor`, 1…16384 */
+    uint32_t most_torque; /* 1: MTPA; 0: not */
+    int32_t deepest;      /* weakening asks for −i_d* up to this, 0…16384; 0: for none */
 } current_reference_cfg_t;
 
 /* Operating point. */
 typedef struct {
-    dq_t present;       /* i_d*, i_q* of the last slow period, ±16384 */
-    step_t speed;       /* asked for, ±2^30 */
-    step_t floor_speed; /* the least current counts from this speed on, ≥ 0 */
+    const current_loop_cfg_t *model; /* in force */
+    dq_t present;                    /* i_d*, i_q* of the last slow period, ±16384 */
+    step_t speed;                    /* asked for, ±2^30 */
+    step_t floor_speed;              /* the least current counts from this speed on, ≥ 0 */
     int32_t
         imposed; /* i_d* of the imposed vector that RUN goes back to now, 0…16384; 0: it does not */
-    dq_t voltage;        /* mean demand, ±32768 */
-    int32_t voltage_max; /* radius of the voltage circle of this bus, 0…32767 */
-    int32_t ticks;       /* of a slow period, 6…100 */
+    int32_t rotor_speed_q15; /* |ω̂| of Ω_b, 0…32767 */
+    dq_t voltage;            /* mean demand, ±32768 */
+    int32_t voltage_max;     /* radius of the voltage circle of this bus, 0…32767 */
+    int32_t current_max;     /* radius of the current circle, 1…16384 */
+    int32_t ticks;           /* of a slow period, 6…100 */
 } current_reference_in_t;
 
-/*
- * Returns the next i_d*, 0…16384 when the present one is. It rises by `slope` a tick at most. It falls as fast above `floor`, and by
- * `slope_down` below: the next torque may be gone as soon as the last.
- */
-int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in);
+/* What the voltage leaves. */
+typedef struct {
+    int32_t d;      /* i_d*, ±16384 */
+    int32_t across; /* |i_q*| at most, 0…16384 */
+} current_reference_t;
 
 /*
- * Returns the part of `range` that is left for i_q* on the circle of radius current_max (1…16384) beside an i_d* above `floor`.
- * The least current is small enough to be left out. Rounded towards less current.
+ * Returns the next i_d*, and what it leaves to i_q*. i_d* rises by `slope` a tick at most. It falls as fast above `floor`, and by
+ * `slope_down` below: the next torque may be gone as soon as the last. Three divisions and three roots at most far from the circle.
+ */
+current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
+                                           weakening_t *weakening,
+                                           const current_reference_in_t *in);
+
+/*
+ * Returns the part of `range` that is left for i_q*: `across`, and on the circle of radius current_max (0…16384) what is left beside
+ * an i_d* below 0 or above `floor`. The least current is small enough to be left out. Rounded towards less current.
  */
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
-                                       int32_t current_d, int32_t current_max);
+                                       const current_reference_t *reference, int32_t current_max);
 
 /* Returns ψ, Q13, 1…32767: rounded down and saturated. current_d: ±16384. */
 int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_d);

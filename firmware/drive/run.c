@@ -30,6 +30,7 @@ void run_reset(drive_t *drive)
     drive->residual = 0;
     drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
+    weakening_reset(&drive->weakening);
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
@@ -171,14 +172,39 @@ static current_reference_in_t operating_point(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
 
     return (current_reference_in_t){
+        .model = &drive->model.run_loop,
         .present = drive->signals.current_ref,
         .speed = drive->speed_reference,
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
+        .rotor_speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
         .voltage = drive->derating.voltage,
         .voltage_max = modulator_limit(&drive->cfg->modulator, drive->signals.bus),
+        .current_max = drive->cfg->derating.current_max,
         .ticks = (int32_t)drive->cfg->slow_ticks,
     };
+}
+
+/*
+ * i_d* takes of the current: a torque that took all of it as well would trip at over-current. What the winding still bears counts:
+ * a motor that is too hot keeps the i_d that its speed needs, and loses torque.
+ */
+NEVER_INLINED static void limit_current(drive_t *drive)
+{
+    const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
+    const current_reference_in_t point = operating_point(drive);
+    const current_reference_t next = current_reference_step(cfg, &drive->weakening, &point);
+
+    drive->signals.current_ref.d = next.d;
+    drive->torque_range =
+        current_reference_range(cfg, drive->torque_range, &next, drive->derating.thermal);
+}
+
+void run_limit(drive_t *drive)
+{
+    if (!drive->voltage_drive.active) {
+        limit_current(drive);
+    }
 }
 
 /* Change back to an imposed current: the d axis of the frame is set to the direction of the present reference. */
@@ -202,18 +228,20 @@ static void hand_back(drive_t *drive)
 }
 
 /*
- * While derating narrows the torque, ramp and profile wait at the limit in force. If they went on, the rotor would fall
- * further behind in each period. It would then be braked with the whole current as soon as the limit ends.
+ * While derating or field weakening narrows the torque, ramp and profile wait at the limit in force. If they went on, the rotor would
+ * fall further behind in each period. It would then be braked with the whole current as soon as the limit ends. An i_d* that rises to an
+ * imposed current narrows it too: there the ramp goes on, down to standstill.
  */
-static void wait_at_limit(drive_t *drive, step_t before, torque_range_t derated)
+static void wait_at_limit(drive_t *drive, step_t before)
 {
     const bool faster = drive->speed_loop.reference > before;
-    const int32_t torque = drive->signals.current_ref.q;
+    const dq_t current = drive->signals.current_ref;
     const int32_t end = faster ? drive->torque_range.upper : -drive->torque_range.lower;
-    const int32_t allowed = faster ? derated.upper : -derated.lower;
-    const int32_t towards = faster ? torque : -torque;
+    const int32_t towards = faster ? current.q : -current.q;
+    const bool narrowed = (end < drive->cfg->derating.current_max) &&
+                          (current.d <= drive->cfg->current_reference.floor);
 
-    if ((towards >= end) && (allowed < drive->cfg->derating.current_max)) {
+    if ((towards >= end) && narrowed) {
         drive->speed_loop.reference = before;
         position_loop_reset(&drive->position_loop, drive->position.turns_q32, before);
     }
@@ -249,17 +277,6 @@ static bool is_to_be_held(const drive_t *drive)
     const bool settled = fx_abs(drive->speed_reference) <= settled_speed;
 
     return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
-}
-
-/*
- * Near a hand-over i_d* takes most of the current that is allowed: a torque that took all of it as well would trip at
- * over-current.
- */
-static void narrow_torque_range(drive_t *drive)
-{
-    drive->torque_range =
-        current_reference_range(&drive->cfg->current_reference, drive->torque_range,
-                                drive->signals.current_ref.d, drive->cfg->derating.current_max);
 }
 
 RARE static torque_range_t bridged_range(const drive_t *drive)
@@ -333,10 +350,9 @@ static void control_rotor_speed(drive_t *drive, torque_range_t range)
 }
 
 /* What a ramp of the speed leads to. */
-static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before,
-                        torque_range_t derated)
+static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 {
-    wait_at_limit(drive, before, derated);
+    wait_at_limit(drive, before);
     if (!drive->torque_loop.bridging) {
         learn_inertia(drive, before, integral_before);
     }
@@ -344,7 +360,7 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before,
 }
 
 /* The torque current, by the loop that has it. */
-static void control_current_q(drive_t *drive, torque_range_t derated)
+static void control_current_q(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
     const int32_t integral_before = drive->speed_loop.pi.integral_q26;
@@ -361,20 +377,16 @@ static void control_current_q(drive_t *drive, torque_range_t derated)
         filter_torque(drive);
     }
     if (!unbound) {
-        follow_ramp(drive, before, integral_before, derated);
+        follow_ramp(drive, before, integral_before);
     }
 }
 
-/* i_d*, and the torque current. HELD when the current is to be imposed. It has all that speed control needs within it. */
+/* HELD when the current is to be imposed. It has all that speed control needs within it. */
 INLINES_ALL static drive_event_t control_torque(drive_t *drive)
 {
-    const torque_range_t derated = drive->torque_range;
-    const current_reference_in_t point = operating_point(drive);
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    drive->signals.current_ref.d = current_reference_d(&drive->cfg->current_reference, &point);
-    narrow_torque_range(drive);
-    control_current_q(drive, derated);
+    control_current_q(drive);
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);
         event = DRIVE_EVENT_HELD;

@@ -28,8 +28,11 @@ static inline bool run_torque_is_free(const drive_t *drive)
     return (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) && !drive->torque_loop.bound;
 }
 
+/* i_d* of the next slow period, and what it leaves to i_q*. Nothing with the voltage drive. */
+void run_limit(drive_t *drive);
+
 /*
- * Speed PI and i_d*, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed current: then it
+ * Speed PI, or the voltage drive. HELD when the speed is low and i_d* has risen to the imposed current: then it
  * has set the vector on the present current.
  */
 drive_event_t run_control_speed(drive_t *drive, const drive_command_t *command);

@@ -7,7 +7,7 @@
  *     REFINE   estimate_refine                                     HOLD to RUN         each period
  *     PHASES   monitor_phases: any current; that of the vector     ALIGN to RUN        each period
  *     CHECKS   monitor_next_check: four take turns, see there      any                 each in every fourth period
- *     LIMITS   monitor_limits                                      any                 each period
+ *     LIMITS   monitor_limits; run_limit                           any; RUN            each period
  *     PLAN     open_loop_plan, in RUN run_plan                     HOLD to RUN         each period
  *     SPEED    open_loop_drag, in RUN run_control_speed            HOLD to RUN         each period
  *

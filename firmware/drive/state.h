@@ -132,6 +132,7 @@ typedef struct {
     flying_start_t flying_start;
     align_t align;
     probe_t probe;
+    weakening_t weakening;       /* of the field, in RUN with current control */
     torque_range_t torque_range; /* allowed range of i_q* in this slow period */
     derating_t derating;
     supervision_t supervision;

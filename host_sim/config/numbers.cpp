@@ -6,6 +6,11 @@
 namespace nf
 {
 
+double deepest_current(const MotorSettings &motor, const TuningSettings &tuning)
+{
+    return tuning.weakening_pct / 100 * motor.max_current_a;
+}
+
 double largest_ratio(const BoardSettings &board)
 {
     return (1 - board.duty_margin_pct / 100) / std::sqrt(3.0);

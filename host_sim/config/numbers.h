@@ -28,6 +28,9 @@ inline double rad_s_from_rpm(double rpm)
     return rpm * TWO_PI / 60.0;
 }
 
+// The largest −i_d that field weakening asks for.
+double deepest_current(const MotorSettings &motor, const TuningSettings &tuning);
+
 // The largest phase voltage as a share of the bus: the circle in the hexagon of the inverter.
 double largest_ratio(const BoardSettings &board);
 

@@ -25,6 +25,9 @@ namespace
 constexpr double CURRENT_BASE_RATIO = 2.0;
 // Electrical angle in a PWM period up to which the middle current of the observer and the lead of the voltage hold.
 constexpr double TURN_MAX_RAD = 0.7;
+// What the firmware keeps of the voltage for the current control, and the largest EMF, of U_b: weakening.c.
+constexpr double WEAKENING_RESERVE = 1.0 / 64;
+constexpr double EMF_MOST = 1.9;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;
 // The current PI integrates at least this much faster than the motor's own R/L would: disturbances
@@ -79,17 +82,26 @@ constexpr double HALF_WAVE_S = 0.5;
 constexpr double HALF_WAVE_PERIODS = 60000; // what the firmware counts to
 constexpr double PERIODS_MAX = 1e6;         // what a counter of periods is set to at most
 
-// There is no field weakening: the EMF has to stay within the voltage circle of the nominal bus. And the observer turns
-// its currents by the small angle of a PWM period.
-void check_speed(const MotorSettings &motor, const BoardSettings &board, const Model &m,
-                 const Bases &b)
+// The voltage that is left of the EMF at the highest speed when i_d weakens the field as far as it may, within the circle of the
+// nominal bus. And the observer turns its currents by the small angle of a PWM period.
+void check_speed(const MotorSettings &motor, const BoardSettings &board,
+                 const TuningSettings &tuning, const Model &m, const Bases &b)
 {
-    const double emf =
-        rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs * motor.flux_linkage_wb;
-    require(emf, 0, largest_ratio(board) * board.bus_nominal_v,
-            {"motor.max_speed_rpm", motor.max_speed_rpm},
-            "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-            "leave, and the drive does not weaken the field");
+    const double speed = rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs;
+    const double least_flux = motor.flux_linkage_wb -
+                              motor.inductance_d_h * deepest_current(motor, tuning);
+    const Source setting = {"motor.max_speed_rpm", motor.max_speed_rpm};
+    require(speed * std::max(least_flux, 0.0), 0,
+            largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
+            tuning.weakening_pct > 0
+                ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
+                  "leave, even with the field weakened by current_loop.weakening_pct of "
+                  "motor.max_current_a"
+                : "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
+                  "leave, and current_loop.weakening_pct = 0 does not weaken the field");
+    require(speed * motor.flux_linkage_wb, 0, EMF_MOST * b.voltage_v, setting,
+            "above it the motor's EMF exceeds 1.9 times board.bus_full_scale_v, which the firmware's "
+            "numbers end with");
     require(m.max_speed_el * b.control_period_s, 0, TURN_MAX_RAD,
             {"motor.max_speed_rpm", motor.max_speed_rpm},
             "above it the rotor turns more than 0.7 rad in a PWM period; a higher "
@@ -847,7 +859,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
 {
     const Bases b = make_bases(motor, board);
     const Model m = make_model(motor, scales);
-    check_speed(motor, board, m, b);
+    check_speed(motor, board, tuning, m, b);
     drive_cfg_t c{};
     c.sampling = make_sampling(motor, board, tuning);
     c.protection = make_protection(board, b);

@@ -66,7 +66,7 @@ BUILT_OF = {
     "align": ["inductance", "transforms"],
     "angle_sensor": ["rotor_position"],
     "current_loop": ["pi", "transforms"],
-    "current_reference": ["current_loop", "motion_loop", "transforms"],
+    "current_reference": ["current_loop", "motion_loop", "transforms", "weakening"],
     "flying_start": ["transforms"],
     "inductance": ["transforms"],
     "model": ["current_loop", "nn_observer"],
@@ -78,6 +78,7 @@ BUILT_OF = {
     "torque_filter": ["transforms"],
     "torque_loop": ["current_reference", "motion_loop"],
     "virtual_resistance": ["transforms"],
+    "weakening": ["current_loop", "transforms"],
 }
 FREESTANDING = {"limits.h", "stdbool.h", "stddef.h", "stdint.h"}
 REGISTER = re.compile(

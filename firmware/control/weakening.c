@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+#include "weakening.h"
+
+#include "trig.h"
+
+#define CURRENT_END (16384)
+#define RESERVE_SHIFT (6U)  /* of the circle's radius, kept for the current control */
+#define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
+#define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
+#define REST_STEP (80)      /* of the integral, a slow period at rest */
+#define SHARE_ONE (65536)
+#define VOLTS_END (32000) /* so that the sum of two squares fits 32 bits */
+
+/* Voltages of this instant, Q14 of U_b: an X·I has room up to 2·U_b. */
+typedef struct {
+    dq_t reactance_q14; /* ω·L, 0…65534 */
+    int32_t emf;        /* ω·φ, 0…VOLTS_END */
+    int32_t flux;       /* E, 0…16383 */
+    int32_t along;      /* X_d·I, 0…VOLTS_END */
+    int32_t across;     /* X_q·I, 0…VOLTS_END */
+} weakening_volts_t;
+
+void weakening_reset(weakening_t *weakening)
+{
+    *weakening = (weakening_t){.voltage = 0, .circle = 0};
+}
+
+bool weakening_is_near(dq_t voltage, int32_t voltage_max)
+{
+    const int32_t near = voltage_max - fx_asr(voltage_max, 2U);
+    const int32_t square = near * near;
+
+    return transforms_square(voltage) > (uint32_t)square;
+}
+
+static void forget(weakening_t *weakening)
+{
+    if (weakening->voltage != 0) {
+        weakening->voltage = fx_towards(weakening->voltage, 0, REST_STEP);
+    }
+}
+
+void weakening_rest(weakening_t *weakening, int32_t voltage_max)
+{
+    weakening->circle = voltage_max;
+    forget(weakening);
+}
+
+/* Part over whole, Q16, at most 1. Rounded to some 2^-15. */
+static int32_t share_of(uint32_t part, uint32_t whole)
+{
+    int32_t share = SHARE_ONE;
+
+    if (part < whole) {
+        const uint32_t lift = fx_leading_zeros(whole);
+        const uint32_t divisor = (whole << lift) >> 16U; /* 2^15…2^16 − 1 */
+
+        share = fx_min((int32_t)((part << lift) / divisor), SHARE_ONE);
+    }
+    return share;
+}
+
+static int32_t part_of(int32_t share_q16, int32_t whole)
+{
+    return fx_asr(fx_asr(share_q16, 1U) * whole, 15U);
+}
+
+/* √ of up to 2^62, rounded down to 16 significant bits. */
+static uint32_t long_root(uint64_t square)
+{
+    const uint32_t high = (uint32_t)(square >> 32U);
+    uint32_t root;
+
+    if (high == 0U) {
+        root = trig_sqrt((uint32_t)(square & 0xFFFFFFFFU));
+    } else {
+        const uint32_t pairs = 16U - (fx_leading_zeros(high) / 2U); /* 1…16 */
+        const uint64_t reduced = square >> (2U * pairs);
+
+        root = (uint32_t)trig_sqrt((uint32_t)(reduced & 0xFFFFFFFFU)) << pairs;
+    }
+    return root;
+}
+
+static uint64_t square_of(int32_t x)
+{
+    const int64_t square = (int64_t)x * x;
+
+    return (uint64_t)square;
+}
+
+/* X·i, Q14 of U_b, saturated. */
+static int32_t reactive_volts(int32_t reactance_q14, int32_t current)
+{
+    return fx_clamp(fx_asr(reactance_q14 * current, 15U), -VOLTS_END, VOLTS_END);
+}
+
+/* What the resistance takes of the voltage's length, Q15 of U_b. */
+static int32_t resistive_volts(const weakening_in_t *in, int32_t length)
+{
+    const int32_t power = fx_asr(in->current.d * in->voltage.d, 1U) +
+                          fx_asr(in->current.q * in->voltage.q, 1U); /* Q29 */
+    const int32_t along = power / fx_max(length, 1);                 /* Q14 */
+
+    return fx_asr(fx_clamp(along, -CURRENT_END, CURRENT_END) * in->model->resistance_q13, 12U);
+}
+
+static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
+{
+    const current_loop_cfg_t *const model = in->model;
+    weakening_volts_t volts;
+
+    volts.reactance_q14 = (dq_t){.d = fx_asr(in->speed_q15 * model->reactance_d_q13, 14U),
+                                 .q = fx_asr(in->speed_q15 * model->reactance_q_q13, 14U)};
+    volts.emf = fx_min(fx_asr(in->speed_q15 * model->emf_q13, 14U), VOLTS_END);
+    volts.flux = fx_asr(fx_usat15(flux_q15), 1U);
+    volts.along = reactive_volts(volts.reactance_q14.d, in->current_max);
+    volts.across = reactive_volts(volts.reactance_q14.q, in->current_max);
+    return volts;
+}
+
+/* √(whole² − part²), 0 where there is none. Both ±32768. */
+static int32_t other_leg(int32_t whole, int32_t part)
+{
+    const int32_t rest = fx_max((whole * whole) - (part * part), 0);
+
+    return (int32_t)trig_sqrt((uint32_t)rest);
+}
+
+/* volts / X·I, of I. */
+static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current_max)
+{
+    const int32_t share = share_of((uint32_t)volts, (uint32_t)fx_max(reactive, 1));
+
+    return part_of(share, current_max);
+}
+
+/* i_d on the ellipse above this i_q. */
+static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts)
+{
+    const int32_t across = reactive_volts(volts->reactance_q14.q, in->current.q);
+    const int32_t left = other_leg(volts->flux, across) - volts->emf;
+    const int32_t size = current_of_volts(fx_abs(left), volts->along, in->current_max);
+
+    return (left < 0) ? -size : size;
+}
+
+/* i_q on the ellipse above this i_d. */
+static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts, int32_t current_d)
+{
+    const int32_t along = volts->emf + reactive_volts(volts->reactance_q14.d, current_d);
+
+    return current_of_volts(other_leg(volts->flux, along), volts->across, in->current_max);
+}
+
+/* i_d where the circle of the current meets the ellipse. 0: all of the circle lies within the ellipse there. */
+static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
+{
+    const int32_t along2 = volts->along * volts->along;
+    const int32_t across2 = volts->across * volts->across;
+    const int32_t lacking = (volts->emf * volts->emf) + across2 - (volts->flux * volts->flux);
+    const int32_t half = volts->along * volts->emf;
+    int32_t depth = 0;
+
+    if (lacking > 0) {
+        const int64_t square =
+            ((int64_t)half * half) + ((int64_t)(across2 - along2) * (int64_t)lacking);
+        const uint32_t root = (square > 0) ? long_root((uint64_t)square) : 0U;
+
+        depth = part_of(share_of((uint32_t)lacking, (uint32_t)half + root), in->current_max);
+    }
+    return -depth;
+}
+
+/* i_d with the largest torque on the ellipse; −I where the circle ends before it. */
+static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts_t *volts)
+{
+    int32_t depth = in->current_max;
+
+    if (volts->emf < volts->along) {
+        const int32_t saliency = fx_max(volts->across - volts->along, 0) * volts->flux;
+        const int32_t emf = volts->across * volts->emf;
+        const uint64_t square = square_of(emf) + (8U * square_of(saliency));
+        const uint32_t whole = (uint32_t)emf + long_root(square);
+        const int32_t beyond = part_of(share_of((uint32_t)saliency, whole), 2 * volts->flux);
+
+        depth = current_of_volts(volts->emf + beyond, volts->along, in->current_max);
+    }
+    return -depth;
+}
+
+static weakening_limits_t limits_of(const weakening_in_t *in, const weakening_volts_t *volts)
+{
+    const int32_t circle = circle_d(in, volts);
+    const int32_t useful = fx_max(torque_per_volt_d(in, volts), -in->deepest);
+    weakening_limits_t limits = {.lower = circle, .across = CURRENT_END};
+
+    if (useful > circle) {
+        limits.lower = useful;
+        limits.across = ellipse_q(in, volts, useful);
+    }
+    limits.upper = fx_max(ellipse_d(in, volts), limits.lower);
+    return limits;
+}
+
+/* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
+static void learn(weakening_t *weakening, const weakening_in_t *in,
+                  const weakening_limits_t *limits, int32_t left)
+{
+    const bool at_end = limits->upper <= limits->lower;
+    const int32_t change = fx_asr(left, INTEGRAL_SHIFT);
+
+    if ((change > 0) || !at_end) {
+        const int32_t end = fx_asr(in->voltage_max, 2U);
+
+        weakening->voltage = fx_clamp(weakening->voltage + change, -end, end);
+    }
+}
+
+/* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
+static int32_t lowest_circle(weakening_t *weakening, int32_t voltage_max)
+{
+    const int32_t risen = fx_approach(weakening->circle, voltage_max, RIPPLE_SHIFT);
+
+    weakening->circle = fx_min(risen, voltage_max);
+    return weakening->circle;
+}
+
+weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted)
+{
+    const int32_t length = (int32_t)trig_sqrt(transforms_square(in->voltage));
+    const int32_t circle = lowest_circle(weakening, in->voltage_max);
+    const int32_t available = circle - fx_asr(circle, RESERVE_SHIFT);
+    const weakening_volts_t volts =
+        volts_of(in, (available - resistive_volts(in, length)) + weakening->voltage);
+    const weakening_limits_t limits = limits_of(in, &volts);
+
+    if (limits.upper < wanted) {
+        learn(weakening, in, &limits, available - length);
+    } else {
+        forget(weakening);
+    }
+    return limits;
+}

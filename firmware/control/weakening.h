@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Field weakening: which i_d* the voltage of this bus allows at this speed.
+ *
+ * The flux of the stator makes a voltage of at most E:
+ *
+ *     (X_q·i_q)² + (ω·φ + X_d·i_d)² ≤ E²,  X = ω·L               the voltage ellipse
+ *
+ * So i_q leaves to i_d at most
+ *
+ *     upper = (√(E² − (X_q·i_q)²) − ω·φ) / X_d
+ *
+ * E is the voltage of the bus, where its ripple is lowest, less 1/64, which the current control keeps, less what the resistance takes along the voltage,
+ * R·(i·v)/|v|. An integral finds what the model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves
+ * of the bus, and sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
+ *
+ * A deeper i_d than `lower` is of no use. Three things end it, the first of them counts:
+ *     the current         circle and ellipse meet. With y = −i_d/I, x = X·I:
+ *                         y = c / (b + √(b² + a·c)),  a = x_q² − x_d²,  b = x_d·ω·φ,  c = (ω·φ)² + x_q² − E²
+ *     the torque (MTPV)   the point of the ellipse with the largest torque. With Δx = x_q − x_d:
+ *                         y = (ω·φ + 2·Δx·E² / (x_q·ω·φ + √((x_q·ω·φ)² + 8·Δx²·E²))) / x_d
+ *     the magnets         `deepest` of the configuration
+ * Where one of the last two ends it, i_q ends on the ellipse there: `across`.
+ *
+ * Units: currents Q15 of I_b; voltages Q15 of U_b; the model as current_loop.h has it.
+ * Pure, total within the ranges. Control interrupt, once per slow period.
+ */
+#ifndef WEAKENING_H
+#define WEAKENING_H
+
+#include "current_loop.h"
+#include "fx.h"
+#include "transforms.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    int32_t voltage; /* what E has by the integral, ±8192 */
+    int32_t circle;  /* radius that the ripple of the bus leaves: its least one of late, 0…32767 */
+} weakening_t;
+
+/* Operating point. */
+typedef struct {
+    const current_loop_cfg_t *model;
+    int32_t speed_q15;   /* |ω| of Ω_b, 0…32767 */
+    dq_t current;        /* i* of the last slow period, ±16384 */
+    dq_t voltage;        /* mean demand, ±32768 */
+    int32_t voltage_max; /* radius of the voltage circle of this bus, 0…32767 */
+    int32_t current_max; /* radius of the current circle, 1…16384 */
+    int32_t deepest;     /* −i_d* is at most this, 0…16384 */
+} weakening_in_t;
+
+/* What the voltage leaves. */
+typedef struct {
+    int32_t upper;  /* i_d* at most, ±16384 */
+    int32_t lower;  /* a smaller i_d* is of no use, −16384…0 */
+    int32_t across; /* |i_q*| at most, 0…16384 */
+} weakening_limits_t;
+
+void weakening_reset(weakening_t *weakening);
+
+/* The demand is above ¾ of the circle's radius: from there on the voltage may decide. Radius 0…32767, demand ±32768. */
+bool weakening_is_near(dq_t voltage, int32_t voltage_max);
+
+/* Nothing is near: the integral goes back to 0 within some 100 slow periods. */
+void weakening_rest(weakening_t *weakening, int32_t voltage_max);
+
+/*
+ * One slow period near the circle. wanted: i_d* without the voltage's limit. Rounded towards less voltage, saturated. Four square roots
+ * and six divisions at most.
+ */
+weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted);
+
+#endif
