@@ -9,20 +9,26 @@
 #define MTPA_END (131071) /* a larger c: MTPA has less than 0.2 % more torque than i_d = 0 */
 #define MTPA_SQUARE_MAX (32767)
 #define MTPA_SHIFT (2U)
+#define GIVES_WAY (4)
 #define RISE_SHIFT (3U) /* of a weakened i_d*, a slow period */
 
 /*
  * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes before the torque current is
  * gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less all of it
  * 0.71. A load below floor_speed is alone there: i_q* has the dead time across the EMF, where it turns the angle by some
- * degrees; i_d* beside it would add its own.
+ * degrees; i_d* beside it would add its own. Where the torque
+ * alone is enough it gives way so fast that MTPA of any motor, −|i_q*| at most, follows without a jump.
  */
 static int32_t least_current_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
 {
     const int32_t torque = fx_abs(in->present.q);
     const int32_t lacking = cfg->floor - fx_asr(torque, cfg->floor_shift);
+    int32_t least = -CURRENT_END;
 
-    return (fx_abs(in->speed) >= in->floor_speed) ? lacking : -CURRENT_END;
+    if (fx_abs(in->speed) >= in->floor_speed) {
+        least = (lacking < 0) ? (lacking * GIVES_WAY) : lacking;
+    }
+    return least;
 }
 
 /* i_d of the largest torque that |i| can have, at this i_q. saliency_q13: X_q − X_d > 0. */
@@ -101,7 +107,7 @@ current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
     current_reference_t next = {.across = CURRENT_END};
 
     next.d = sloped_d(cfg, in, wanted);
-    if (weakening_is_near(in->voltage, in->voltage_max)) {
+    if (weakening_is_near(in->demand, in->voltage_max)) {
         weaken(cfg, weakening, in, &next);
     } else {
         weakening_rest(weakening, in->voltage_max);

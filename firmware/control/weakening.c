@@ -4,7 +4,8 @@
 #include "trig.h"
 
 #define CURRENT_END (16384)
-#define RESERVE_SHIFT (6U)  /* of the circle's radius, kept for the current control */
+#define NEAR_SHIFT (4U)     /* of the circle's radius, from where on it may decide */
+#define RESERVE_SHIFT (7U)  /* of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
 #define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
 #define REST_STEP (80)      /* of the integral, a slow period at rest */
@@ -27,7 +28,7 @@ void weakening_reset(weakening_t *weakening)
 
 bool weakening_is_near(dq_t voltage, int32_t voltage_max)
 {
-    const int32_t near = voltage_max - fx_asr(voltage_max, 2U);
+    const int32_t near = voltage_max - fx_asr(voltage_max, NEAR_SHIFT);
     const int32_t square = near * near;
 
     return transforms_square(voltage) > (uint32_t)square;
@@ -189,18 +190,19 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
     return -depth;
 }
 
-static weakening_limits_t limits_of(const weakening_in_t *in, const weakening_volts_t *volts)
+/* Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. */
+static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
+                              weakening_limits_t *limits)
 {
     const int32_t circle = circle_d(in, volts);
     const int32_t useful = fx_max(torque_per_volt_d(in, volts), -in->deepest);
-    weakening_limits_t limits = {.lower = circle, .across = CURRENT_END};
 
+    limits->lower = circle;
     if (useful > circle) {
-        limits.lower = useful;
-        limits.across = ellipse_q(in, volts, useful);
+        limits->lower = useful;
+        limits->across = ellipse_q(in, volts, useful);
     }
-    limits.upper = fx_max(ellipse_d(in, volts), limits.lower);
-    return limits;
+    limits->upper = fx_max(limits->upper, limits->lower);
 }
 
 /* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
@@ -233,9 +235,11 @@ weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *
     const int32_t available = circle - fx_asr(circle, RESERVE_SHIFT);
     const weakening_volts_t volts =
         volts_of(in, (available - resistive_volts(in, length)) + weakening->voltage);
-    const weakening_limits_t limits = limits_of(in, &volts);
+    weakening_limits_t limits = {.lower = -CURRENT_END, .across = CURRENT_END};
 
+    limits.upper = ellipse_d(in, &volts);
     if (limits.upper < wanted) {
+        end_where_useless(in, &volts, &limits);
         learn(weakening, in, &limits, available - length);
     } else {
         forget(weakening);

@@ -10,7 +10,7 @@
  *
  *     upper = (√(E² − (X_q·i_q)²) − ω·φ) / X_d
  *
- * E is the voltage of the bus, where its ripple is lowest, less 1/64, which the current control keeps, less what the resistance takes along the voltage,
+ * E is the voltage of the bus, where its ripple is lowest, less 1/128, which the current control keeps, less what the resistance takes along the voltage,
  * R·(i·v)/|v|. An integral finds what the model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves
  * of the bus, and sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
  *
@@ -54,13 +54,13 @@ typedef struct {
 /* What the voltage leaves. */
 typedef struct {
     int32_t upper;  /* i_d* at most, ±16384 */
-    int32_t lower;  /* a smaller i_d* is of no use, −16384…0 */
+    int32_t lower;  /* a smaller i_d* is of no use, −16384…0; −16384 where `upper` does not decide */
     int32_t across; /* |i_q*| at most, 0…16384 */
 } weakening_limits_t;
 
 void weakening_reset(weakening_t *weakening);
 
-/* The demand is above ¾ of the circle's radius: from there on the voltage may decide. Radius 0…32767, demand ±32768. */
+/* The demand is above 15/16 of the circle's radius: from there on the voltage may decide. Radius 0…32767, demand ±32768. */
 bool weakening_is_near(dq_t voltage, int32_t voltage_max);
 
 /* Nothing is near: the integral goes back to 0 within some 100 slow periods. */

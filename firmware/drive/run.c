@@ -178,6 +178,7 @@ static current_reference_in_t operating_point(const drive_t *drive)
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
         .rotor_speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
+        .demand = drive->signals.voltage,
         .voltage = drive->derating.voltage,
         .voltage_max = modulator_limit(&drive->cfg->modulator, drive->signals.bus),
         .current_max = drive->cfg->derating.current_max,

@@ -26,7 +26,7 @@ constexpr double CURRENT_BASE_RATIO = 2.0;
 // Electrical angle in a PWM period up to which the middle current of the observer and the lead of the voltage hold.
 constexpr double TURN_MAX_RAD = 0.7;
 // What the firmware keeps of the voltage for the current control, and the largest EMF, of U_b: weakening.c.
-constexpr double WEAKENING_RESERVE = 1.0 / 64;
+constexpr double WEAKENING_RESERVE = 1.0 / 128;
 constexpr double EMF_MOST = 1.9;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Current reference: the torque of a current and back, the least current, the circle beside i_d*. */
+/* Current reference: the torque of a current and back, the least current, MTPA, weakening, the circle beside i_d*. */
 #include "current_reference.h"
 
 #include "seeded.h"
@@ -9,14 +9,27 @@
 #include <stdlib.h>
 
 #define CURRENT_MAX (16384)
+#define GRID (2000)
+#define ASIN_1 (1.57079632679489662)
+/* Beyond c = 131071 i_d is 0: a torque of 1/(1 + (i_q/2c)²/2) of the largest, 0.2 % less. i_d is rounded to 1 of 2000. */
+#define MTPA_LEAST (0.998)
 
 static current_reference_cfg_t cfg;
 static current_reference_in_t in;
+static current_loop_cfg_t motor;
+static weakening_t weakening;
 
 void setUp(void)
 {
     cfg = (current_reference_cfg_t){.floor = 4000, .floor_shift = 1U, .slope = 64, .slope_down = 2};
-    in = (current_reference_in_t){.speed = 1000000, .voltage_max = 16000, .ticks = 10};
+    motor = (current_loop_cfg_t){
+        .emf_q13 = 8192, .reactance_d_q13 = 4096, .reactance_q_q13 = 4096};
+    in = (current_reference_in_t){.model = &motor,
+                                  .speed = 1000000,
+                                  .voltage_max = 16000,
+                                  .current_max = 12000,
+                                  .ticks = 10};
+    weakening_reset(&weakening);
 }
 
 void tearDown(void)
@@ -81,7 +94,7 @@ static void test_the_current_is_the_torque_by_the_flux_and_ends_with_the_current
 static int32_t next_d(int32_t d, int32_t q)
 {
     in.present = (dq_t){d, q};
-    return current_reference_d(&cfg, &in);
+    return current_reference_step(&cfg, &weakening, &in).d;
 }
 
 static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall(void)
@@ -95,23 +108,18 @@ static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fa
     TEST_ASSERT_EQUAL_INT32(2000, next_d(2000, 2000));
 }
 
-static void test_the_least_current_waits_for_its_speed_and_for_voltage(void)
+static void test_the_least_current_waits_for_its_speed(void)
 {
     in.floor_speed = 1000001;
     TEST_ASSERT_EQUAL_INT32(0, next_d(0, 0));
     in.speed = -1000001;
     TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
-    in.voltage = (dq_t){0, 15000};
-    TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
-    in.voltage = (dq_t){0, 15001};
-    TEST_ASSERT_EQUAL_INT32(0, next_d(0, 0));
 }
 
 /* At any speed and voltage: the start-up's own current. Above the least current it goes as it came. */
 static void test_a_current_that_will_be_imposed_comes_before_the_least_one(void)
 {
     in.floor_speed = 2000000;
-    in.voltage = (dq_t){0, 16000};
     in.imposed = 9000;
     TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
     TEST_ASSERT_EQUAL_INT32(9000, next_d(8900, 0));
@@ -120,24 +128,151 @@ static void test_a_current_that_will_be_imposed_comes_before_the_least_one(void)
     TEST_ASSERT_EQUAL_INT32(4000 - 20, next_d(4100, 0));
 }
 
+/* ---- MTPA ---- */
+
+/* i_d and i_q of the largest torque of a current, by a grid. */
+static double most_torque(double current, double saliency)
+{
+    double best = 0.0;
+
+    for (int k = 0; k <= GRID; k++) {
+        const double angle = k * (ASIN_1 / GRID);
+        const double torque = (1.0 + (saliency * current * sin(angle))) * current * cos(angle);
+
+        best = fmax(best, torque);
+    }
+    return best;
+}
+
+/* The slope is out of the way, and i_q is given: i_d after any number of periods is that of one. */
+static int32_t settled_d(int32_t q)
+{
+    cfg.slope = CURRENT_MAX;
+    cfg.slope_down = CURRENT_MAX;
+    return next_d(0, q);
+}
+
+/* From nearly none to a machine without a magnet: L_q − L_d as a share of φ/I_b. */
+static void test_the_torque_of_a_current_is_the_largest_there_is(void)
+{
+    cfg.most_torque = 1U;
+    cfg.floor = 0;
+    for (int32_t saliency = 0; saliency <= 28672; saliency += 512) {
+        for (int32_t q = 2000; q <= 11000; q += 1000) {
+            motor.reactance_q_q13 = motor.reactance_d_q13 + saliency;
+            const int32_t d = settled_d(q);
+            const double current = hypot(d, q) / 32768;
+            const double ratio = (double)saliency / motor.emf_q13;
+            const double torque = (1.0 - (ratio * d / 32768)) * q / 32768;
+
+            TEST_ASSERT_TRUE(torque >= (MTPA_LEAST * most_torque(current, ratio)));
+        }
+    }
+}
+
+static void test_without_a_magnet_both_axes_have_the_same_current(void)
+{
+    cfg.most_torque = 1U;
+    cfg.floor = 0;
+    motor = (current_loop_cfg_t){.emf_q13 = 0, .reactance_d_q13 = 0, .reactance_q_q13 = 1};
+    TEST_ASSERT_EQUAL_INT32(-5000, settled_d(5000));
+    TEST_ASSERT_EQUAL_INT32(-5000, settled_d(-5000));
+    TEST_ASSERT_EQUAL_INT32(0, settled_d(0));
+}
+
+static void test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q(void)
+{
+    motor.reactance_q_q13 = 3 * motor.reactance_d_q13;
+    TEST_ASSERT_EQUAL_INT32(0, settled_d(10000));
+    cfg.most_torque = 1U;
+    TEST_ASSERT_LESS_THAN_INT32(-1000, settled_d(10000));
+    motor.reactance_q_q13 = motor.reactance_d_q13 / 2;
+    TEST_ASSERT_EQUAL_INT32(0, settled_d(10000));
+}
+
+/* Below its speed the least current asks for nothing, and MTPA has i_d* to itself. */
+static void test_the_larger_one_of_least_current_and_mtpa_counts(void)
+{
+    cfg.most_torque = 1U;
+    motor.reactance_q_q13 = 3 * motor.reactance_d_q13;
+    const int32_t alone = settled_d(10000);
+
+    TEST_ASSERT_EQUAL_INT32(4000 - 3000, settled_d(6000));
+    in.floor_speed = 2000000;
+    TEST_ASSERT_LESS_THAN_INT32(0, settled_d(6000));
+    TEST_ASSERT_EQUAL_INT32(alone, settled_d(10000));
+}
+
+/* ---- weakening ---- */
+
+/* E = 127/128 of 12800, ω·φ = 16384, X_d = 1: i_d = −3684. */
+static void go_beyond_base_speed(void)
+{
+    in.voltage_max = 12800;
+    in.voltage = (dq_t){0, 12600};
+    in.demand = (dq_t){0, 12600};
+    in.rotor_speed_q15 = 16384;
+    cfg.deepest = 9000;
+    motor.reactance_d_q13 = 16384;
+    motor.reactance_q_q13 = 16384;
+    weakening_rest(&weakening, in.voltage_max);
+}
+
+static void test_weakening_falls_at_once_and_rises_by_an_eighth(void)
+{
+    go_beyond_base_speed();
+    TEST_ASSERT_INT32_WITHIN(8, -3684, next_d(2000, 0));
+    TEST_ASSERT_INT32_WITHIN(8, -8000 + ((8000 - 3684) / 8), next_d(-8000, 0));
+}
+
+static void test_weakening_ends_where_the_magnets_bear_no_more(void)
+{
+    go_beyond_base_speed();
+    cfg.deepest = 3000;
+    TEST_ASSERT_EQUAL_INT32(-3000, next_d(0, 0));
+}
+
+/* Far from the circle i_d* rises on the slope of all else. */
+static void test_a_field_that_need_not_be_weakened_comes_back_on_the_slope(void)
+{
+    go_beyond_base_speed();
+    in.demand = (dq_t){0, 12000};
+    TEST_ASSERT_EQUAL_INT32(-8000 + 640, next_d(-8000, 8000));
+}
+
 /* ---- the range of i_q* ---- */
 
-static void test_only_what_is_above_the_least_current_takes_of_the_range(void)
+static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t across, int32_t most)
+{
+    const current_reference_t reference = {.d = d, .across = across};
+
+    return current_reference_range(&cfg, range, &reference, most);
+}
+
+static void test_the_least_current_takes_nothing_of_the_range_and_all_else_does(void)
 {
     const torque_range_t whole = {-8000, 9000};
-    torque_range_t left = current_reference_range(&cfg, whole, 4000, 10000);
+    torque_range_t left = range_beside(whole, 4000, CURRENT_MAX, 10000);
 
     TEST_ASSERT_EQUAL_INT32(-8000, left.lower);
     TEST_ASSERT_EQUAL_INT32(9000, left.upper);
-    left = current_reference_range(&cfg, whole, 6000, 10000);
+    left = range_beside(whole, 6000, CURRENT_MAX, 10000);
     TEST_ASSERT_EQUAL_INT32(-8000, left.lower);
     TEST_ASSERT_EQUAL_INT32(8000, left.upper);
-    left = current_reference_range(&cfg, whole, 8000, 10000);
+    left = range_beside(whole, -8000, CURRENT_MAX, 10000);
     TEST_ASSERT_EQUAL_INT32(-6000, left.lower);
     TEST_ASSERT_EQUAL_INT32(6000, left.upper);
-    left = current_reference_range(&cfg, whole, 10001, 10000);
+    left = range_beside(whole, 10001, CURRENT_MAX, 10000);
     TEST_ASSERT_EQUAL_INT32(0, left.lower);
     TEST_ASSERT_EQUAL_INT32(0, left.upper);
+}
+
+static void test_i_q_ends_where_the_voltage_does(void)
+{
+    const torque_range_t left = range_beside((torque_range_t){-8000, 900}, 0, 1000, 10000);
+
+    TEST_ASSERT_EQUAL_INT32(-1000, left.lower);
+    TEST_ASSERT_EQUAL_INT32(900, left.upper);
 }
 
 static void test_the_vector_never_leaves_its_circle(void)
@@ -145,10 +280,11 @@ static void test_the_vector_never_leaves_its_circle(void)
     seeded_t seed = {0xC1AC1EU};
 
     for (uint32_t k = 0U; k < 100000U; k++) {
-        const int32_t most = seeded_in(&seed, 1, CURRENT_MAX);
-        const int32_t d = seeded_in(&seed, cfg.floor + 1, CURRENT_MAX);
+        const int32_t most = seeded_in(&seed, 0, CURRENT_MAX);
+        const int32_t above = seeded_in(&seed, cfg.floor + 1, CURRENT_MAX);
+        const int32_t d = ((k & 1U) != 0U) ? above : -seeded_in(&seed, 1, CURRENT_MAX);
         const torque_range_t left =
-            current_reference_range(&cfg, (torque_range_t){-CURRENT_MAX, CURRENT_MAX}, d, most);
+            range_beside((torque_range_t){-CURRENT_MAX, CURRENT_MAX}, d, CURRENT_MAX, most);
         const int32_t room = (most * most) - (d * d);
 
         TEST_ASSERT_EQUAL_INT32(-left.upper, left.lower);
@@ -164,9 +300,17 @@ int main(void)
     RUN_TEST(test_the_current_of_a_currents_torque_is_that_current);
     RUN_TEST(test_the_current_is_the_torque_by_the_flux_and_ends_with_the_currents);
     RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall);
-    RUN_TEST(test_the_least_current_waits_for_its_speed_and_for_voltage);
+    RUN_TEST(test_the_least_current_waits_for_its_speed);
     RUN_TEST(test_a_current_that_will_be_imposed_comes_before_the_least_one);
-    RUN_TEST(test_only_what_is_above_the_least_current_takes_of_the_range);
+    RUN_TEST(test_the_torque_of_a_current_is_the_largest_there_is);
+    RUN_TEST(test_without_a_magnet_both_axes_have_the_same_current);
+    RUN_TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q);
+    RUN_TEST(test_the_larger_one_of_least_current_and_mtpa_counts);
+    RUN_TEST(test_weakening_falls_at_once_and_rises_by_an_eighth);
+    RUN_TEST(test_weakening_ends_where_the_magnets_bear_no_more);
+    RUN_TEST(test_a_field_that_need_not_be_weakened_comes_back_on_the_slope);
+    RUN_TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does);
+    RUN_TEST(test_i_q_ends_where_the_voltage_does);
     RUN_TEST(test_the_vector_never_leaves_its_circle);
     return UNITY_END();
 }

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+/* Field weakening: the voltage ellipse, the deepest useful i_d, the integral of the voltage, the valleys of the bus. */
+#include "weakening.h"
+
+#include "seeded.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define CURRENT_END (16384)
+#define MOTORS (20000U)
+#define GRID (4000)
+
+/* Each voltage is rounded to Q14 of U_b, and a share of the current to 2^-14. Three voltages meet in a difference. */
+#define VOLT_LSB (1.0 / 16384)
+#define VOLT_ROUNDINGS (3.0)
+#define SHARE_ROUNDINGS (3.0 / 16384)
+
+/* A point of the ellipse in double precision: voltages of U_b, currents of I. */
+typedef struct {
+    double emf;
+    double flux;
+    double along;
+    double across;
+} ellipse_t;
+
+static weakening_t weakening;
+static current_loop_cfg_t model;
+static weakening_in_t in;
+
+static void set_motor(int32_t emf, int32_t reactance_d, int32_t reactance_q)
+{
+    model = (current_loop_cfg_t){
+        .emf_q13 = emf, .reactance_d_q13 = reactance_d, .reactance_q_q13 = reactance_q};
+}
+
+void setUp(void)
+{
+    set_motor(8192, 16384, 16384);
+    in = (weakening_in_t){.model = &model,
+                          .speed_q15 = 16384,
+                          .voltage = {0, 12000},
+                          .voltage_max = 12800,
+                          .current_max = 10000,
+                          .deepest = 10000};
+    weakening_reset(&weakening);
+    weakening_rest(&weakening, in.voltage_max);
+}
+
+void tearDown(void)
+{
+}
+
+/* The ellipse that the module has: no resistance, and the reserve taken off. */
+static ellipse_t ellipse_of_in(void)
+{
+    const double speed = in.speed_q15 / 32768.0;
+    const double most = in.current_max / 32768.0;
+
+    return (ellipse_t){.emf = speed * model.emf_q13 / 8192,
+                       .flux = in.voltage_max * (127.0 / 128) / 32768,
+                       .along = speed * model.reactance_d_q13 / 8192 * most,
+                       .across = speed * model.reactance_q_q13 / 8192 * most};
+}
+
+static weakening_limits_t limits(void)
+{
+    weakening_limits_t now = weakening_step(&weakening, &in, CURRENT_END);
+
+    weakening.voltage = 0; /* what was learned is not the matter */
+    return now;
+}
+
+/* Largest y = −i_d/I that the circle has on the ellipse, 0: all of it lies within. By bisection: the ellipse is left once. */
+static double circle_depth(const ellipse_t *e)
+{
+    double low = 0.0;
+    double high = 1.0;
+
+    for (int k = 0; k < 50; k++) {
+        const double y = (low + high) / 2.0;
+        const double x = e->emf - (e->along * y);
+        const double square = (e->across * e->across * (1.0 - (y * y))) + (x * x);
+
+        if (square > (e->flux * e->flux)) {
+            low = y;
+        } else {
+            high = y;
+        }
+    }
+    return low;
+}
+
+/* The point of the ellipse with the largest torque within `most`, by a grid. */
+static double torque_depth(const ellipse_t *e, double most)
+{
+    double best = 0.0;
+    double found = 0.0;
+
+    for (int k = 0; k <= GRID; k++) {
+        const double y = most * k / GRID;
+        const double x = e->emf - (e->along * y);
+        const double rest = (e->flux * e->flux) - (x * x);
+        const double torque =
+            (rest > 0.0) ? ((e->emf + ((e->across - e->along) * y)) * sqrt(rest)) : 0.0;
+
+        if (torque > best) {
+            best = torque;
+            found = y;
+        }
+    }
+    return found;
+}
+
+/* ---- the ellipse ---- */
+
+/* In plain numbers: E = 12700, ω·φ = 16384, X = 1; √(12700² − 5000²) = 11674. */
+static void test_i_d_is_what_the_ellipse_leaves_above_i_q(void)
+{
+    TEST_ASSERT_INT32_WITHIN(4, 12700 - 16384, limits().upper);
+    in.current = (dq_t){0, -5000};
+    TEST_ASSERT_INT32_WITHIN(4, 11674 - 16384, limits().upper);
+    in.current = (dq_t){0, 0};
+    in.speed_q15 = 12000; /* X = 0.732 */
+    TEST_ASSERT_INT32_WITHIN(4, 956, limits().upper);
+}
+
+static void random_point(seeded_t *seed)
+{
+    const int32_t reactance = seeded_in(seed, 200, 20000);
+
+    set_motor(seeded_in(seed, 2000, 20000), reactance,
+              (int32_t)(reactance * (1.0 + (seeded_in(seed, 0, 150) / 100.0))));
+    in.speed_q15 = seeded_in(seed, 4000, 32767);
+    in.voltage_max = seeded_in(seed, 6000, 20000);
+    in.current_max = seeded_in(seed, 4000, CURRENT_END);
+    in.current = (dq_t){0, seeded_in(seed, -in.current_max, in.current_max)};
+    in.deepest = CURRENT_END;
+    weakening_rest(&weakening, in.voltage_max);
+}
+
+/* Within the module's numbers: neither the EMF nor the voltages of the circle's current saturate. */
+static bool is_plain(const ellipse_t *e)
+{
+    return (e->emf < 1.9) && (e->across < 1.9) && (e->along > (20.0 * VOLT_LSB));
+}
+
+static void test_upper_lies_on_the_ellipse_of_any_motor(void)
+{
+    seeded_t seed = {0xE111U};
+    uint32_t judged = 0U;
+
+    for (uint32_t k = 0U; k < MOTORS; k++) {
+        random_point(&seed);
+        const ellipse_t e = ellipse_of_in();
+        const double x = e.across * abs(in.current.q) / in.current_max;
+        const double d = (sqrt(fmax((e.flux * e.flux) - (x * x), 0.0)) - e.emf) / e.along;
+        const weakening_limits_t now = limits();
+
+        if (is_plain(&e) && (fabs(d) < 1.0) && (x < (0.9 * e.flux)) &&
+            (now.upper > now.lower)) {
+            /* The root's slope is at most x/√(E² − x²) = 2.1 there. */
+            const double tolerance =
+                (VOLT_ROUNDINGS * (1.0 + 2.1) * VOLT_LSB / e.along) + SHARE_ROUNDINGS;
+
+            TEST_ASSERT_DOUBLE_WITHIN(tolerance, d, (double)now.upper / in.current_max);
+            judged++;
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(MOTORS / 20U, judged);
+}
+
+/* ---- the deepest useful i_d ---- */
+
+static void test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt(void)
+{
+    seeded_t seed = {0xC1C1U};
+    uint32_t circles = 0U;
+    uint32_t torques = 0U;
+
+    for (uint32_t k = 0U; k < (MOTORS / 10U); k++) {
+        random_point(&seed);
+        const ellipse_t e = ellipse_of_in();
+        const double circle = circle_depth(&e);
+
+        if (is_plain(&e) && (circle < 1.0)) {
+            const weakening_limits_t now = limits();
+            const double depth = -(double)now.lower / in.current_max;
+            const double tolerance = (2.0 * VOLT_ROUNDINGS * VOLT_LSB / e.along) + SHARE_ROUNDINGS;
+
+            if (now.across == CURRENT_END) {
+                TEST_ASSERT_DOUBLE_WITHIN(tolerance, circle, depth);
+                circles++;
+            } else {
+                TEST_ASSERT_DOUBLE_WITHIN(tolerance + (1.0 / GRID), torque_depth(&e, 1.0), depth);
+                TEST_ASSERT_TRUE(depth <= (circle + tolerance));
+                torques++;
+            }
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(100U, circles);
+    TEST_ASSERT_GREATER_THAN_UINT32(20U, torques);
+}
+
+static void test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there(void)
+{
+    in.deepest = 5000;
+    /* √(12700² − (16384 − 5000)²) */
+    TEST_ASSERT_EQUAL_INT32(-5000, limits().lower);
+    TEST_ASSERT_INT32_WITHIN(8, 5630, limits().across);
+}
+
+static void test_a_speed_that_no_current_reaches_leaves_no_torque(void)
+{
+    in.speed_q15 = 32767;
+    in.voltage_max = 6000;
+    weakening_rest(&weakening, in.voltage_max);
+    in.deepest = 8000;
+    TEST_ASSERT_EQUAL_INT32(-8000, limits().lower);
+    TEST_ASSERT_EQUAL_INT32(-8000, limits().upper);
+    TEST_ASSERT_EQUAL_INT32(0, limits().across);
+}
+
+static void test_a_speed_within_the_circle_asks_for_nothing(void)
+{
+    in.speed_q15 = 8000;
+    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_END, limits().across);
+    TEST_ASSERT_GREATER_THAN_INT32(0, limits().upper);
+}
+
+static void test_without_weakening_i_q_ends_on_the_ellipse(void)
+{
+    in.deepest = 0;
+    in.speed_q15 = 12000;
+    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
+    /* √(12700² − 12000²) over X = 0.732; the root of a difference of 4 % has 20 roundings of a voltage */
+    TEST_ASSERT_INT32_WITHIN(40, 5678, limits().across);
+}
+
+/* R·(i·v)/|v|: what drives takes of the voltage, what brakes gives. */
+static void test_the_resistance_takes_what_it_takes_along_the_voltage(void)
+{
+    const int32_t without = limits().upper;
+
+    model.resistance_q13 = 819; /* 0.1 of U_b/I_b */
+    in.current = (dq_t){0, 0};
+    TEST_ASSERT_EQUAL_INT32(without, limits().upper);
+    in.current = (dq_t){-4000, 0};
+    TEST_ASSERT_EQUAL_INT32(without, limits().upper);
+    model.reactance_q_q13 = 0;
+    in.current = (dq_t){0, 4000};
+    TEST_ASSERT_INT32_WITHIN(8, without - 400, limits().upper);
+    in.current = (dq_t){0, -4000};
+    TEST_ASSERT_INT32_WITHIN(8, without + 400, limits().upper);
+}
+
+/* ---- near, and the integral ---- */
+
+static void test_it_is_near_above_fifteen_sixteenths_of_the_circle(void)
+{
+    TEST_ASSERT_FALSE(weakening_is_near((dq_t){0, 11250}, 12000));
+    TEST_ASSERT_TRUE(weakening_is_near((dq_t){0, -11251}, 12000));
+    TEST_ASSERT_TRUE(weakening_is_near((dq_t){-32768, -32768}, 32767));
+}
+
+static void test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it(void)
+{
+    in.voltage = (dq_t){0, 12800}; /* 100 above 127/128 of the circle */
+    weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(-13, weakening.voltage);
+    in.voltage = (dq_t){0, 12600};
+    weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(-13 + 12, weakening.voltage);
+}
+
+static void test_the_integral_ends_at_a_quarter_of_the_circle(void)
+{
+    in.voltage = (dq_t){0, 9700};
+    for (int k = 0; k < 100; k++) {
+        weakening_step(&weakening, &in, CURRENT_END);
+    }
+    TEST_ASSERT_EQUAL_INT32(3200, weakening.voltage);
+}
+
+static void test_at_the_deepest_i_d_a_lack_is_not_learned(void)
+{
+    in.voltage = (dq_t){0, 12800};
+    in.deepest = 3000;
+    weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+}
+
+static void test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide(void)
+{
+    weakening.voltage = -8192;
+    for (int k = 0; k < 102; k++) {
+        weakening_rest(&weakening, 12800);
+    }
+    TEST_ASSERT_EQUAL_INT32(-8192 + (102 * 80), weakening.voltage);
+    weakening_rest(&weakening, 12800);
+    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+    weakening.voltage = 100;
+    in.voltage = (dq_t){0, 12800};
+    weakening_step(&weakening, &in, -CURRENT_END);
+    TEST_ASSERT_EQUAL_INT32(20, weakening.voltage);
+}
+
+/* The valley counts at once, and fades with a sixty-fourth a slow period. */
+static void test_the_lowest_bus_of_late_counts(void)
+{
+    const int32_t before = limits().upper;
+
+    in.voltage_max = 12000;
+    const int32_t valley = limits().upper;
+
+    TEST_ASSERT_EQUAL_INT32(12000, weakening.circle);
+    in.voltage_max = 12800;
+    TEST_ASSERT_INT32_WITHIN(16, valley, limits().upper);
+    TEST_ASSERT_EQUAL_INT32(12012, weakening.circle);
+    for (int k = 0; k < 500; k++) {
+        (void)limits();
+    }
+    TEST_ASSERT_INT32_WITHIN(65, before, limits().upper); /* what rounding leaves, 63 of Q15 */
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_i_d_is_what_the_ellipse_leaves_above_i_q);
+    RUN_TEST(test_upper_lies_on_the_ellipse_of_any_motor);
+    RUN_TEST(test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt);
+    RUN_TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there);
+    RUN_TEST(test_a_speed_that_no_current_reaches_leaves_no_torque);
+    RUN_TEST(test_a_speed_within_the_circle_asks_for_nothing);
+    RUN_TEST(test_without_weakening_i_q_ends_on_the_ellipse);
+    RUN_TEST(test_the_resistance_takes_what_it_takes_along_the_voltage);
+    RUN_TEST(test_it_is_near_above_fifteen_sixteenths_of_the_circle);
+    RUN_TEST(test_a_lack_of_voltage_lowers_i_d_and_a_rest_raises_it);
+    RUN_TEST(test_the_integral_ends_at_a_quarter_of_the_circle);
+    RUN_TEST(test_at_the_deepest_i_d_a_lack_is_not_learned);
+    RUN_TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide);
+    RUN_TEST(test_the_lowest_bus_of_late_counts);
+    return UNITY_END();
+}
