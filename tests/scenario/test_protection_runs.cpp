@@ -170,6 +170,86 @@ void test_a_search_for_a_turning_rotor_begins_without_current()
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, searches.state);
 }
 
+// ---- a load that drives
+
+// Whose load is more than its largest torque: it cannot brake, and its load takes it beyond its highest speed.
+struct Driven {
+    const char *motor;
+    const char *board;
+    const char *tuning;
+    double load_pct; // of the rated torque
+    const char *angle_source;
+};
+constexpr Driven DRIVEN[] = {
+    {"motor_a", "bench_310v", "robust", 200, "observer"},
+    {"motor_a", "bench_310v", "robust", 200, "sensor"},
+    {"motor_b", "bench_310v", "any", 300, "observer"},
+    {"motor_b", "bench_310v", "any", 300, "sensor"},
+    {"odrive_d5065", "b_g431b_esc1", "any", 160, "sensor"},
+    {"teknic_m2310p", "frdm_mc_lvpmsm", "any", 130, "observer"},
+    {"teknic_m2310p", "frdm_mc_lvpmsm", "any", 130, "sensor"}};
+
+std::vector<std::string> machine_of(const Driven &one)
+{
+    return {fmt::format("motor={}", one.motor), fmt::format("board={}", one.board),
+            fmt::format("tuning={}", one.tuning),
+            fmt::format("drive.angle_source={}", one.angle_source)};
+}
+
+// It runs in its mode, then comes the load.
+nf::RunResult drive_on(const Driven &one, bool torque, double sign)
+{
+    std::vector<std::string> set = machine_of(one);
+    const char *const command = torque ? "torque_pct" : "speed_pct";
+    set.insert(set.end(),
+               {"scenario.duration_s=2.5", "plant.inertia_scale=1", "model.inertia=1",
+                fmt::format("scenario.command=[{{time_s = 0.1, {} = {}}}]", command,
+                            sign * (torque ? 50 : 95)),
+                fmt::format("scenario.load=[{{time_s = 1.5, torque_pct = {}}}]",
+                            -sign * one.load_pct)});
+    if (torque) {
+        set.insert(set.end(), {"torque_loop.speed_forward_rpm=-1", "torque_loop.speed_backward_rpm=-1"});
+    }
+    return run(torque ? "s_torque" : "any", {}, set);
+}
+
+void test_an_overhauling_load_is_named_overspeed()
+{
+    for (const Driven &one : DRIVEN) {
+        for (const bool torque : {false, true}) {
+            for (const double sign : {1.0, -1.0}) {
+                const nf::RunResult result = drive_on(one, torque, sign);
+                const std::string text =
+                    fmt::format("{}, {}, {} mode, {:+.0f}: {}", one.motor, one.angle_source,
+                                torque ? "torque" : "speed", sign, list_of(result.faults));
+                TEST_ASSERT_EQUAL_size_t_MESSAGE(1, result.faults.size(), text.c_str());
+                TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_OVERSPEED, result.faults.front().id,
+                                              text.c_str());
+            }
+        }
+    }
+}
+
+// Its gates are open, and its EMF is above the bus: the diodes conduct. The load brakes with what they take, so the shaft is heavy.
+void test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed()
+{
+    constexpr double TOO_FAST = 1.5; // of rated speed
+    for (const Driven &one : DRIVEN) {
+        for (const double sign : {1.0, -1.0}) {
+            std::vector<std::string> set = machine_of(one);
+            const double rated_rpm = nf::load_scenario("any", {}, set).motor.rated_speed_rpm;
+            set.insert(set.end(),
+                       {"scenario.prelude_s=0", "scenario.duration_s=0.5", "plant.inertia_scale=20",
+                        fmt::format("scenario.initial_speed_rpm={}", sign * TOO_FAST * rated_rpm)});
+            const nf::RunResult result = run("any", {}, set);
+            const std::string text = fmt::format("{}, {}, {:+.0f}: {}", one.motor, one.angle_source,
+                                                 sign, list_of(result.faults));
+            TEST_ASSERT_TRUE_MESSAGE(!result.faults.empty(), text.c_str());
+            TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_OVERSPEED, result.faults.front().id, text.c_str());
+        }
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -188,5 +268,7 @@ int main()
     RUN_TEST(test_hard_but_allowed_use_has_no_fault);
     RUN_TEST(test_a_search_for_a_turning_rotor_begins_without_current);
     RUN_TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus);
+    RUN_TEST(test_an_overhauling_load_is_named_overspeed);
+    RUN_TEST(test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed);
     return UNITY_END();
 }
