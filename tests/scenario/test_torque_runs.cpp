@@ -273,9 +273,9 @@ void test_a_load_above_the_torque_ends_at_the_lowest_speed()
 // ---- changes of the mode
 
 struct Changes {
-    int between_runs = 0;    // changes of mode in RUN
+    int between_runs = 0;     // changes of mode in RUN
     int of_voltage_drive = 0; // of them, those that ended the voltage drive
-    double worst = 0;     // change of i_q* in a slow period of a bridge, over that of the slope
+    double worst = 0;         // change of i_q* in a slow period of a bridge, over that of the slope
     double worst_deg = 0;
 };
 
@@ -364,9 +364,10 @@ void test_the_mode_may_change_at_any_time_with_a_voltage_drive()
     int of_voltage_drive = 0;
     for (const unsigned seed : {21U, 22U, 23U}) {
         const Changes found = change_at_random(BY_VOLTAGE, {}, seed, 120, 12);
-        fmt::print("voltage drive, seed {}: {} changes in RUN, {} of a voltage drive, at most {:.2f} of "
-                   "the slope, {:.1f}° off\n",
-                   seed, found.between_runs, found.of_voltage_drive, found.worst, found.worst_deg);
+        fmt::print(
+            "voltage drive, seed {}: {} changes in RUN, {} of a voltage drive, at most {:.2f} of "
+            "the slope, {:.1f}° off\n",
+            seed, found.between_runs, found.of_voltage_drive, found.worst, found.worst_deg);
         TEST_ASSERT_TRUE(found.worst_deg < LOST_DEG);
         of_voltage_drive += found.of_voltage_drive;
     }

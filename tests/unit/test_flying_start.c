@@ -402,7 +402,8 @@ static step_t speed_of_live_current(int32_t length, double turn, int32_t noise, 
     for (uint32_t tick = 0U; (tick <= cfg.wait_ticks) && (result == FLYING_START_BUSY); tick++) {
         const double angle = TWO_PI * turn * tick;
         const ab_t current = {(int32_t)lround(length * cos(angle)) + seeded_in(seed, -noise, noise),
-                              (int32_t)lround(length * sin(angle)) + seeded_in(seed, -noise, noise)};
+                              (int32_t)lround(length * sin(angle)) +
+                                  seeded_in(seed, -noise, noise)};
 
         result = flying_start_step(&start, &cfg, current);
     }
