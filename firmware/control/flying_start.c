@@ -7,6 +7,7 @@
 #define QUARTER_TURN_BACK (0xC0000000U)
 #define PULSE_CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
 #define ONE_Q14 (16384)
+#define SPEED_MAX (0x40000000) /* of a measured speed: a quarter of a turn in a tick */
 #define TELLING_TURN \
     (0x15555555U) /* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
 
@@ -119,6 +120,22 @@ static flying_start_result_t judge_then_charge(flying_start_t *start, const flyi
 }
 
 /*
+ * The speed of a current that does not decay, as the mean since the first tick. A rotor whose EMF is above the bus turns it through
+ * the diodes. That of a channel which is stuck stands still.
+ */
+static void follow_current(flying_start_t *start, ab_t current)
+{
+    if (start->tick > 1U) {
+        const step_t way = fx_signed(direction(current) - direction(start->first));
+        const int32_t half_off = fx_asr(way, 1U) - fx_asr(start->speed, 1U);
+        const step_t mean = start->speed + (2 * (half_off / ((int32_t)start->tick - 1)));
+
+        start->speed = fx_clamp(mean, -SPEED_MAX, SPEED_MAX);
+    }
+    start->first = current;
+}
+
+/*
  * Wait until the old current has decayed, and for two ticks at least: the compare values of now act a tick later. With the
  * values of before the legs would switch in the pulse, and the dead time would take its part of it.
  */
@@ -128,6 +145,7 @@ static flying_start_result_t preload(flying_start_t *start, const flying_start_c
     flying_start_result_t result = FLYING_START_BUSY;
 
     if (magnitude(current) > fx_asr(cfg->current, FLYING_START_QUIET_LOG2)) {
+        follow_current(start, current);
         result = (start->tick < cfg->wait_ticks) ? FLYING_START_BUSY : FLYING_START_LIVE;
     } else if (start->tick > 1U) {
         next_start_phase(start);

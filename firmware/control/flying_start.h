@@ -51,7 +51,7 @@ typedef enum {
     FLYING_START_BUSY = 0,
     FLYING_START_STANDING, /* at rest, or too slow to tell */
     FLYING_START_TURNING,
-    FLYING_START_LIVE /* a current does not decay */
+    FLYING_START_LIVE /* a current does not decay; it turns with `speed` */
 } flying_start_result_t;
 
 typedef enum {
@@ -67,9 +67,9 @@ typedef struct {
     uint32_t tick; /* of the phase */
     flying_start_phase_t phase;
     uint32_t length; /* of the pulses */
-    ab_t first;      /* current at the end of the first pulse */
-    bool gates;      /* enable the gates in this tick */
-    /* Valid with TURNING: */
+    ab_t first; /* an earlier current: of the tick before, then of the end of the first pulse */
+    bool gates; /* enable the gates in this tick */
+    /* Valid with TURNING; the speed also with LIVE: */
     step_t speed;           /* measured */
     angle_t angle;          /* of the rotor at the end of the second pulse */
     int32_t inductance_q14; /* L_q / nominal for the nominal φ, 1…32767; 0: not told */
@@ -85,7 +85,7 @@ void flying_start_reset(flying_start_t *start);
  * arctangents, two square roots and two divisions. When the rotor stands and charge_ticks is not 0, the last tick of the charge
  * returns STANDING instead. `gates` is still set in the tick that returns one of these. The caller opens the gates in that
  * tick, unless current control takes over a rotor that turns. LIVE is returned in the first phase only, before the gates
- * are enabled.
+ * are enabled. Each tick of that phase in which a current flows computes a square root, two arctangents and a division.
  */
 flying_start_result_t flying_start_step(flying_start_t *start, const flying_start_cfg_t *cfg,
                                         ab_t current);

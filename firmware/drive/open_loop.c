@@ -91,6 +91,27 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
     return (fast && !has_to_stand(drive)) ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_DRAGGED;
 }
 
+/*
+ * A current flows with open gates. The EMF of a rotor is above the bus only beyond its highest speed. Then its current turns as fast. One that
+ * does not comes from a channel that is stuck.
+ */
+static fault_t live_fault(const drive_t *drive)
+{
+    const step_t speed = fx_abs(drive->flying_start.speed);
+    const step_t speed_max = drive->cfg->speed_loop.speed_max;
+    const drive_signals_t *const s = &drive->signals;
+    fault_t fault = {.id = FAULT_OVERSPEED, .value = speed, .limit = speed_max};
+
+    if (speed <= speed_max) {
+        fault = (fault_t){
+            .id = FAULT_ADC_STUCK,
+            .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),
+            .limit = fx_asr(drive->cfg->startup.flying_start.current, FLYING_START_QUIET_LOG2),
+        };
+    }
+    return fault;
+}
+
 drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive_out_t *out,
                                      fault_t *fault)
 {
@@ -107,9 +128,7 @@ drive_event_t open_loop_flying_start(drive_t *drive, const drive_in_t *in, drive
         event = start_turning(drive, current_ab);
     } else if (result == FLYING_START_LIVE) {
         event = DRIVE_EVENT_FAULT;
-        *fault = (fault_t){.id = FAULT_ADC_STUCK,
-                           .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),
-                           .limit = fx_asr(cfg->current, FLYING_START_QUIET_LOG2)};
+        *fault = live_fault(drive);
     } else if (result != FLYING_START_BUSY) {
         out->gate_enable = false;
         event = start_alignment(drive, &in->command);

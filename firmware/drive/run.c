@@ -45,17 +45,13 @@ void run_reset_sensed(drive_t *drive)
 }
 
 /*
- * The motion goes on as it is: the profile with this position and speed, the torque with the one that acts. To and from torque control
- * it goes on a slope: the torque that was asked for is not what the speed loop would have.
+ * The motion goes on as it is: the profile with this position and speed, the torque with the one that acts. From there it goes on a
+ * slope: the torque that was asked for is not what the speed loop would have, nor is the ramp of a profile that of a speed.
  */
 static void change_mode(drive_t *drive, uint8_t mode, const rotor_position_t *position)
 {
-    const uint8_t torque = (uint8_t)DRIVE_MODE_TORQUE;
-
-    if ((drive->mode == torque) || (mode == torque)) {
-        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
-        torque_loop_bridge(&drive->torque_loop);
-    }
+    torque_loop_start(&drive->torque_loop, drive_flux(drive), drive_current_in_force(drive).q);
+    torque_loop_bridge(&drive->torque_loop);
     drive->mode = mode;
     position_loop_reset(&drive->position_loop, position->turns_q32, drive->speed_loop.reference);
 }

@@ -27,8 +27,8 @@ const fault_text_t *fault_text(fault_id_t id) /* NOLINT(readability-function-siz
                                  "the amplifier's output without current"},
         [FAULT_ADC_STUCK] =
             {"ADC_STUCK", FAULT_UNIT_CURRENT,
-             "current sensor or its converter stands still, or at a start the shaft "
-             "is driven too fast; check amplifiers"},
+             "current sensor or its converter stands still; check amplifiers, then the converter's "
+             "reference"},
         [FAULT_LOST_PHASE] = {"LOST_PHASE", FAULT_UNIT_CURRENT,
                               "motor wire open, switch or current sensor dead; measure the three "
                               "winding resistances at the terminals"},

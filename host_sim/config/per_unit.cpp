@@ -311,7 +311,9 @@ supervision_cfg_t make_supervision(const MotorSettings &motor, const BoardSettin
     c.speed_error_max = speed(SPEED_ERROR_SHARE);
     c.speed_error_periods =
         periods(std::max(SPEED_ERROR_TIME_S, SPEED_ERROR_TIME_SHARE / tuning.speed_bandwidth_hz));
-    c.runaway_periods = periods(RUNAWAY_TIME_S);
+    // An estimate may run away without its rotor. The speed of a sensor is the rotor's, so OVERSPEED names it, which is as soon.
+    const bool is_sensed = tuning.angle_source == AngleSource::sensor;
+    c.runaway_periods = periods(is_sensed ? OVERSPEED_TIME_S : RUNAWAY_TIME_S);
     c.overspeed = speed(OVERSPEED_SHARE);
     c.overspeed_periods = periods(OVERSPEED_TIME_S);
     c.stall_current = current(STALL_SHARE, FOLLOW_LSB);

@@ -211,20 +211,25 @@ Answer BoardCommands::position(const std::string &value)
     });
 }
 
+double BoardCommands::torque_max_nm()
+{
+    const drive_cfg_t cfg = follower_.block_in_force().cfg;
+    return follower_.bases().torque_nm() / Q28 *
+           current_reference_torque(cfg.derating.current_max, cfg.current_loop.emf_q13);
+}
+
 Answer BoardCommands::torque(const std::string &value)
 {
     const std::optional<double> found = number(value);
-    const double one = follower_.bases().torque_nm() / Q28;
-    const drive_cfg_t cfg = follower_.block_in_force().cfg;
-    const double most =
-        one * current_reference_torque(cfg.derating.current_max, cfg.current_loop.emf_q13);
+    const double most = torque_max_nm();
     if (!found || std::abs(*found) > most) {
         return refused(
             fmt::format("torque takes N·m, at most {:.4g} either way, found \"{}\"", most, value));
     }
     return amend([&](drive_command_t &wanted) {
         wanted.mode = DRIVE_MODE_TORQUE;
-        wanted.target = static_cast<int32_t>(std::lround(*found / one));
+        wanted.target =
+            static_cast<int32_t>(std::lround(*found / follower_.bases().torque_nm() * Q28));
     });
 }
 

@@ -40,6 +40,9 @@ public:
     // LinkError.
     FileChoice files_in_force();
 
+    // That of the motor's largest current, by the configuration in force, N·m. LinkError.
+    double torque_max_nm();
+
     // What the drive is told, without a request to clear; nothing where that is not known. Of a measurement only the request counts.
     std::optional<drive_command_t> in_force() const;
 

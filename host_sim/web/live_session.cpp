@@ -172,6 +172,11 @@ public:
         return commands_.execute(line);
     }
 
+    double torque_max_nm()
+    {
+        return commands_.torque_max_nm();
+    }
+
     live::FileChoice files_in_force()
     {
         return commands_.files_in_force();
@@ -275,6 +280,7 @@ Json head_of(LiveSession &s)
             {"baud", identity.baud},
             {"baud_needed", std::ceil(live::baud_needed(ticks_per_s))},
             {"speed_max_rpm", s.follower().about().speed_max_rpm},
+            {"torque_max_nm", s.torque_max_nm()},
             {"moves", moves_json()}};
 }
 
@@ -322,22 +328,49 @@ void look(LiveSession &s)
     }
 }
 
-// In rpm, or in degrees of the shaft.
-Json command_json(const std::optional<drive_command_t> &command, const Bases &bases)
+double speed_rpm_of(const drive_command_t &command, const Bases &bases)
+{
+    return bases.rpm_from_step(command.target);
+}
+
+double position_deg_of(const drive_command_t &command, const Bases &bases)
 {
     constexpr double Q16 = 65536.0;
     constexpr double DEG_PER_TURN = 360.0;
+    return command.target / Q16 / bases.pole_pairs * DEG_PER_TURN;
+}
+
+double torque_nm_of(const drive_command_t &command, const Bases &bases)
+{
+    constexpr double Q28 = 268435456.0;
+    return command.target / Q28 * bases.torque_nm();
+}
+
+// In rpm, in degrees of the shaft, or in N·m.
+Json command_json(const std::optional<drive_command_t> &command, const Bases &bases)
+{
+    struct Mode {
+        const char *word;
+        double (*value)(const drive_command_t &, const Bases &);
+    };
+    constexpr Mode SPEED = {"speed", speed_rpm_of};
+    constexpr Mode POSITION = {"position", position_deg_of};
+    constexpr Mode TORQUE = {"torque", torque_nm_of};
     if (!command) {
         return nullptr;
     }
+    Mode mode = SPEED;
     // A measurement has words of its own there.
-    const bool is_position =
-        (command->request & DRIVE_REQUEST_PROBE) == 0 && command->mode == DRIVE_MODE_POSITION;
-    const double value = is_position ? command->target / Q16 / bases.pole_pairs * DEG_PER_TURN
-                                     : bases.rpm_from_step(command->target);
+    if ((command->request & DRIVE_REQUEST_PROBE) == 0) {
+        if (command->mode == DRIVE_MODE_POSITION) {
+            mode = POSITION;
+        } else if (command->mode == DRIVE_MODE_TORQUE) {
+            mode = TORQUE;
+        }
+    }
     return {{"run", command->request != 0},
-            {"mode", is_position ? "position" : "speed"},
-            {"value", value}};
+            {"mode", mode.word},
+            {"value", mode.value(*command, bases)}};
 }
 
 Json answer_json(const Answer &answer)

@@ -62,7 +62,7 @@ struct PlaySession {
     int64_t latest; // tick that play has come to; a stepper may stand before it
     std::unique_ptr<Scope> scope;
     DriveMode mode = DriveMode::speed;
-    double command = 0; // rpm, or degrees from `origin_rad`
+    double command = 0; // rpm, degrees from `origin_rad`, or N·m
     double origin_rad = 0;
     double load_nm = 0;
     std::set<std::string> broken;
@@ -105,17 +105,40 @@ double largest_load_nm(const PlaySession &s)
     return s.config.motor.rated_torque_nm * LOAD_MAX_PCT / 100;
 }
 
+// That of the largest current, with the flux of the motor's file.
+double largest_torque_nm(const PlaySession &s)
+{
+    const Simulation &sim = s.stepper.timeline.run().sim();
+    constexpr double Q28 = 268435456.0;
+    return sim.bases().torque_nm() / Q28 *
+           current_reference_torque(sim.cfg().derating.current_max, sim.cfg().current_loop.emf_q13);
+}
+
 Json limits_json(const PlaySession &s)
 {
     return {{"speed_rpm", largest_speed_rpm(s)},
             {"position_deg", POSITION_MAX_DEG},
+            {"torque_nm", largest_torque_nm(s)},
             {"load_nm", largest_load_nm(s)},
             {"current_a", s.config.motor.max_current_a}};
 }
 
+const char *word_of(DriveMode mode)
+{
+    switch (mode) {
+    case DriveMode::position:
+        return "position";
+    case DriveMode::torque:
+        return "torque";
+    case DriveMode::speed:
+        break;
+    }
+    return "speed";
+}
+
 Json knobs_of(const PlaySession &s)
 {
-    return {{"mode", s.mode == DriveMode::speed ? "speed" : "position"},
+    return {{"mode", word_of(s.mode)},
             {"command", s.command},
             {"load_nm", s.load_nm},
             {"broken", s.broken}};
@@ -234,19 +257,32 @@ double position_rad(PlaySession &s, double value_deg)
     return rad;
 }
 
+// What may be commanded in a mode, either way, and its unit.
+struct Commandable {
+    DriveMode mode;
+    double largest;
+    const char *unit;
+};
+
+Commandable commandable(const PlaySession &s, const std::string &mode)
+{
+    if (mode == "position") {
+        return {DriveMode::position, POSITION_MAX_DEG, "°"};
+    }
+    if (mode == "torque") {
+        return {DriveMode::torque, largest_torque_nm(s), "N·m"};
+    }
+    return {DriveMode::speed, largest_speed_rpm(s), "rpm"};
+}
+
 Json command(const Json &given)
 {
     PlaySession &s = open_session();
-    const bool is_position = given.at("mode") == "position";
-    const double value = is_position
-                             ? checked("position", given.at("value"), POSITION_MAX_DEG, "°")
-                             : checked("speed", given.at("value"), largest_speed_rpm(s), "rpm");
-    const double target = is_position ? position_rad(s, value) : value;
-    const DriveMode mode = is_position ? DriveMode::position : DriveMode::speed;
-    act(s,
-        fmt::format("{} {:g} {}", is_position ? "position" : "speed", value,
-                    is_position ? "°" : "rpm"),
-        [mode, target](ScriptedRun &run) { run.set_command(mode, target); });
+    const auto [mode, largest, unit] = commandable(s, given.at("mode"));
+    const double value = checked(word_of(mode), given.at("value"), largest, unit);
+    const double target = mode == DriveMode::position ? position_rad(s, value) : value;
+    act(s, fmt::format("{} {:g} {}", word_of(mode), value, unit),
+        [asked = mode, target](ScriptedRun &run) { run.set_command(asked, target); });
     s.mode = mode;
     s.command = value;
     return knobs_of(s);

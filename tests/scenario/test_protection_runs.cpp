@@ -170,6 +170,103 @@ void test_a_search_for_a_turning_rotor_begins_without_current()
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, searches.state);
 }
 
+// ---- a load that drives
+
+// Whose load is more than its largest torque: it cannot brake, and its load takes it beyond its highest speed.
+struct Driven {
+    const char *motor;
+    const char *board;
+    const char *tuning;
+    double load_pct; // of the rated torque
+    const char *angle_source;
+};
+constexpr Driven DRIVEN[] = {{"motor_a", "bench_310v", "robust", 200, "observer"},
+                             {"motor_a", "bench_310v", "robust", 200, "sensor"},
+                             {"motor_b", "bench_310v", "any", 300, "observer"},
+                             {"motor_b", "bench_310v", "any", 300, "sensor"},
+                             {"odrive_d5065", "b_g431b_esc1", "any", 160, "sensor"},
+                             {"teknic_m2310p", "frdm_mc_lvpmsm", "any", 130, "observer"},
+                             {"teknic_m2310p", "frdm_mc_lvpmsm", "any", 130, "sensor"}};
+
+std::vector<std::string> machine_of(const Driven &one)
+{
+    return {fmt::format("motor={}", one.motor), fmt::format("board={}", one.board),
+            fmt::format("tuning={}", one.tuning),
+            fmt::format("drive.angle_source={}", one.angle_source)};
+}
+
+// It runs in its mode, then comes the load.
+nf::RunResult drive_on(const Driven &one, bool torque, double sign)
+{
+    std::vector<std::string> set = machine_of(one);
+    const char *const command = torque ? "torque_pct" : "speed_pct";
+    set.insert(set.end(), {"scenario.duration_s=2.5", "plant.inertia_scale=1", "model.inertia=1",
+                           fmt::format("scenario.command=[{{time_s = 0.1, {} = {}}}]", command,
+                                       sign * (torque ? 50 : 95)),
+                           fmt::format("scenario.load=[{{time_s = 1.5, torque_pct = {}}}]",
+                                       -sign * one.load_pct)});
+    if (torque) {
+        set.insert(set.end(),
+                   {"torque_loop.speed_forward_rpm=-1", "torque_loop.speed_backward_rpm=-1"});
+    }
+    return run(torque ? "s_torque" : "any", {}, set);
+}
+
+void test_an_overhauling_load_is_named_overspeed()
+{
+    for (const Driven &one : DRIVEN) {
+        for (const bool torque : {false, true}) {
+            for (const double sign : {1.0, -1.0}) {
+                const nf::RunResult result = drive_on(one, torque, sign);
+                const std::string text =
+                    fmt::format("{}, {}, {} mode, {:+.0f}: {}", one.motor, one.angle_source,
+                                torque ? "torque" : "speed", sign, list_of(result.faults));
+                TEST_ASSERT_EQUAL_size_t_MESSAGE(1, result.faults.size(), text.c_str());
+                TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_OVERSPEED, result.faults.front().id,
+                                              text.c_str());
+            }
+        }
+    }
+}
+
+// Of the highest speed. With an observer the gates are open, and the diodes conduct: the EMF is above the bus. With a sensor current control
+// begins at once; the D5065 trips there at a true over-current.
+struct TooFast {
+    Driven machine;
+    double share;
+};
+constexpr TooFast TOO_FAST[] = {{{"motor_a", "bench_310v", "robust", 0, "observer"}, 1.3},
+                                {{"motor_a", "bench_310v", "robust", 0, "observer"}, 1.5},
+                                {{"motor_a", "bench_310v", "robust", 0, "sensor"}, 1.3},
+                                {{"motor_b", "bench_310v", "any", 0, "observer"}, 1.3},
+                                {{"motor_b", "bench_310v", "any", 0, "observer"}, 1.5},
+                                {{"motor_b", "bench_310v", "any", 0, "sensor"}, 1.3},
+                                {{"odrive_d5065", "b_g431b_esc1", "any", 0, "observer"}, 1.3},
+                                {{"odrive_d5065", "b_g431b_esc1", "any", 0, "observer"}, 1.5},
+                                {{"teknic_m2310p", "frdm_mc_lvpmsm", "any", 0, "observer"}, 1.3},
+                                {{"teknic_m2310p", "frdm_mc_lvpmsm", "any", 0, "observer"}, 1.5},
+                                {{"teknic_m2310p", "frdm_mc_lvpmsm", "any", 0, "sensor"}, 1.3}};
+
+// What the diodes take brakes the shaft, so it is heavy.
+void test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed()
+{
+    for (const TooFast &one : TOO_FAST) {
+        for (const double sign : {1.0, -1.0}) {
+            std::vector<std::string> set = machine_of(one.machine);
+            const double max_rpm = nf::load_scenario("any", {}, set).motor.max_speed_rpm;
+            set.insert(set.end(),
+                       {"scenario.prelude_s=0", "scenario.duration_s=0.5", "plant.inertia_scale=20",
+                        fmt::format("scenario.initial_speed_rpm={}", sign * one.share * max_rpm)});
+            const nf::RunResult result = run("any", {}, set);
+            const std::string text =
+                fmt::format("{}, {}, {:.0f} rpm: {}", one.machine.motor, one.machine.angle_source,
+                            sign * one.share * max_rpm, list_of(result.faults));
+            TEST_ASSERT_TRUE_MESSAGE(!result.faults.empty(), text.c_str());
+            TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_OVERSPEED, result.faults.front().id, text.c_str());
+        }
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -188,5 +285,7 @@ int main()
     RUN_TEST(test_hard_but_allowed_use_has_no_fault);
     RUN_TEST(test_a_search_for_a_turning_rotor_begins_without_current);
     RUN_TEST(test_braking_into_a_capacitor_stays_below_the_highest_bus);
+    RUN_TEST(test_an_overhauling_load_is_named_overspeed);
+    RUN_TEST(test_a_rotor_driven_too_fast_at_a_start_is_named_overspeed);
     return UNITY_END();
 }

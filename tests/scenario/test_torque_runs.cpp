@@ -188,13 +188,15 @@ void test_a_load_above_the_torque_ends_at_the_lowest_speed()
 // ---- changes of the mode
 
 struct Changes {
-    int between_runs = 0; // changes of mode in RUN, to or from torque control
-    double worst = 0;     // change of i_q* in a slow period of a bridge, over that of the slope
+    int between_runs = 0;     // changes of mode in RUN
+    int of_voltage_drive = 0; // of them, those that ended the voltage drive
+    double worst = 0;         // change of i_q* in a slow period of a bridge, over that of the slope
     double worst_deg = 0;
 };
 
-// Any mode with any target, each for some time from a slow period to half a second.
-Changes change_at_random(const Machine &machine, const Words &sets, unsigned seed, double time_s)
+// Any mode with any target, each for some time from a slow period to `longest_s`.
+Changes change_at_random(const Machine &machine, const Words &sets, unsigned seed, double time_s,
+                         double longest_s = 0.5)
 {
     Bench bench(machine, sets, {});
     std::mt19937 random(seed);
@@ -210,10 +212,11 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
     for (double t = 0; t < time_s; t += period_s) {
         const int mode = drive.mode;
         const int32_t before = drive.signals.current_ref.q;
-        const bool ran = drive.state == DRIVE_STATE_RUN && !drive.voltage_drive.active;
+        const bool by_voltage = drive.voltage_drive.active;
+        const bool ran = drive.state == DRIVE_STATE_RUN && !by_voltage;
         const bool bridged = drive.torque_loop.bridging;
         if (--left < 0) {
-            left = std::lround(within(0, within(0, 0.5)) / period_s);
+            left = std::lround(within(0, within(0, longest_s)) / period_s);
             const int next = static_cast<int>(random() % 3);
             if (next == 0) {
                 bench.ask_speed(within(-1, 1));
@@ -231,8 +234,9 @@ Changes change_at_random(const Machine &machine, const Words &sets, unsigned see
         if (drive.state == DRIVE_STATE_RUN) {
             found.worst_deg = std::max(found.worst_deg, std::abs(nf::angle_error_deg(bench.now)));
         }
-        const bool changes =
-            mode != drive.mode && (mode == DRIVE_MODE_TORQUE || drive.mode == DRIVE_MODE_TORQUE);
+        const bool changes = mode != drive.mode;
+        // The voltage drive has no i_q*: it begins with the mean of the current, and the bridge goes on from there.
+        found.of_voltage_drive += changes && by_voltage && drive.state == DRIVE_STATE_RUN ? 1 : 0;
         if (!ran || drive.state != DRIVE_STATE_RUN || drive.voltage_drive.active) {
             continue;
         }
@@ -268,6 +272,23 @@ void test_the_mode_may_change_at_any_time()
     }
 }
 
+// The speed of a voltage drive takes longer to settle, and only then there is one.
+void test_the_mode_may_change_at_any_time_with_a_voltage_drive()
+{
+    constexpr Machine BY_VOLTAGE = {"motor_a", "bench_310v", "voltage_phase"};
+    int of_voltage_drive = 0;
+    for (const unsigned seed : {21U, 22U, 23U}) {
+        const Changes found = change_at_random(BY_VOLTAGE, {}, seed, 120, 12);
+        fmt::print(
+            "voltage drive, seed {}: {} changes in RUN, {} of a voltage drive, at most {:.2f} of "
+            "the slope, {:.1f}° off\n",
+            seed, found.between_runs, found.of_voltage_drive, found.worst, found.worst_deg);
+        TEST_ASSERT_TRUE(found.worst_deg < LOST_DEG);
+        of_voltage_drive += found.of_voltage_drive;
+    }
+    TEST_ASSERT_TRUE(of_voltage_drive > 3);
+}
+
 void test_the_mode_may_change_at_any_time_on_real_hardware()
 {
     for (const unsigned seed : {11U, 12U, 13U}) {
@@ -299,6 +320,7 @@ int main()
     RUN_TEST(test_a_torque_goes_through_the_start_up_and_back_to_a_standstill);
     RUN_TEST(test_a_load_above_the_torque_ends_at_the_lowest_speed);
     RUN_TEST(test_the_mode_may_change_at_any_time);
+    RUN_TEST(test_the_mode_may_change_at_any_time_with_a_voltage_drive);
     RUN_TEST(test_the_mode_may_change_at_any_time_on_real_hardware);
     return UNITY_END();
 }

@@ -63,7 +63,7 @@ def row(motor, time, command, position, load):
             motor.position - math.radians(motor.lag) / POLE_PAIRS, angle % 360,
             (angle - motor.lag) % 360, motor.lag, motor.current, estimated, wanted,
             motor.noise.gauss(0, 0.01), motor.noise.gauss(0, 0.01), *phases, *volts,
-            *[0.5 + p / 40 for p in phases], 310.0, load, torque, 0]
+            *[0.5 + p / 40 for p in phases], 310.0, 0.0, load, torque, 0]
 
 
 def rows(scenario, period, prelude):

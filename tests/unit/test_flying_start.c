@@ -393,6 +393,51 @@ static void test_a_current_that_does_not_end_in_time_is_reported_with_open_gates
     TEST_ASSERT_FALSE(start.gates);
 }
 
+/* A current of this length that turns by `turn` in each tick, until it is reported. */
+static step_t speed_of_live_current(int32_t length, double turn, int32_t noise, seeded_t *seed)
+{
+    flying_start_result_t result = FLYING_START_BUSY;
+
+    flying_start_reset(&start);
+    for (uint32_t tick = 0U; (tick <= cfg.wait_ticks) && (result == FLYING_START_BUSY); tick++) {
+        const double angle = TWO_PI * turn * tick;
+        const ab_t current = {(int32_t)lround(length * cos(angle)) + seeded_in(seed, -noise, noise),
+                              (int32_t)lround(length * sin(angle)) +
+                                  seeded_in(seed, -noise, noise)};
+
+        result = flying_start_step(&start, &cfg, current);
+    }
+    TEST_ASSERT_EQUAL_INT(FLYING_START_LIVE, result);
+    TEST_ASSERT_FALSE(start.gates);
+    return start.speed;
+}
+
+/* The directions of the first current and of the last are off by noise and rounding, which counts over all ticks. */
+static void test_a_current_that_does_not_end_tells_its_speed(void)
+{
+    seeded_t seed = {0x0DDU};
+
+    cfg.wait_ticks = 1000U;
+    for (double turn = -0.24; turn <= 0.24; turn += 0.013) {
+        const double speed = turn * TURN;
+        const double noise = 2.0 * 16.5 * 1.4143 / 2000.0 / TWO_PI / 998.0 * TURN;
+        /* each mean is rounded by two at most */
+        const double rounding = 2.0 * 1000.0;
+
+        TEST_ASSERT_TRUE(fabs(speed_of_live_current(2000, turn, 16, &seed) - speed) <=
+                         (noise + rounding));
+    }
+}
+
+static void test_a_current_that_stands_still_has_no_speed(void)
+{
+    seeded_t seed = {0x57AU};
+
+    cfg.wait_ticks = 1000U;
+    TEST_ASSERT_TRUE(abs(speed_of_live_current(2000, 0.0, 16, &seed)) <= 20000);
+    TEST_ASSERT_EQUAL_INT32(0, speed_of_live_current(2000, 0.0, 0, &seed));
+}
+
 /* ---- what is believed ---- */
 
 /* One tick of `length` and the currents at the ends of both pulses. */
@@ -505,6 +550,8 @@ int main(void)
     RUN_TEST(test_gates_stay_open_until_the_current_from_before_has_ended);
     RUN_TEST(test_without_a_current_the_gates_wait_until_the_compare_values_of_now_act);
     RUN_TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates);
+    RUN_TEST(test_a_current_that_does_not_end_tells_its_speed);
+    RUN_TEST(test_a_current_that_stands_still_has_no_speed);
     RUN_TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge);
     RUN_TEST(test_a_turning_rotor_is_not_braked_by_a_charge);
     RUN_TEST(test_reset_forgets_what_was_there_before);

@@ -95,6 +95,17 @@ test("a position turns the shaft from where it was when position was chosen", as
     await reads(page, "Position", (now) => Math.abs(now - at - 360) < 20);
 }));
 
+test("a torque turns the shaft up to the end of its window of speeds", async () => withBoard(async (page) => {
+    await connectToReady(page);
+    await run(page);
+    await page.getByLabel("torque", { exact: true }).check();
+    await type(page, "Torque command [N·m]", "1.5");
+    await reads(page, "Speed, estimated", (rpm) => rpm > SPEED_RPM + 100);
+    await page.getByLabel("speed", { exact: true }).check();
+    await type(page, "Speed [rpm]", String(SPEED_RPM));
+    await reads(page, "Speed, estimated", (rpm) => Math.abs(rpm - SPEED_RPM) < 20);
+}));
+
 test("a motor that is left runs on, which is said; whoever connects next finds it so", async () => withBoard(async (page) => {
     await connectToReady(page);
     await run(page);

@@ -38,6 +38,16 @@ test("it goes to a position", async () => withPage(async (page) => {
     await reads(page, "Rotor position", (rad) => Math.abs(rad - at - 2 * Math.PI) < 0.5);
 }));
 
+test("it makes a torque, and bears as much with it", async () => withPage(async (page) => {
+    await running(page);
+    await page.getByLabel("torque", { exact: true }).check();
+    await type(page, "Load torque [N·m]", "2");
+    await type(page, "Torque command [N·m]", "2");
+    await reads(page, "Torque", (nm) => Math.abs(nm - 2) < 0.2);
+    await type(page, "Torque command [N·m]", "999");
+    await page.getByText(/^torque = 999 N·m; allowed: -[\d.]+ to [\d.]+ N·m$/).waitFor();
+}));
+
 test("keys turn a knob, and a wild number is refused in a line", async () => withPage(async (page) => {
     await running(page);
     await page.getByLabel("Speed slider, in rpm").focus();

@@ -12,6 +12,7 @@ const POSITION_MAX_DEG = 3600; // of the slider
 const NOTES: Record<PlayMode, string> = {
     speed: "The choice sends nothing; a value does.",
     position: "From where the rotor was. The choice sends nothing; a value does.",
+    torque: "Of the motor. The choice sends nothing; a value does.",
 };
 const LOG = "field.log";
 
@@ -20,7 +21,7 @@ function Command({ board }: { board: Board }) {
     return (
         <CommandChoice
             mode={steering.mode} value={steering.value}
-            largest={{ speed: board.head?.speed_max_rpm ?? 0, position: POSITION_MAX_DEG }}
+            largest={{ speed: board.head?.speed_max_rpm ?? 0, position: POSITION_MAX_DEG, torque: board.head?.torque_max_nm ?? 0 }}
             note={NOTES[steering.mode]}
             onMode={(mode) => steering.choose(mode)} onValue={(value) => steering.go(value)}
             onHold={(isHeld) => steering.hold(isHeld)}

@@ -5,19 +5,20 @@ import type { BoardCommand, PlayMode, Said } from "../core/protocol.ts";
 
 interface Target {
     mode: PlayMode;
-    value: number; // rpm, or degrees of the shaft
+    value: number; // rpm, degrees of the shaft, or N·m
 }
 
 const AT_REST: Target = { mode: "speed", value: 0 };
 const REST_MS = 1000; // after a person's input
-const DIGITS = 2; // behind the point
+const DIGITS: Record<PlayMode, number> = { speed: 2, position: 2, torque: 4 }; // behind the point: a small motor makes mN·m
+const UNITS: Record<PlayMode, string> = { speed: "", position: "deg", torque: "" };
 
-function rounded(value: number): number {
-    return Number(value.toFixed(DIGITS));
+function rounded(value: number, mode: PlayMode): number {
+    return Number(value.toFixed(DIGITS[mode]));
 }
 
 function lineOf({ mode, value }: Target): string {
-    return mode === "speed" ? `speed ${rounded(value)}` : `position ${rounded(value)}deg`;
+    return `${mode} ${rounded(value, mode)}${UNITS[mode]}`;
 }
 
 export class Steering {
@@ -40,10 +41,10 @@ export class Steering {
         return this.target.mode;
     }
 
-    // Rpm, or degrees from where the rotor was. Undefined: that is not known yet.
+    // Rpm, degrees from where the rotor was, or N·m. Undefined: that is not known yet.
     get value(): number | undefined {
-        const from = this.mode === "speed" ? 0 : this.originDeg;
-        return from === undefined ? undefined : rounded(this.target.value - from);
+        const from = this.from();
+        return from === undefined ? undefined : rounded(this.target.value - from, this.mode);
     }
 
     // With another board.
@@ -67,7 +68,7 @@ export class Steering {
     }
 
     go(value: number): void {
-        const from = this.mode === "speed" ? 0 : this.originDeg;
+        const from = this.from();
         if (from === undefined) {
             return;
         }
@@ -98,13 +99,18 @@ export class Steering {
         }
     }
 
+    // Only positions count from somewhere.
+    private from(): number | undefined {
+        return this.mode === "position" ? this.originDeg : 0;
+    }
+
     private isIdle(): boolean {
         const isBusy = this.isGiving || this.isHeld || this.isChosen;
         return !isBusy && performance.now() - this.inputMs > REST_MS;
     }
 
     private show(target: Target): void {
-        if (target.mode !== this.mode || target.mode === "speed") {
+        if (target.mode !== this.mode || target.mode !== "position") {
             this.originDeg = undefined;
         }
         this.target = target;

@@ -102,12 +102,12 @@ export interface Run extends RunResult {
     signals: SignalInfo[];
 }
 
-export type PlayMode = "speed" | "position";
+export type PlayMode = "speed" | "position" | "torque";
 
 // How the knobs of what is played with stand.
 export interface Knobs {
     mode: PlayMode;
-    command: number; // rpm, or degrees
+    command: number; // rpm, degrees, or N·m
     load_nm: number;
     broken: string[]; // what lasts
 }
@@ -119,7 +119,7 @@ export interface PlayHead {
     tuning: string;
     bus_v: number;
     has_sensor: boolean; // of the angle
-    limits: { speed_rpm: number; position_deg: number; load_nm: number; current_a: number };
+    limits: { speed_rpm: number; position_deg: number; torque_nm: number; load_nm: number; current_a: number };
     knobs: Knobs;
     moves: { from: string; to: string }[]; // of the state machine
     signals: SignalInfo[];
@@ -225,6 +225,7 @@ export interface LiveHead {
     baud: number; // as the board says; 0: its line has no rate
     baud_needed: number; // for all ticks
     speed_max_rpm: number;
+    torque_max_nm: number; // of the largest current
     moves: { from: string; to: string }[]; // of the state machine
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a drive is to follow: a speed or a position.
+// What a drive is to follow: a speed, a position or a torque.
 import type { PlayMode } from "../core/protocol.ts";
 import { Knob } from "./knob.tsx";
 
@@ -13,10 +13,21 @@ interface Props {
     onHold?(isHeld: boolean): void; // whether a person is in the field
 }
 
-const MODES: Record<PlayMode, { name: string; unit: string; step: number }> = {
+interface Mode {
+    name: string;
+    unit: string;
+    step?: number; // without one it is a hundredth of the largest
+}
+
+const MODES: Record<PlayMode, Mode> = {
     speed: { name: "Speed", unit: "rpm", step: 10 },
     position: { name: "Position", unit: "°", step: 5 },
+    torque: { name: "Torque command", unit: "N·m" },
 };
+
+function hundredth(largest: number): number {
+    return Number((largest / 100).toPrecision(2));
+}
 
 export function CommandChoice({ mode, value, largest, note, onMode, onValue, onHold }: Props) {
     const { name, unit, step } = MODES[mode];
@@ -32,7 +43,7 @@ export function CommandChoice({ mode, value, largest, note, onMode, onValue, onH
                 ))}
             </div>
             <Knob
-                name={name} unit={unit} value={value ?? 0} largest={largest[mode]} step={step} isDisabled={value === undefined}
+                name={name} unit={unit} value={value ?? 0} largest={largest[mode]} step={step ?? hundredth(largest[mode])} isDisabled={value === undefined}
                 onValue={onValue} {...(onHold && { onHold })}
             />
             {note !== undefined && <p class="note">{note}</p>}

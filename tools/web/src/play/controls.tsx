@@ -67,7 +67,7 @@ export function Controls(props: Props) {
             <Requests ask={(what) => act({ call: "request", what })} />
             <CommandChoice
                 mode={knobs.mode} value={knobs.command}
-                largest={{ speed: head.limits.speed_rpm, position: head.limits.position_deg }}
+                largest={{ speed: head.limits.speed_rpm, position: head.limits.position_deg, torque: head.limits.torque_nm }}
                 onMode={(mode) => command(mode, 0)} onValue={(value) => command(knobs.mode, value)}
             />
             <fieldset>
