@@ -103,11 +103,14 @@ static void open_gates(drive_t *drive, drive_out_t *out)
 NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
 {
     const drive_signals_t *const s = &drive->signals;
-    const ab_t current = transforms_clarke(s->phase_a, s->phase_b);
-    const bool bus_high = s->bus > drive->limits.bus_max;
+    const safe_state_in_t measured = {
+        .current = transforms_clarke(s->phase_a, s->phase_b),
+        .bus = s->bus,
+        .bus_max = drive->limits.bus_max,
+    };
 
     open_gates(drive, out);
-    if (safe_state_step(&drive->safe_state, &drive->cfg->safe_state, current, bus_high)) {
+    if (safe_state_step(&drive->safe_state, &drive->cfg->safe_state, &measured)) {
         *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = true};
     }
 }

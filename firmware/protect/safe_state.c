@@ -2,19 +2,17 @@
 #include "safe_state.h"
 
 #include "fx.h"
-#include "trig.h"
 
-#define OPEN_SHARE_LOG2 (3U) /* opens at 7/8 of the speed up to which that is safe */
+#define RISE_LOG2 (6U) /* 1/64 of the bus */
 
 void safe_state_reset(safe_state_t *safe)
 {
     *safe = (safe_state_t){.phase = SAFE_STATE_OPEN};
 }
 
-/* As fast as a quarter of a turn in a tick until the current tells more. */
 static void short_motor(safe_state_t *safe)
 {
-    *safe = (safe_state_t){.phase = SAFE_STATE_SHORT, .speed = SAFE_STATE_TURN_MAX};
+    *safe = (safe_state_t){.phase = SAFE_STATE_SHORT};
 }
 
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed)
@@ -31,49 +29,56 @@ void safe_state_break(safe_state_t *safe)
     *safe = (safe_state_t){.phase = SAFE_STATE_BROKEN};
 }
 
-/* Speed of the current vector. */
-static void follow_current(safe_state_t *safe, ab_t current)
+/* The rotor is too fast for open gates: the current has changed by more than that of a slow one. Looked at where a span ends. */
+static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
 {
-    const angle_t angle = trig_atan2((int16_t)current.beta, (int16_t)current.alpha);
-    const int32_t turn =
-        fx_clamp(fx_signed(angle - safe->angle), -SAFE_STATE_TURN_MAX, SAFE_STATE_TURN_MAX);
+    bool fast = false;
 
-    safe->angle = angle;
-    safe->speed += fx_asr(turn - safe->speed, SAFE_STATE_MEAN_LOG2);
+    safe->ticks++;
+    if (safe->ticks >= cfg->span_ticks) {
+        const int32_t alpha = fx_abs(current.alpha - safe->before.alpha);
+        const int32_t beta = fx_abs(current.beta - safe->before.beta);
+
+        fast = fx_max(alpha, beta) >= cfg->change_min;
+        safe->before = current;
+        safe->ticks = 0U;
+    }
+    return fast;
 }
 
-/* The rotor turns slowly, or makes too little current to be fast. */
-static bool allows_to_open(const safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
+static void wait_for_slow_rotor(safe_state_t *safe, const safe_state_cfg_t *cfg,
+                                const safe_state_in_t *in)
 {
-    const step_t limit = cfg->open_speed - fx_asr(cfg->open_speed, OPEN_SHARE_LOG2);
-    const int32_t square = (current.alpha * current.alpha) + (current.beta * current.beta);
-
-    return (fx_abs(safe->speed) < limit) || (square < (cfg->current_min * cfg->current_min));
-}
-
-static void judge_short(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current, bool bus_high)
-{
-    follow_current(safe, current);
-    if (bus_high || !allows_to_open(safe, cfg, current)) {
+    if (is_fast(safe, cfg, in->current)) {
         safe->slow_ticks = 0U;
     } else if (safe->slow_ticks < cfg->settle_ticks) {
         safe->slow_ticks++;
     } else {
         safe_state_reset(safe);
+        safe->bus_opened = (in->bus > in->bus_max) ? in->bus : 0;
     }
 }
 
-bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current, bool bus_high)
+/* With open gates the diodes charge the bus: is it beyond what it bears? */
+static bool is_overcharged(safe_state_t *safe, const safe_state_in_t *in)
 {
-    const bool may_short = cfg->open_speed > 0;
+    const int32_t opened = safe->bus_opened;
 
+    if (in->bus <= in->bus_max) {
+        safe->bus_opened = 0;
+    }
+    return in->bus > fx_max(in->bus_max, opened + fx_asr(opened, RISE_LOG2));
+}
+
+bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
+{
     if (safe->phase == SAFE_STATE_BROKEN) {
         /* until it is cleared */
-    } else if (!may_short) {
-        safe->phase = SAFE_STATE_OPEN;
+    } else if (cfg->open_speed == 0) {
+        safe_state_reset(safe);
     } else if (safe->phase == SAFE_STATE_SHORT) {
-        judge_short(safe, cfg, current, bus_high);
-    } else if (bus_high) {
+        wait_for_slow_rotor(safe, cfg, in);
+    } else if (is_overcharged(safe, in)) {
         short_motor(safe);
     } else {
         /* open */

@@ -6,13 +6,14 @@
  * the motor is shorted by the three low sides instead. Its current is then φ/L at most in the end, and brakes little. The
  * gates open once the rotor is slow.
  *
- * The rotor's speed is that of the current vector in the short circuit: no observer takes part, as its loss may be the
- * fault. A component that does not turn decays with L/R. While it is the larger one, the vector does not go round zero and
- * seems to stand. Therefore what allows to open has to last for settle_ticks. Where the converter clips, the vector still
- * goes round once in an electrical turn.
+ * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so it measures what would
+ * charge the bus. No observer takes part, as its loss may be the fault. What decays with L/R changes little. A
+ * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
+ * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn. With both
+ * sensors dead nothing tells, and they open then too.
  *
- * Called from drive_step in each tick that drives nothing. Pure, total. Angles are a turn of 2^32, speeds steps per tick,
- * currents Q15 of I_b.
+ * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
+ * the bus Q15 of U_b.
  */
 #ifndef SAFE_STATE_H
 #define SAFE_STATE_H
@@ -22,16 +23,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define SAFE_STATE_MEAN_LOG2 (6U) /* the speed is a mean over some 64 ticks */
-#define SAFE_STATE_TURN_MAX (0x3FFFFFFF)
-
 typedef struct {
     /* opening the gates is safe up to this speed, 0…2^29; 0: always, the motor is never shorted */
     step_t open_speed;
-    /* a smaller current in the short circuit is that of a slower rotor, 0…16384 */
-    int32_t current_min;
-    /* ticks for which the rotor has to be slow before the gates open, 0…2^20 */
-    uint32_t settle_ticks;
+    uint32_t span_ticks;   /* a change of the current is one over so many ticks, 0…1024 */
+    int32_t change_min;    /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
+    uint32_t settle_ticks; /* for which no change is larger before the gates open, 0…2^20 */
 } safe_state_cfg_t;
 
 typedef enum {
@@ -42,10 +39,18 @@ typedef enum {
 
 typedef struct {
     safe_state_phase_t phase;
-    angle_t angle;       /* of the current vector at the last tick */
-    step_t speed;        /* of the current vector, ±SAFE_STATE_TURN_MAX */
-    uint32_t slow_ticks; /* ticks in a row that allow to open, 0…2^20 */
+    uint32_t ticks;      /* of this span, 0…1023 */
+    ab_t before;         /* current at its beginning */
+    uint32_t slow_ticks; /* without a large change, 0…2^20 */
+    int32_t bus_opened;  /* where the gates opened with a high bus, 0…32767; 0: no such bus */
 } safe_state_t;
+
+/* What is measured in a tick. */
+typedef struct {
+    ab_t current;    /* −16384…16383, −28379…28379 */
+    int32_t bus;     /* 0…32767 */
+    int32_t bus_max; /* 1…32766 */
+} safe_state_in_t;
 
 /* Open, and nothing is broken. */
 void safe_state_reset(safe_state_t *safe);
@@ -57,10 +62,11 @@ void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t sp
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. bus_high: the bus is above its limit, so a motor that turns has to be shorted.
- * current: −16384…16383, −28379…28379. Returns whether all low sides are to be on, else the gates are to be open.
+ * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it. A bus that is still high when
+ * the gates open, as nothing discharges it, does so again when it has risen by 1/64. Returns whether all low sides are to
+ * be on, else the gates are to be open.
  */
-bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current, bool bus_high);
+bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 
 static inline bool safe_state_is_short(const safe_state_t *safe)
 {

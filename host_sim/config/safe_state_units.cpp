@@ -9,13 +9,15 @@ namespace
 constexpr double ROOT_3 = 1.7320508075688772;
 // Half an electrical turn behind the short circuit its two parts add up.
 constexpr double HALF_TURN = PI;
-// The part that does not turn is half of the part that does before the rotor's speed is believed.
-constexpr double STILL_SHARE = 0.5;
-// Time constants of the mean of the speed until it is that of the rotor: it begins with a quarter of a turn in a tick.
-constexpr double MEAN_TIMES = 6;
-// Of the current at the speed up to which opening is safe: less is a slower rotor, however wrong L is.
-constexpr double CURRENT_SHARE = 0.5;
-constexpr double OPENS_AT = 7.0 / 8; // of that speed, see safe_state.c
+// Electrical angle in a span at the speed up to which opening is safe. A change over it is that of a faster rotor up to seven
+// times that speed; then it is a whole turn.
+constexpr double SPAN_RAD = 0.8;
+constexpr double SPAN_TICKS_MAX = 1024;
+// Twice in a turn a change is at least this large, of that of a healthy machine: an open wire takes it to √3/2 of the vector, and
+// the spans meet its largest slope to within half a span, cos 0.4.
+constexpr double CHANGE_SHARE = 0.75;
+// Two of the opening speed are more than one of a rotor at 3/4 of it.
+constexpr double SETTLE_TURNS = 2;
 
 double least_inductance(const MotorSettings &motor)
 {
@@ -68,11 +70,19 @@ double largest_flux(const MotorSettings &motor, const BoardSettings &board)
                     voltage / safe_open_speed(motor, board));
 }
 
-double settle_time(const MotorSettings &motor, const BoardSettings &board, double period_s)
+// The short circuit of a rotor at the speed up to which opening is safe, as the sensors see it.
+void set_change(safe_state_cfg_t &c, const MotorSettings &motor, const BoardSettings &board,
+                double safe, const Bases &b)
 {
-    const double still = largest_flux(motor, board) / motor.flux_linkage_wb / STILL_SHARE;
-    return largest_inductance(motor) / motor.resistance_ohm * std::log(std::max(1.0, still)) +
-           std::ldexp(MEAN_TIMES, SAFE_STATE_MEAN_LOG2) * period_s;
+    const double turn = safe * b.control_period_s;
+    const double impedance = std::hypot(motor.resistance_ohm, safe * largest_inductance(motor));
+    const double seen_a =
+        std::min(safe * motor.flux_linkage_wb / impedance, board.current_full_scale_a);
+    keep(c.span_ticks, SPAN_RAD / turn, 1, SPAN_TICKS_MAX);
+    keep(c.change_min,
+         CHANGE_SHARE * 2 * std::sin(c.span_ticks * turn / 2) * seen_a / b.current_a * Q15, 0,
+         MANTISSA_MAX);
+    keep(c.settle_ticks, SETTLE_TURNS * TWO_PI / turn, 0, std::ldexp(1.0, 20));
 }
 
 void check_short(const MotorSettings &motor, const BoardSettings &board, double fastest)
@@ -136,11 +146,7 @@ safe_state_cfg_t make_safe_state(const MotorSettings &motor, const BoardSettings
         check_short(motor, board, fastest);
     }
     keep(c.open_speed, safe * b.control_period_s / TWO_PI * STEPS_PER_TURN, 1, Q30 / 2);
-    keep(c.current_min,
-         CURRENT_SHARE * short_circuit_current(motor, OPENS_AT * safe) / b.current_a * Q15, 0,
-         Q14 / 2);
-    keep(c.settle_ticks, settle_time(motor, board, b.control_period_s) / b.control_period_s, 0,
-         std::ldexp(1.0, 20));
+    set_change(c, motor, board, safe, b);
     return c;
 }
 

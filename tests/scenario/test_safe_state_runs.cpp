@@ -190,6 +190,268 @@ void test_the_short_circuit_current_in_the_end_is_the_computed_one()
     }
 }
 
+// ---- the drive
+
+using Fault = nf::FaultKind;
+
+struct Strike {
+    const char *name;
+    std::optional<nf::FaultEntry> entry; // none: a stop
+};
+
+nf::FaultEntry lasting(Fault kind, std::optional<double> value = {})
+{
+    return {0, kind, nf::FaultSpan::lasting, value, {}};
+}
+
+nf::FaultEntry once(Fault kind, std::optional<double> value = {})
+{
+    return {0, kind, nf::FaultSpan::tick, value, {}};
+}
+
+// What may go wrong in RUN, and a stop. A bus sensor that stands still is not here: nothing else in the drive sees the bus, so a
+// drive that brakes overcharges it, at any speed: docs/protection.md.
+const std::vector<Strike> STRIKES = {
+    {"stop", {}},
+    {"overcurrent", once(Fault::overcurrent, 13)},
+    {"adc_a_high", lasting(Fault::adc_a_high)},
+    {"adc_b_low", lasting(Fault::adc_b_low)},
+    {"adc_a_stuck", lasting(Fault::adc_a_stuck)},
+    {"adc_b_stuck", lasting(Fault::adc_b_stuck)},
+    {"adc_bus high", once(Fault::adc_bus_stuck, 420)},
+    {"adc_bus low", once(Fault::adc_bus_stuck, 200)},
+    {"temperature", lasting(Fault::temperature, 110)},
+    {"phase_a_open", lasting(Fault::phase_a_open)},
+    {"late_isr", lasting(Fault::late_isr)},
+    {"rotor_jump", {{0, Fault::rotor_jump, nf::FaultSpan::instant, 150, {}}}},
+    {"break_input", once(Fault::break_input)},
+};
+
+// A load that holds a speed whatever the motor does.
+constexpr double LOAD_MOST_NM = 6;
+constexpr double LOAD_GAIN_NM_S = 0.2;
+
+class Ride
+{
+public:
+    Ride(const Machine &machine, const Words &more)
+        : config(configured(machine, more)), sim(config),
+          injection(config, sim.bases().control_period_s, 0),
+          safe_rad_s(nf::safe_open_speed(config.motor, config.board) / config.motor.pole_pairs)
+    {
+    }
+
+    void tick()
+    {
+        (void)injection.act(now, sim);
+        if (held_rpm) {
+            const double excess = speed() - nf::rad_s_from_rpm(*held_rpm);
+            sim.set_load_nm(std::clamp(LOAD_GAIN_NM_S * excess, -LOAD_MOST_NM, LOAD_MOST_NM));
+        }
+        sim.control();
+        watch();
+        sim.advance();
+        now++;
+    }
+    void seconds(double time_s)
+    {
+        const long ticks = std::lround(time_s / sim.bases().control_period_s);
+        for (long k = 0; k < ticks; k++) {
+            tick();
+        }
+    }
+    // The drive brings the motor there by itself.
+    void run_at(double rpm)
+    {
+        sim.command_speed_rpm(rpm);
+        for (int k = 0; k < 200000 && std::abs(speed() - nf::rad_s_from_rpm(rpm)) >
+                                          0.01 * nf::rad_s_from_rpm(rpm);
+             k++) {
+            if (sim.drive().state == DRIVE_STATE_READY) {
+                sim.request(DRIVE_REQUEST_RUN);
+            }
+            tick();
+        }
+        seconds(0.1);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, sim.drive().state);
+        peak = {};
+    }
+    void strike(const Strike &what)
+    {
+        if (what.entry) {
+            injection.begin(*what.entry, now);
+        } else {
+            sim.request(0);
+        }
+    }
+    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there, then lets it come to rest.
+    void outlive(double rpm)
+    {
+        held_rpm = rpm;
+        seconds(0.4);
+        sim.request(0);
+        seconds(0.2);
+        held_rpm = 0;
+        seconds(0.8);
+    }
+
+    double speed() const
+    {
+        return sim.plant().motor.now.omega_el_rad_s / config.motor.pole_pairs;
+    }
+    bool drives() const
+    {
+        return drive_is_driving(sim.drive().state);
+    }
+    bool is_broken() const
+    {
+        return sim.drive().safe_state.phase == SAFE_STATE_BROKEN;
+    }
+
+    nf::Config config;
+    nf::Simulation sim;
+    nf::Injection injection;
+    double safe_rad_s;
+    int64_t now = 0;
+    std::optional<double> held_rpm;
+    Peak peak;
+    bool was_short = false;
+    double opened_rad_s = 0; // fastest at which the gates opened behind a short circuit
+
+private:
+    void watch()
+    {
+        const drive_out_t &out = sim.out();
+        const bool is_short = !drives() && out.gate_enable;
+        if (is_short) {
+            for (const uint16_t compare : out.compare.phase) {
+                TEST_ASSERT_EQUAL_UINT16(0, compare);
+            }
+        }
+        if (short_ && !is_short && !drives() && !is_broken()) {
+            opened_rad_s = std::max(opened_rad_s, std::abs(speed()));
+        }
+        was_short |= is_short;
+        short_ = is_short;
+        peak.bus_v = std::max(peak.bus_v, sim.plant().bus_v);
+        double current[PLANT_LEGS];
+        plant_phases(plant_motor_current(&sim.plant().motor), current);
+        for (const double a : current) {
+            peak.current_a = std::max(peak.current_a, std::abs(a));
+        }
+    }
+
+    bool short_ = false;
+};
+
+// Where the drive learns of the speed by the bus alone, it shorts the motor in the tick behind the one at which the bus was
+// high: two periods of the largest current.
+double bus_limit_v(const nf::Config &config)
+{
+    const double charge =
+        2 * config.board.overcurrent_a / config.board.pwm_frequency_hz;
+    return config.board.bus_max_v + charge / config.board.bus_capacitance_f;
+}
+
+// A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
+double broken_bus_v(const nf::Config &config, double rpm)
+{
+    const double emf = ROOT_3 * nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs *
+                       config.motor.flux_linkage_wb;
+    return std::max(config.board.bus_max_v, 2 * emf - config.board.bus_min_v);
+}
+
+void assert_survived(const Ride &ride, const std::string &what)
+{
+    const double limit = ride.is_broken() ? broken_bus_v(ride.config, HIGHEST_RPM)
+                                          : bus_limit_v(ride.config);
+    TEST_ASSERT_TRUE_MESSAGE(ride.peak.bus_v <= limit, what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(ride.peak.current_a <= ride.config.board.trip_a, what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
+    TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
+}
+
+std::string told(const Ride &ride, const Strike &strike, double rpm, double load_rpm)
+{
+    return fmt::format("{} at {:.0f} rpm, load to {:.0f} rpm: fault {}, {}, bus {:.1f} V, phase "
+                       "{:.1f} A, opened at {:.0f} rpm",
+                       strike.name, rpm, load_rpm, static_cast<int>(ride.sim.drive().fault.id),
+                       ride.is_broken() ? "broken" : (ride.was_short ? "shorted" : "open"),
+                       ride.peak.bus_v, ride.peak.current_a,
+                       ride.opened_rad_s / nf::rad_s_from_rpm(1));
+}
+
+// The speeds of a table: below the speed up to which opening is safe, and as shares of it up to the highest.
+std::vector<double> speeds_of(const nf::Config &config)
+{
+    const double safe_rpm = rpm_of(config, nf::safe_open_speed(config.motor, config.board));
+    std::vector<double> all = {0.9 * safe_rpm};
+    for (const double rpm : {1.02 * safe_rpm, 1.3 * safe_rpm}) {
+        if (rpm < config.motor.max_speed_rpm) {
+            all.push_back(rpm);
+        }
+    }
+    all.push_back(config.motor.max_speed_rpm);
+    return all;
+}
+
+void run_table(const Machine &machine)
+{
+    for (const Strike &strike : STRIKES) {
+        for (const double rpm : speeds_of(configured(machine))) {
+            for (const double load_rpm : {rpm, HIGHEST_RPM}) {
+                Ride ride(machine, {});
+                ride.run_at(rpm);
+                ride.strike(strike);
+                ride.outlive(load_rpm);
+                const std::string what = told(ride, strike, rpm, load_rpm);
+                fmt::print("{}\n", what);
+                assert_survived(ride, what);
+            }
+        }
+    }
+}
+
+void test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current()
+{
+    run_table(COMPRESSOR);
+}
+
+// Without the short circuit the same load overcharges the bus.
+void test_with_open_gates_the_same_load_overcharges_the_bus()
+{
+    Ride ride(COMPRESSOR, {"board.safe_state=open", "board.bus_capacitance_f=0"});
+    ride.run_at(ride.config.motor.max_speed_rpm);
+    ride.strike({"stop", {}});
+    ride.outlive(HIGHEST_RPM);
+    fmt::print("open: bus {:.1f} V\n", ride.peak.bus_v);
+    TEST_ASSERT_TRUE(ride.peak.bus_v > ride.config.board.bus_max_v);
+}
+
+// Strikes at random instants of the ramp, with random loads.
+constexpr int CAMPAIGN = 60;
+
+void test_random_faults_are_survived()
+{
+    std::mt19937 random(7);
+    const auto uniform = [&](double lo, double hi) {
+        return std::uniform_real_distribution<double>(lo, hi)(random);
+    };
+    for (int k = 0; k < CAMPAIGN; k++) {
+        Ride ride(COMPRESSOR, {});
+        const Strike &strike = STRIKES[random() % STRIKES.size()];
+        const double rpm = uniform(0.3, 1) * ride.config.motor.max_speed_rpm;
+        const double load_rpm = uniform(0.5 * rpm, HIGHEST_RPM);
+        ride.run_at(rpm);
+        ride.held_rpm = rpm;
+        ride.seconds(uniform(0, 0.02));
+        ride.strike(strike);
+        ride.outlive(load_rpm);
+        const std::string what = told(ride, strike, rpm, load_rpm);
+        assert_survived(ride, what);
+    }
+}
+
 } // namespace
 
 void setUp()
@@ -205,5 +467,8 @@ int main()
     RUN_TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit);
     RUN_TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one);
     RUN_TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one);
+    RUN_TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current);
+    RUN_TEST(test_with_open_gates_the_same_load_overcharges_the_bus);
+    RUN_TEST(test_random_faults_are_survived);
     return UNITY_END();
 }
