@@ -26,8 +26,8 @@
 typedef struct {
     /* opening the gates is safe up to this speed, 0…2^29; 0: always, the motor is never shorted */
     step_t open_speed;
-    uint32_t span_ticks;   /* a change of the current is one over so many ticks, 0…1024 */
-    int32_t change_min;    /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
+    uint32_t span_ticks; /* a change of the current is one over so many ticks, 0…1024 */
+    int32_t change_min;  /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
     uint32_t settle_ticks; /* for which no change is larger before the gates open, 0…2^20 */
 } safe_state_cfg_t;
 

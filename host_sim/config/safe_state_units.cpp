@@ -107,9 +107,8 @@ void check_short(const MotorSettings &motor, const BoardSettings &board, double 
 double safe_open_speed(const MotorSettings &motor, const BoardSettings &board)
 {
     const double saliency = std::abs(motor.inductance_q_h - motor.inductance_d_h);
-    const double flux =
-        motor.flux_linkage_wb +
-        (board.bus_capacitance_f > 0 ? saliency * motor.max_current_a / 2 : 0);
+    const double flux = motor.flux_linkage_wb +
+                        (board.bus_capacitance_f > 0 ? saliency * motor.max_current_a / 2 : 0);
     return bearable_emf(motor, board) / (ROOT_3 * flux);
 }
 

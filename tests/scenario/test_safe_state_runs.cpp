@@ -132,8 +132,8 @@ void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
             highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
         }
         fmt::print("{} F: safe up to {:.0f} rpm, EMF {:.1f} V, highest bus {:.1f} V of {:g} V\n",
-                   capacitance, rpm_of(config, safe),
-                   ROOT_3 * safe * config.motor.flux_linkage_wb, highest_v, config.board.bus_max_v);
+                   capacitance, rpm_of(config, safe), ROOT_3 * safe * config.motor.flux_linkage_wb,
+                   highest_v, config.board.bus_max_v);
         TEST_ASSERT_TRUE(highest_v <= config.board.bus_max_v);
         TEST_ASSERT_TRUE(highest_v >= BUS_SHARE_LEAST * config.board.bus_max_v);
     }
@@ -172,7 +172,8 @@ void test_the_peak_of_the_short_circuit_current_is_within_the_computed_one()
     TEST_ASSERT_TRUE(highest_a >= PEAK_SHARE_LEAST * bound);
 }
 
-constexpr double STEADY_TOLERANCE = 0.002; // the plant's integration, and what has not decayed after 0.5 s
+constexpr double STEADY_TOLERANCE =
+    0.002; // the plant's integration, and what has not decayed after 0.5 s
 
 void test_the_short_circuit_current_in_the_end_is_the_computed_one()
 {
@@ -348,16 +349,15 @@ private:
 // high: two periods of the largest current.
 double bus_limit_v(const nf::Config &config)
 {
-    const double charge =
-        2 * config.board.overcurrent_a / config.board.pwm_frequency_hz;
+    const double charge = 2 * config.board.overcurrent_a / config.board.pwm_frequency_hz;
     return config.board.bus_max_v + charge / config.board.bus_capacitance_f;
 }
 
 // A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
 double broken_bus_v(const nf::Config &config, double rpm)
 {
-    const double emf = ROOT_3 * nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs *
-                       config.motor.flux_linkage_wb;
+    const double emf =
+        ROOT_3 * nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs * config.motor.flux_linkage_wb;
     return std::max(config.board.bus_max_v, 2 * emf - config.board.bus_min_v);
 }
 
@@ -367,15 +367,15 @@ double current_limit_a(const Ride &ride)
 {
     const nf::MotorSettings &motor = ride.config.motor;
     const double trip_a = ride.config.board.trip_a;
-    return ride.is_broken() ? (2 * motor.flux_linkage_wb + motor.inductance_q_h * trip_a) /
-                                  motor.inductance_d_h
-                            : trip_a;
+    return ride.is_broken()
+               ? (2 * motor.flux_linkage_wb + motor.inductance_q_h * trip_a) / motor.inductance_d_h
+               : trip_a;
 }
 
 void assert_survived(const Ride &ride, const std::string &what)
 {
-    const double limit = ride.is_broken() ? broken_bus_v(ride.config, HIGHEST_RPM)
-                                          : bus_limit_v(ride.config);
+    const double limit =
+        ride.is_broken() ? broken_bus_v(ride.config, HIGHEST_RPM) : bus_limit_v(ride.config);
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.bus_v <= limit, what.c_str());
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.current_a <= current_limit_a(ride), what.c_str());
     TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
