@@ -139,6 +139,28 @@ void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
     }
 }
 
+// What a break does at the highest speed of a motor that weakens its field: the bound of docs/protection.md.
+void test_a_break_charges_the_bus_to_the_emf_and_its_overshoot()
+{
+    const nf::Config config = configured(COMPRESSOR);
+    const double speed = nf::rad_s_from_rpm(HIGHEST_RPM) * config.motor.pole_pairs;
+    const double emf = ROOT_3 * speed * config.motor.flux_linkage_wb;
+    for (const double bus_v : {config.board.bus_nominal_v, config.board.bus_min_v}) {
+        double highest_v = 0;
+        for (int k = 0; k < POINTS; k++) {
+            const double angle = nf::TWO_PI * k / POINTS;
+            const double amplitude = k % 4 * config.board.overcurrent_a / 3;
+            const plant_t plant = machine_at(config, speed, amplitude * std::cos(angle),
+                                             amplitude * std::sin(angle), bus_v);
+            highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
+        }
+        fmt::print("break at {:.0f} rpm from {:.0f} V: EMF {:.1f} V, highest bus {:.1f} V\n",
+                   HIGHEST_RPM, bus_v, emf, highest_v);
+        TEST_ASSERT_TRUE(highest_v > config.board.bus_max_v);
+        TEST_ASSERT_TRUE(highest_v <= 2 * emf - bus_v);
+    }
+}
+
 // The peak is computed for the largest flux that a point of operation has, at the lowest speed, and the slowest decay, at the highest
 // one.
 constexpr double PEAK_SHARE_LEAST = 0.75;
@@ -476,6 +498,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit);
+    RUN_TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot);
     RUN_TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one);
     RUN_TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one);
     RUN_TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current);
