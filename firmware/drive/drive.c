@@ -22,8 +22,8 @@
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
 /*
- * The largest speed that anything tells of. In RUN the estimate may be what has failed; what the rotor was asked for is known
- * then. Below RUN it is that of the vector. A flying start ends as it began, with open gates.
+ * The largest speed that anything tells of. In RUN the estimate may be what has failed; the ramp is where the rotor was to be.
+ * Below RUN it is that of the vector. A flying start ends as it began, with open gates.
  */
 static step_t fastest_known(const drive_t *drive)
 {
@@ -31,7 +31,6 @@ static step_t fastest_known(const drive_t *drive)
 
     if (drive->state == DRIVE_STATE_RUN) {
         speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
-        speed = fx_max(speed, fx_abs(drive->speed_reference));
     } else if (drive->state != DRIVE_STATE_FLYING_START) {
         speed = fx_abs(drive->vector.step);
     } else {
