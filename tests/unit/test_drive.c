@@ -513,12 +513,7 @@ static void assert_short(void)
 static void short_above_speed(void)
 {
     setUp();
-    cfg.safe_state = (safe_state_cfg_t){
-        .open_speed = OPEN_SPEED,
-        .span_ticks = 20U,
-        .change_min = 2000,
-        .settle_ticks = SHORT_TICKS,
-    };
+    cfg.safe_state = example_safe_state_cfg(OPEN_SPEED, 2000, SHORT_TICKS);
     supervise_nothing();
     TEST_ASSERT_NULL(drive_init(&drive, &cfg));
 }

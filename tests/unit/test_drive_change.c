@@ -508,7 +508,7 @@ static void test_in_run_it_opens_the_gates(void)
 /* A fast rotor is shorted instead; the drive begins anew when it is slow. */
 static void test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates(void)
 {
-    cfg.safe_state = (safe_state_cfg_t){.open_speed = 1, .change_min = 32767, .settle_ticks = 50U};
+    cfg.safe_state = example_safe_state_cfg(1, 32767, 50U);
     begin();
     go_to(DRIVE_STATE_RUN);
     ticks(100U);
