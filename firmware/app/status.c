@@ -140,6 +140,14 @@ static void add_state(text_t *text, const drive_t *drive, const about_t *about)
     }
 }
 
+/* A rotor that is too fast for open gates. */
+static void add_short(text_t *text, const drive_t *drive)
+{
+    if (safe_state_is_short(&drive->safe_state)) {
+        text_add(text, ", shorting the motor");
+    }
+}
+
 static void add_torque(text_t *text, const app_t *app, const about_t *about, int32_t torque_q28)
 {
     const int64_t base = units_torque_base(&about->rotation, about->current_full_scale_ua,
@@ -173,6 +181,7 @@ static void add_speed(text_t *text, const app_t *app, const about_t *about)
 void status_add(text_t *text, const app_t *app, const hal_t *hal, const about_t *about)
 {
     add_state(text, &app->drive, about);
+    add_short(text, &app->drive);
     add_swing(text, &app->drive, about);
     add_speed(text, app, about);
     add_current(text, ", phases ", about, app->in.adc_ia);

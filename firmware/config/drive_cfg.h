@@ -20,6 +20,7 @@
 #include "oscillation.h"
 #include "phase_compensator.h"
 #include "protection.h"
+#include "safe_state.h"
 #include "startup.h"
 #include "supervision.h"
 #include "torque_filter.h"
@@ -80,6 +81,7 @@ typedef struct {
     voltage_drive_cfg_t voltage_drive;
     torque_filter_cfg_t torque_filter;
     torque_loop_cfg_t torque_loop;
+    safe_state_cfg_t safe_state;
     link_cfg_t link;
     uint32_t crc; /* of all fields before it, see config_guard.h; the last field */
 } drive_cfg_t;

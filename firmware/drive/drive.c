@@ -21,9 +21,36 @@
 #define OFFSET_END (32768)          /* no sensor's zero is further away */
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
+/*
+ * The largest speed that anything tells of. In RUN the estimate may be what has failed; the ramp is where the rotor was to be.
+ * Below RUN it is that of the vector. A flying start ends as it began, with open gates.
+ */
+static step_t fastest_known(const drive_t *drive)
+{
+    step_t speed = 0;
+
+    if (drive->state == DRIVE_STATE_RUN) {
+        speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
+    } else if (drive->state != DRIVE_STATE_FLYING_START) {
+        speed = fx_abs(drive->vector.step);
+    } else {
+        /* nothing is known yet */
+    }
+    return speed;
+}
+
+/* Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast for that. */
+static void leave(drive_t *drive)
+{
+    safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive));
+}
+
 /* The protection limits of the new state apply from now on. RUN begins with a plan of its current control. */
 static void enter(drive_t *drive, drive_state_t state)
 {
+    if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
+        leave(drive);
+    }
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
     if (state == DRIVE_STATE_RUN) {
@@ -66,6 +93,25 @@ static void open_gates(drive_t *drive, drive_out_t *out)
     const uint16_t rest = (uint16_t)half;
 
     *out = (drive_out_t){.compare = {.phase = {rest, rest, rest}}, .gate_enable = false};
+}
+
+/*
+ * The output of a tick that drives nothing: the safe state. The compare values of the last tick act for one period more.
+ * They are those of the control, or equal ones, which short the motor too.
+ */
+NEVER_INLINED static void rest(drive_t *drive, drive_out_t *out)
+{
+    const drive_signals_t *const s = &drive->signals;
+    const safe_state_in_t measured = {
+        .current = transforms_clarke(s->phase_a, s->phase_b),
+        .bus = s->bus,
+        .bus_max = drive->limits.bus_max,
+    };
+
+    open_gates(drive, out);
+    if (safe_state_step(&drive->safe_state, &drive->cfg->safe_state, &measured)) {
+        *out = (drive_out_t){.compare = {.phase = {0U, 0U, 0U}}, .gate_enable = true};
+    }
 }
 
 /* Raw counts to per unit. The currents are not valid before the calibration has ended. */
@@ -169,6 +215,7 @@ static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_
 static drive_event_t begin_calibration(drive_t *drive)
 {
     drive->calibration = (calibration_t){.sum_a = 0};
+    safe_state_reset(&drive->safe_state);
     speed_loop_init(&drive->speed_loop);
     return DRIVE_EVENT_CALIBRATE;
 }
@@ -242,7 +289,9 @@ static void obey(drive_t *drive, const drive_in_t *in)
         (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
     const bool goes_on = (in->command.request & level) != 0U;
 
-    if (!drive_is_driving(drive->state)) {
+    if (safe_state_is_short(&drive->safe_state)) {
+        /* the motor's current flows: nothing begins */
+    } else if (!drive_is_driving(drive->state)) {
         fault_t fault;
 
         fault_clear(&fault);
@@ -292,6 +341,7 @@ static bool attend(drive_t *drive, const drive_in_t *in)
         const fault_t fault = protection_break(&measured);
 
         fail(drive, &fault);
+        safe_state_break(&drive->safe_state);
     }
     watch(drive, in);
     return controlled && drive_is_controlled(drive->state);
@@ -329,6 +379,7 @@ const char *drive_init(drive_t *drive, const drive_cfg_t *cfg)
 /*
  * Words of the state mean something else from now on, so the drive begins anew and calibrates. What remains is the clock, a
  * latched fault, and the heat as a share of its limit. The slow period goes on: this tick has read its slow inputs.
+ * A motor that is too fast for open gates is shorted first; the zeros of its current sensors hold in any scale.
  */
 static void restart(drive_t *drive, const drive_cfg_t *cfg)
 {
@@ -337,8 +388,18 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     const uint32_t tick = drive->tick;
     const uint32_t left = drive->slow_count;
     const int32_t heat_q24 = drive->derating.heat_q24;
+    const int32_t offset_a = drive->offset_a;
+    const int32_t offset_b = drive->offset_b;
+    safe_state_t safe_state;
 
+    if (drive_is_driving(state)) {
+        leave(drive);
+    }
+    safe_state = drive->safe_state;
     initialise(drive, cfg);
+    drive->safe_state = safe_state;
+    drive->offset_a = offset_a;
+    drive->offset_b = offset_b;
     drive->fault = fault;
     drive->tick = tick;
     drive->slow_count = (left < cfg->slow_ticks) ? left : cfg->slow_ticks;
@@ -486,7 +547,7 @@ static void control_current(drive_t *drive, compare_t *out)
     frame_modulate(drive, &frame, out);
 }
 
-/* The end of a tick that controls a current. When the state has changed to one that does not, the gates open. */
+/* The end of a tick that controls a current. When the state has changed to one that does not, the safe state begins. */
 static void act(drive_t *drive, bool trained, drive_out_t *out)
 {
     if (drive_is_controlled(drive->state)) {
@@ -497,7 +558,7 @@ static void act(drive_t *drive, bool trained, drive_out_t *out)
         }
         estimate_advance(drive, trained);
     } else {
-        open_gates(drive, out);
+        rest(drive, out);
     }
 }
 
@@ -534,7 +595,9 @@ static void idle_tick(drive_t *drive, const drive_in_t *in, uint32_t left, drive
         follow_or_fail(drive, open_loop_flying_start(drive, in, out, &fault), &fault);
     }
     slow_step(drive, in, left, false);
-    out->gate_enable = out->gate_enable && drive_is_driving(drive->state);
+    if (!drive_is_driving(drive->state)) {
+        rest(drive, out);
+    }
 }
 
 /* A tick of PROBE. Its slow part may end it. */
@@ -544,7 +607,7 @@ static void probe_tick(drive_t *drive, const drive_in_t *in, uint32_t left, driv
     out->gate_enable = true;
     slow_step(drive, in, left, false);
     if (drive->state != DRIVE_STATE_PROBE) {
-        open_gates(drive, out);
+        rest(drive, out);
     }
 }
 

@@ -21,6 +21,7 @@
 #include "probe.h"
 #include "protection.h"
 #include "rotor_position.h"
+#include "safe_state.h"
 #include "supervision.h"
 #include "torque_filter.h"
 #include "torque_loop.h"
@@ -139,6 +140,7 @@ typedef struct {
     oscillation_t oscillation;
     torque_filter_t torque_filter; /* of i_q* in RUN with current control */
     torque_loop_t torque_loop;     /* in RUN; the bridge in every mode */
+    safe_state_t safe_state;       /* of the gates while nothing is driven */
     config_guard_t guard;
     fault_t fault; /* the last fault */
 } drive_t;

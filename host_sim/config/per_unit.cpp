@@ -4,6 +4,7 @@
 #include "low_speed_units.h"
 #include "numbers.h"
 #include "rules.h"
+#include "safe_state_units.h"
 #include "torque_filter_units.h"
 #include "torque_units.h"
 
@@ -70,8 +71,7 @@ constexpr double SPEED_ERROR_SHARE = 0.25;
 constexpr double SPEED_ERROR_TIME_S = 0.5;
 constexpr double SPEED_ERROR_TIME_SHARE = 5; // over the bandwidth in Hz
 constexpr double RUNAWAY_TIME_S = 0.01;
-constexpr double SOFT_SPEED_MOST = 0.5;  // of rated speed
-constexpr double OVERSPEED_SHARE = 1.15; // the observer's own limit is at ESTIMATE_HEADROOM
+constexpr double SOFT_SPEED_MOST = 0.5; // of rated speed
 constexpr double OVERSPEED_TIME_S = 0.02;
 constexpr double STALL_SHARE = 0.5;
 constexpr double STALL_TIME_S = 1;
@@ -884,6 +884,7 @@ drive_cfg_t convert(const MotorSettings &motor, const BoardSettings &board,
     c.voltage_drive = make_voltage_drive(motor, tuning, b);
     c.torque_filter = make_torque_filter(tuning, b);
     c.torque_loop = make_torque_loop(motor, tuning, c.speed_loop, b);
+    c.safe_state = make_safe_state(motor, board, b);
     c.link.timeout_ticks = command_timeout(tuning, b);
     c.speed_shift = static_cast<uint32_t>(b.speed_shift);
     c.slow_ticks = static_cast<uint32_t>(tuning.slow_ticks);

@@ -64,6 +64,7 @@ const std::vector<Field> FIELDS = {
     {"motor", "max_current_a", "A", 0.01, 1000, NEEDED, motor<&M::max_current_a>, "peak phase current the controller may ask for"},
     {"motor", "continuous_current_a", "A", 0, 1000, OPTIONAL, motor<&M::continuous_current_a>, "peak phase current for ever; 0: that of rated torque"},
     {"motor", "thermal_time_constant_s", "s", 0.1, 300, OPTIONAL, motor<&M::thermal_time_constant_s>, "of the winding, for the limit by i²t"},
+    {"motor", "demagnetising_current_a", "A", 0, 5000, OPTIONAL, motor<&M::demagnetising_current_a>, "peak phase current against the magnets that they bear; 0: not stated", RECORD},
     {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
     {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
 
@@ -107,6 +108,8 @@ const std::vector<Field> FIELDS = {
     {"board", "bus_regeneration_max_a", "A", 0, 2000, OPTIONAL, board<&B::bus_regeneration_max_a>, "back into the supply: braking is derated to it; 0: no limit"},
     {"board", "overcurrent_a", "A", 0.01, 2000, NEEDED, board<&B::overcurrent_a>, "phase current that opens the gates"},
     {"board", "trip_a", "A", 0, 5000, OPTIONAL, board<&B::trip_a>, "comparators open the gates by themselves at this phase current; 0: there are none"},
+    {"board", "safe_state", "", 0, 0, OPTIONAL, board<&B::safe_state>, "at a stop or a fault of a rotor that is too fast for open gates: open, which refuses such a speed, or short, which turns all low sides on until it is slow"},
+    {"board", "bus_capacitance_f", "F", 0, 1, OPTIONAL, board<&B::bus_capacitance_f>, "of the bus: what it bears when the gates open; 0: unknown", RECORD},
     {"board", "offset_max_a", "A", 0, 200, NEEDED, board<&B::offset_max_a>, "largest sensor offset that calibration accepts"},
     {"board", "duty_margin_pct", "%", 0, 50, NEEDED, board<&B::duty_margin_pct>, "share of the period kept free for sampling and dead time"},
     {"board", "dead_time_s", "s", 0, 1e-5, OPTIONAL, board<&B::dead_time_s>, "both switches of a leg off at each edge"},
@@ -295,6 +298,11 @@ Words words_of(const AngleSource *)
 Words words_of(const OscillationAct *)
 {
     return {"off", "lower", "fault"};
+}
+
+Words words_of(const SafeState *)
+{
+    return {"open", "short"};
 }
 
 Words words_of(const Chip *)

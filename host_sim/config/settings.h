@@ -27,6 +27,7 @@ struct MotorSettings {
     double max_current_a = 0;            // peak phase current that the controller may ask for
     double continuous_current_a = 0;     // peak phase current for ever; 0: that of rated torque
     double thermal_time_constant_s = 20; // of the winding
+    double demagnetising_current_a = 0;  // peak phase current that the magnets bear; 0: not stated
     double inertia_kg_m2 = 0;            // with the load
     double viscous_friction_nm_s = 0;
 };
@@ -67,6 +68,12 @@ struct MeasuredSettings {
     double gain_mismatch_bar_pct = 0;
 };
 
+// What the gates do at a stop or a fault where the rotor is too fast for open gates.
+enum class SafeState {
+    open,
+    shorted
+};
+
 // [board] Power stage and sensing.
 struct BoardSettings {
     std::string name;
@@ -84,6 +91,8 @@ struct BoardSettings {
     double bus_regeneration_max_a = 0; // back into it, braking; 0: no limit
     double overcurrent_a = 0;
     double trip_a = 0; // the power stage's comparators open the gates by themselves; 0: it has none
+    SafeState safe_state = SafeState::open;
+    double bus_capacitance_f = 0;     // of the bus; 0: unknown
     double offset_max_a = 0;          // largest sensor offset that calibration accepts
     double duty_margin_pct = 0;       // share of the period kept free for sampling and dead time
     double dead_time_s = 0;           // both switches of a leg off at each edge

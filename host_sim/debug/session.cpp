@@ -20,7 +20,7 @@ constexpr const char *INTERRUPTED = "interrupted";
 std::string state_text(const drive_t &drive)
 {
     const bool driven = drive.state == DRIVE_STATE_RUN && drive.voltage_drive.active;
-    return fmt::format("{}{}", state_name(drive.state), driven ? ", voltage-driven" : "");
+    return fmt::format("{}{}", state_and_gates(drive), driven ? ", voltage-driven" : "");
 }
 
 } // namespace

@@ -488,7 +488,7 @@ std::string drive_text(const Simulation &sim)
     constexpr double Q15 = 32768.0;
     const drive_signals_t &signals = sim.drive().signals;
     return fmt::format(
-        "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_name(sim.drive().state),
+        "{}, {}, i_q {:.2f} A, i_d {:.2f} A, bus {:.1f} V", state_and_gates(sim.drive()),
         speed_text(sim), signals.current.q / Q15 * sim.bases().current_a,
         signals.current.d / Q15 * sim.bases().current_a, signals.bus / Q15 * sim.bases().voltage_v);
 }

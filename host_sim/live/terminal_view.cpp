@@ -36,7 +36,7 @@ void add_drive(Rows &rows, const Simulation &sim)
     const Bases &bases = sim.bases();
     const auto ampere = [&](int32_t raw) { return raw / Q15 * bases.current_a; };
     const auto volt = [&](int32_t raw) { return raw / Q15 * bases.voltage_v; };
-    rows.emplace_back("state", state_name(drive.state));
+    rows.emplace_back("state", state_and_gates(drive));
     rows.emplace_back("speed",
                       fmt::format("{:.1f} of {:.1f} rpm", bases.rpm_from_step(drive_speed(&drive)),
                                   bases.rpm_from_step(drive.speed_reference)));

@@ -2,6 +2,8 @@
 // The firmware's states as words, for files and messages. Faults: firmware/protect/fault_text.h.
 #pragma once
 
+#include <string>
+
 extern "C" {
 #include "drive.h"
 }
@@ -36,6 +38,13 @@ inline const char *state_name(drive_state_t state)
         return "FAULT";
     }
     return "UNKNOWN";
+}
+
+// With what the gates do beside the state.
+inline std::string state_and_gates(const drive_t &drive)
+{
+    const char *const gates = safe_state_is_short(&drive.safe_state) ? ", shorting the motor" : "";
+    return std::string(state_name(drive.state)) + gates;
 }
 
 } // namespace nf

@@ -32,6 +32,14 @@ void state_holds(const drive_t &drive)
     }
 }
 
+// All low sides on, as the configuration says: the short circuit of a motor that is too fast for open gates.
+bool is_shorted(const drive_t &drive, const drive_out_t &out)
+{
+    const auto &phase = out.compare.phase;
+    return drive.cfg->safe_state.open_speed > 0 && out.gate_enable && phase[0] == 0 &&
+           phase[1] == 0 && phase[2] == 0;
+}
+
 bool may_drive(drive_state_t state)
 {
     return state > DRIVE_STATE_READY && state < DRIVE_STATE_FAULT;
@@ -73,9 +81,13 @@ void tick_holds(drive_state_t before, const drive_t &drive, const drive_in_t &in
     for (const uint16_t compare : out.compare.phase) {
         within("a compare value", compare, 0, drive.cfg->modulator.timer_counts);
     }
-    HOLDS(!out.gate_enable || may_drive(drive.state), "gates on only from FLYING_START to RUN");
-    HOLDS(!out.gate_enable || (drive.state == DRIVE_STATE_PROBE ? probe : run),
+    const bool drives = out.gate_enable && !(is_shorted(drive, out) && !may_drive(drive.state));
+    HOLDS(!drives || may_drive(drive.state),
+          "gates on only from FLYING_START to RUN, or all low sides where that is configured");
+    HOLDS(!drives || (drive.state == DRIVE_STATE_PROBE ? probe : run),
           "gates on only while it shall run, or shall measure the motor");
+    HOLDS((in.flags & DRIVE_FLAG_BREAK) == 0 || !out.gate_enable,
+          "a break opens the gates in its tick");
     HOLDS((in.flags & DRIVE_FLAG_BREAK) == 0 || drive.state == DRIVE_STATE_FAULT,
           "a break is a fault in its tick");
     HOLDS(drive.state != DRIVE_STATE_FAULT || drive.fault.id != FAULT_NONE, "FAULT has a fault");

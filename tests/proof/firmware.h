@@ -46,4 +46,5 @@
 #include "../../firmware/protect/derating.c"
 #include "../../firmware/protect/oscillation.c"
 #include "../../firmware/protect/protection.c"
+#include "../../firmware/protect/safe_state.c"
 #include "../../firmware/protect/supervision.c"

@@ -320,6 +320,18 @@ static inline torque_loop_cfg_t example_torque_loop_cfg(void)
     };
 }
 
+/* Shorts a motor that is faster than this: the gates open once no change over 2 ms was as large for settle_ticks. */
+static inline safe_state_cfg_t example_safe_state_cfg(step_t open_speed, int32_t change_min,
+                                                      uint32_t settle_ticks)
+{
+    return (safe_state_cfg_t){
+        .open_speed = open_speed,
+        .span_ticks = 20U,
+        .change_min = change_min,
+        .settle_ticks = settle_ticks,
+    };
+}
+
 /* As published: no start-up, the model as it is, no dead time. */
 static inline drive_cfg_t example_drive_cfg(void)
 {

@@ -497,6 +497,145 @@ static void test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watc
     }
 }
 
+/* ---- the safe state: its configuration shorts the motor above OPEN_SPEED ---- */
+
+#define OPEN_SPEED (20000000) /* 1397 rpm, 215 ticks a turn */
+#define SHORT_TICKS (430U)
+
+static void assert_short(void)
+{
+    TEST_ASSERT_TRUE(out.gate_enable);
+    for (int32_t p = 0; p < 3; p++) {
+        TEST_ASSERT_EQUAL_UINT16(0U, out.compare.phase[p]);
+    }
+}
+
+static void short_above_speed(void)
+{
+    setUp();
+    cfg.safe_state = example_safe_state_cfg(OPEN_SPEED, 2000, SHORT_TICKS);
+    supervise_nothing();
+    TEST_ASSERT_NULL(drive_init(&drive, &cfg));
+}
+
+/* RUN, as if the rotor had this speed by the estimate and that by the reference. */
+static void run_at(step_t estimate, step_t reference)
+{
+    short_above_speed();
+    go_to(DRIVE_STATE_RUN);
+    drive.observer.speed = estimate;
+    drive.speed_loop.reference = reference;
+}
+
+static void assert_fault_shorts(const char *what)
+{
+    for (uint32_t f = 1U; f < 4U; f++) { /* all but the break */
+        run_at((what[0] == 'e') ? -OPEN_SPEED - 100000 : 0,
+               (what[0] == 'r') ? OPEN_SPEED + 100000 : 0);
+        FAULTS[f].make(&in);
+        tick();
+        assert_short();
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+        TEST_ASSERT_EQUAL_INT(FAULTS[f].id, drive.fault.id);
+    }
+}
+
+static void test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick(void)
+{
+    assert_fault_shorts("estimate");
+}
+
+static void test_where_the_estimate_is_lost_the_reference_tells_the_speed(void)
+{
+    assert_fault_shorts("reference");
+}
+
+static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
+{
+    run_at(OPEN_SPEED - 1000000, OPEN_SPEED - 1000000);
+    make_overcurrent(&in);
+    tick();
+    assert_gates_open();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+}
+
+static void test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow(void)
+{
+    run_at(OPEN_SPEED + 100000, 0);
+    in.command.request = 0U;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    for (uint32_t k = 0U; k < SHORT_TICKS; k++) {
+        assert_short();
+        tick();
+    }
+    ticks(20U); /* a span */
+    assert_gates_open();
+}
+
+/* The currents of the short circuit are no zero of a sensor, and no place to start from. */
+static void test_while_the_motor_is_shorted_nothing_begins(void)
+{
+    run_at(OPEN_SPEED + 100000, 0);
+    make_overcurrent(&in);
+    tick();
+    quiet_frame();
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    ticks(SHORT_TICKS - 1U);
+    assert_short();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    ticks(30U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+
+    run_at(OPEN_SPEED + 100000, 0);
+    in.command.request = 0U;
+    tick();
+    in.command.request = DRIVE_REQUEST_RUN;
+    ticks(SHORT_TICKS - 1U);
+    assert_short();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_READY, drive.state);
+    ticks(30U);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, drive.state);
+}
+
+static void test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared(void)
+{
+    run_at(OPEN_SPEED + 100000, 0);
+    make_break(&in);
+    tick();
+    assert_gates_open();
+    quiet_frame();
+    make_overvoltage(&in);
+    ticks(10U);
+    assert_gates_open();
+
+    run_at(OPEN_SPEED + 100000, 0); /* in the short circuit */
+    make_overcurrent(&in);
+    tick();
+    assert_short();
+    make_break(&in);
+    tick();
+    assert_gates_open();
+    quiet_frame();
+    in.command.request = DRIVE_REQUEST_CLEAR;
+    tick();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+    TEST_ASSERT_EQUAL_INT(SAFE_STATE_OPEN, drive.safe_state.phase);
+}
+
+/* A load turns the motor: with open gates its EMF charges the bus. */
+static void test_a_high_bus_shorts_a_motor_that_is_not_driven(void)
+{
+    short_above_speed();
+    go_to(DRIVE_STATE_READY);
+    assert_gates_open();
+    make_overvoltage(&in);
+    tick();
+    assert_short();
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
+    TEST_ASSERT_EQUAL_INT(FAULT_OVERVOLTAGE, drive.fault.id);
+}
+
 static void test_faults_that_a_state_does_not_watch_leave_it_with_open_gates(void)
 {
     for (uint32_t f = 0U; f < 4U; f++) {
@@ -1226,6 +1365,13 @@ int main(void)
     RUN_TEST(test_a_high_bus_takes_the_braking_torque_and_a_low_one_the_motoring);
     RUN_TEST(test_the_shortest_slow_periods_supervise_too);
     RUN_TEST(test_each_fault_opens_the_gates_in_its_tick_in_every_state_that_watches_it);
+    RUN_TEST(test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick);
+    RUN_TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed);
+    RUN_TEST(test_a_fault_of_a_slow_rotor_opens_the_gates);
+    RUN_TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow);
+    RUN_TEST(test_while_the_motor_is_shorted_nothing_begins);
+    RUN_TEST(test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared);
+    RUN_TEST(test_a_high_bus_shorts_a_motor_that_is_not_driven);
     RUN_TEST(test_faults_that_a_state_does_not_watch_leave_it_with_open_gates);
     RUN_TEST(test_a_run_command_at_overcurrent_or_undervoltage_never_enables_the_gates);
     RUN_TEST(test_a_stop_in_the_frame_of_a_fault_latches_only_what_ready_watches);

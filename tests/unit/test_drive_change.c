@@ -505,6 +505,26 @@ static void test_in_run_it_opens_the_gates(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
 }
 
+/* A fast rotor is shorted instead; the drive begins anew when it is slow. */
+static void test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates(void)
+{
+    cfg.safe_state = example_safe_state_cfg(1, 32767, 50U);
+    begin();
+    go_to(DRIVE_STATE_RUN);
+    ticks(100U);
+    other.speed_shift++;
+    change();
+    for (uint32_t k = 0U; k < 50U; k++) {
+        tick();
+        TEST_ASSERT_TRUE(out.gate_enable);
+        TEST_ASSERT_EQUAL_UINT16(0U, out.compare.phase[0]);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_INIT, drive.state);
+    }
+    ticks(2U);
+    TEST_ASSERT_FALSE(out.gate_enable);
+    TEST_ASSERT_EQUAL_INT(DRIVE_STATE_OFFSET_CAL, drive.state);
+}
+
 static void test_a_latched_fault_stays(void)
 {
     in.flags = DRIVE_FLAG_BREAK;
@@ -641,6 +661,7 @@ int main(void)
     RUN_TEST(test_a_setting_of_rest_makes_a_drive_at_rest_calibrate_again);
     RUN_TEST(test_a_shorter_slow_period_is_not_exceeded);
     RUN_TEST(test_in_run_it_opens_the_gates);
+    RUN_TEST(test_in_run_it_shorts_a_motor_that_is_too_fast_for_open_gates);
     RUN_TEST(test_a_latched_fault_stays);
     RUN_TEST(test_from_any_state_any_change_ends_within_the_ranges_of_the_state);
     return UNITY_END();

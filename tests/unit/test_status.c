@@ -69,6 +69,14 @@ static void test_it_begins_with_the_state(void)
     assert_state(DRIVE_STATE_FAULT, "FAULT by ");
 }
 
+static void test_a_motor_that_is_shorted_is_said(void)
+{
+    app.drive.safe_state.phase = SAFE_STATE_SHORT;
+    assert_state(DRIVE_STATE_READY, "READY, shorting the motor, speed");
+    app.drive.safe_state.phase = SAFE_STATE_BROKEN;
+    assert_state(DRIVE_STATE_READY, "READY, speed");
+}
+
 static void test_the_speed_is_that_of_the_drive(void)
 {
     app.drive.state = DRIVE_STATE_RUN;
@@ -158,6 +166,7 @@ int main(void)
     RUN_TEST(test_it_has_every_quantity_in_its_unit);
     RUN_TEST(test_before_the_first_tick_there_is_no_temperature);
     RUN_TEST(test_it_begins_with_the_state);
+    RUN_TEST(test_a_motor_that_is_shorted_is_said);
     RUN_TEST(test_the_speed_is_that_of_the_drive);
     RUN_TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed);
     RUN_TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed);

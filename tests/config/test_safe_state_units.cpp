@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// Up to which speed open gates are safe, what the short circuit takes, and the line for each highest speed at which nothing is safe.
+#include "folder.h"
+
+#include "numbers.h"
+#include "safe_state_units.h"
+
+#include "unity.h"
+
+#include <cmath>
+
+using test::Folder;
+using test::refusal;
+
+namespace
+{
+
+using Words = std::vector<std::string>;
+
+constexpr double RELATIVE = 1e-12; // a few products of doubles
+constexpr double ROUNDING = 0.5;   // of an integer field
+constexpr double ROOT_3 = 1.7320508075688772;
+
+// The motor m: P 2, R 2.125 ohm, L 11.6 mH, 0.387 Wb, 2000 rpm, 10 A. The board b: 200, 310, 400 V, 18 A.
+nf::Config loaded(const Words &set)
+{
+    return nf::load_scenario("s", {}, set);
+}
+
+double safe_speed(const Words &set)
+{
+    const nf::Config config = loaded(set);
+    return nf::safe_open_speed(config.motor, config.board);
+}
+
+void expect(double by_hand, double found)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(RELATIVE * std::abs(by_hand), by_hand, found);
+}
+
+void expect_line(const Words &set, const char *line)
+{
+    TEST_ASSERT_EQUAL_STRING(line, refusal({}, set).c_str());
+}
+
+void without_a_capacitance_the_emf_stays_below_the_highest_bus()
+{
+    const Folder folder;
+    expect(400 / (ROOT_3 * 0.387), safe_speed({}));
+}
+
+// 1.5·11.6 mH·(18 A)²/1 mF = 5637.6 V²: from 200 V it is 300 V less 5637.6/400, from 310 V 355 V less 5637.6/180.
+void a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings()
+{
+    const Folder folder;
+    expect((300 - 14.094) / (ROOT_3 * 0.387), safe_speed({"board.bus_capacitance_f=1e-3"}));
+    // 28188 V²: 300 V less 70.47, 355 less 156.6
+    expect((355 - 156.6) / (ROOT_3 * 0.387), safe_speed({"board.bus_capacitance_f=2e-4"}));
+}
+
+// The saliency adds up to half of (L_q − L_d)·I to the flux: 0.387 Wb and 5 mH·10 A/2.
+void a_salient_motor_gives_the_bus_more()
+{
+    const Folder folder;
+    const double square = 1.5 * 0.0166 * 324 / 1e-3;
+    expect((300 - square / 400) / (ROOT_3 * (0.387 + 0.025)),
+           safe_speed({"board.bus_capacitance_f=1e-3", "motor.inductance_q_h=0.0166"}));
+}
+
+void open_gates_are_the_default_and_short_no_motor()
+{
+    const Folder folder;
+    const safe_state_cfg_t c = nf::build(loaded({})).safe_state;
+    TEST_ASSERT_EQUAL_INT32(0, c.open_speed);
+}
+
+// 596.75 rad/s are 0.059675 rad a tick: 13.4 ticks are 0.8 rad, 210.6 two turns. The short circuit takes
+// 596.75·0.387/√(2.125² + 6.9223²) = 31.89 A, of which the sensors see 20 A; over 13 ticks it changes by 2·20·sin 0.38789.
+void the_numbers_of_the_firmware()
+{
+    const Folder folder;
+    const safe_state_cfg_t c = nf::build(loaded({"board.safe_state=short"})).safe_state;
+    const double turn = 400 / (ROOT_3 * 0.387) * 1e-4;
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, turn / nf::TWO_PI * 4294967296.0, c.open_speed);
+    TEST_ASSERT_EQUAL_UINT32(13, c.span_ticks);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.75 * 40 * std::sin(6.5 * turn) / 40 * 32768,
+                              c.change_min);
+    TEST_ASSERT_EQUAL_UINT32(211, c.settle_ticks);
+}
+
+void the_short_circuit_current_by_hand()
+{
+    const Folder folder;
+    nf::Config config = loaded({});
+    // At R/L: φ/(√2·L).
+    expect(0.387 / 0.0116 / std::sqrt(2.0),
+           nf::short_circuit_current(config.motor, 2.125 / 0.0116));
+    // Without R it is φ/L_d at any speed, and the peak adds the flux of 10 A, hypot(0.387, 0.116), over L.
+    config.motor.resistance_ohm = 0;
+    expect(0.387 / 0.0116, nf::short_circuit_current(config.motor, 100));
+    const double voltage = 400 * 0.95 / ROOT_3 / nf::safe_open_speed(config.motor, config.board);
+    TEST_ASSERT_TRUE(voltage < std::hypot(0.387, 0.116)); // no more turns at that speed
+    expect((0.387 + voltage) / 0.0116, nf::short_circuit_peak(config.motor, config.board, 100));
+}
+
+const Words FAST = {"board.bus_capacitance_f=1e-3"};
+
+Words also(Words a, const Words &b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+void a_highest_speed_beyond_open_gates_is_refused()
+{
+    const Folder folder;
+    expect_line(
+        FAST,
+        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1770 rpm: above it, at the limit of the over-speed fault, the EMF charges the bus beyond board.bus_max_v once the gates open; "
+        "board.safe_state = \"short\" shorts the motor instead");
+    TEST_ASSERT_EQUAL_STRING("accepted",
+                             refusal({}, also(FAST, {"motor.max_speed_rpm=1770"})).c_str());
+}
+
+void a_capacitor_too_small_for_the_windings_is_refused()
+{
+    const Folder folder;
+    expect_line(
+        {"board.bus_capacitance_f=8e-5"},
+        "--set: board.bus_capacitance_f = 8e-05: does not fit the firmware; allowed: at least 8.823e-05 F: below it the energy "
+        "of the motor's windings at board.overcurrent_a alone charges the bus beyond board.bus_max_v");
+}
+
+void a_short_circuit_that_trips_the_comparators_is_refused()
+{
+    const Folder folder;
+    expect_line(
+        also(FAST, {"board.safe_state=short", "board.trip_a=30"}),
+        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1770 rpm: above it a stop or a fault shorts the motor, and the peak of that current makes the comparators open the "
+        "gates: board.trip_a is too low for this motor");
+    TEST_ASSERT_EQUAL_STRING(
+        "accepted", refusal({}, also(FAST, {"board.safe_state=short", "board.trip_a=90"})).c_str());
+}
+
+void a_short_circuit_that_demagnetises_is_refused()
+{
+    const Folder folder;
+    expect_line(
+        also(FAST, {"board.safe_state=short", "motor.demagnetising_current_a=40"}),
+        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1770 rpm: above it a stop or a fault shorts the motor, and the peak of that current is beyond "
+        "motor.demagnetising_current_a");
+    TEST_ASSERT_EQUAL_STRING(
+        "accepted",
+        refusal({}, also(FAST, {"board.safe_state=short", "motor.demagnetising_current_a=90"}))
+            .c_str());
+}
+
+// It is never shorted by a stop or a fault.
+void a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit()
+{
+    const Folder folder;
+    TEST_ASSERT_EQUAL_STRING("accepted",
+                             refusal({}, {"board.safe_state=short", "board.trip_a=30"}).c_str());
+}
+
+} // namespace
+
+void setUp()
+{
+}
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(without_a_capacitance_the_emf_stays_below_the_highest_bus);
+    RUN_TEST(a_capacitor_is_charged_from_the_lowest_bus_by_emf_and_windings);
+    RUN_TEST(a_salient_motor_gives_the_bus_more);
+    RUN_TEST(open_gates_are_the_default_and_short_no_motor);
+    RUN_TEST(the_numbers_of_the_firmware);
+    RUN_TEST(the_short_circuit_current_by_hand);
+    RUN_TEST(a_highest_speed_beyond_open_gates_is_refused);
+    RUN_TEST(a_capacitor_too_small_for_the_windings_is_refused);
+    RUN_TEST(a_short_circuit_that_trips_the_comparators_is_refused);
+    RUN_TEST(a_short_circuit_that_demagnetises_is_refused);
+    RUN_TEST(a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit);
+    return UNITY_END();
+}

@@ -1,0 +1,508 @@
+// SPDX-License-Identifier: MIT
+// The safe state in whole runs: what the bus and the windings bear when the gates open or the motor is shorted, from any point of
+// operation; each fault at speeds at which open gates would overcharge the bus.
+#include "config.h"
+#include "injection.h"
+#include "machine.h"
+#include "numbers.h"
+#include "safe_state_units.h"
+#include "sim.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unity.h>
+
+namespace
+{
+
+using Words = std::vector<std::string>;
+
+constexpr double ROOT_3 = 1.7320508075688772;
+
+// A salient motor with little flux and much inductance. This drive does not weaken the field: its highest speed is where the
+// EMF meets the voltage circle. An over-hauling load makes the speeds above.
+struct Machine {
+    const char *motor;
+    const char *board;
+    const char *tuning;
+    Words set;
+};
+const Machine COMPRESSOR = {
+    "motor_a",
+    "compressor_310v",
+    "robust",
+    {"motor.pole_pairs=3", "motor.resistance_ohm=0.6", "motor.inductance_d_h=8e-3",
+     "motor.inductance_q_h=12e-3", "motor.flux_linkage_wb=0.1", "motor.rated_torque_nm=2.5",
+     "motor.rated_speed_rpm=4500", "motor.max_speed_rpm=5200", "motor.max_current_a=8",
+     "motor.inertia_kg_m2=1e-3", "motor.viscous_friction_nm_s=1e-4",
+     "plant.bus_capacitance_f=680e-6", "plant.bus_source_resistance_ohm=1"}};
+constexpr double HIGHEST_RPM = 8000; // of the load, and of a drive that weakens the field
+
+nf::Config configured(const Machine &machine, const Words &more = {})
+{
+    Words set = machine.set;
+    set.insert(set.end(), more.begin(), more.end());
+    return nf::load_parts(machine.motor, machine.board, machine.tuning, {}, set);
+}
+
+double rpm_of(const nf::Config &config, double speed_el)
+{
+    return speed_el / config.motor.pole_pairs / nf::rad_s_from_rpm(1);
+}
+
+// ---- the plant alone: the formulas
+
+constexpr double STILL_INERTIA = 1e3; // the speed stays
+
+// A machine that turns, with this current in its windings and this voltage on its bus.
+plant_t machine_at(const nf::Config &config, double speed_el, double i_d, double i_q, double bus_v)
+{
+    const drive_cfg_t cfg =
+        nf::make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+    plant_cfg_t plant_cfg = nf::make_plant_cfg(config, cfg);
+    plant_cfg.motor.inertia_kg_m2 = STILL_INERTIA;
+    plant_cfg.motor.initial_speed_mech_rad_s = speed_el / config.motor.pole_pairs;
+    plant_cfg.supply.voltage_v = bus_v;
+    plant_cfg.trip_a = 0;
+    plant_t plant;
+    const char *bad = nullptr;
+    TEST_ASSERT_TRUE_MESSAGE(plant_init(&plant, &plant_cfg, &bad), bad);
+    plant.motor.now.flux_d_wb = config.motor.flux_linkage_wb + config.motor.inductance_d_h * i_d;
+    plant.motor.now.flux_q_wb = config.motor.inductance_q_h * i_q;
+    return plant;
+}
+
+double amplitude_a(const plant_t &plant)
+{
+    return std::hypot(plant_motor_i_d(&plant.motor), plant_motor_i_q(&plant.motor));
+}
+
+struct Peak {
+    double bus_v = 0;
+    double current_a = 0;
+};
+
+Peak peak_of(plant_t plant, bool shorted, double time_s)
+{
+    Peak peak;
+    plant_set_gates(&plant, shorted); // all compare values are 0
+    const long periods = std::lround(time_s / plant.inverter.period_s);
+    for (long k = 0; k < periods; k++) {
+        plant_step(&plant);
+        peak.bus_v = std::max(peak.bus_v, plant.bus_v);
+        peak.current_a = std::max(peak.current_a, amplitude_a(plant));
+    }
+    return peak;
+}
+
+constexpr int POINTS = 400;
+constexpr double OPEN_TIME_S = 0.2;  // 40 electrical turns: the bus has settled
+constexpr double SHORT_TIME_S = 0.1; // 5 of L/R
+// The bound is for the worst angle of all, at which the EMF of two phases stands still. It does not, so some room is left,
+// but not so much that the formula would be of no use.
+constexpr double BUS_SHARE_LEAST = 0.75;
+
+// Whatever current flows, and whatever the bus between its lowest and its nominal voltage.
+void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
+{
+    for (const char *capacitance : {"150e-6", "680e-6", "2e-3"}) {
+        const nf::Config config =
+            configured(COMPRESSOR, {fmt::format("plant.bus_capacitance_f={}", capacitance),
+                                    fmt::format("board.bus_capacitance_f={}", capacitance)});
+        const double safe = nf::safe_open_speed(config.motor, config.board);
+        std::mt19937 random(1);
+        double highest_v = 0;
+        for (int k = 0; k < POINTS; k++) {
+            const auto uniform = [&](double lo, double hi) {
+                return std::uniform_real_distribution<double>(lo, hi)(random);
+            };
+            const double angle = uniform(-nf::PI, nf::PI);
+            const double amplitude = config.board.overcurrent_a * std::sqrt(uniform(0, 1));
+            const double bus_v = k % 2 == 0
+                                     ? config.board.bus_min_v
+                                     : uniform(config.board.bus_min_v, config.board.bus_nominal_v);
+            const plant_t plant = machine_at(config, safe, amplitude * std::cos(angle),
+                                             amplitude * std::sin(angle), bus_v);
+            highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
+        }
+        fmt::print("{} F: safe up to {:.0f} rpm, EMF {:.1f} V, highest bus {:.1f} V of {:g} V\n",
+                   capacitance, rpm_of(config, safe), ROOT_3 * safe * config.motor.flux_linkage_wb,
+                   highest_v, config.board.bus_max_v);
+        TEST_ASSERT_TRUE(highest_v <= config.board.bus_max_v);
+        TEST_ASSERT_TRUE(highest_v >= BUS_SHARE_LEAST * config.board.bus_max_v);
+    }
+}
+
+// What a break does at the highest speed of a motor that weakens its field: the bound of docs/protection.md.
+void test_a_break_charges_the_bus_to_the_emf_and_its_overshoot()
+{
+    const nf::Config config = configured(COMPRESSOR);
+    const double speed = nf::rad_s_from_rpm(HIGHEST_RPM) * config.motor.pole_pairs;
+    const double emf = ROOT_3 * speed * config.motor.flux_linkage_wb;
+    for (const double bus_v : {config.board.bus_nominal_v, config.board.bus_min_v}) {
+        double highest_v = 0;
+        for (int k = 0; k < POINTS; k++) {
+            const double angle = nf::TWO_PI * k / POINTS;
+            const double amplitude = k % 4 * config.board.overcurrent_a / 3;
+            const plant_t plant = machine_at(config, speed, amplitude * std::cos(angle),
+                                             amplitude * std::sin(angle), bus_v);
+            highest_v = std::max(highest_v, peak_of(plant, false, OPEN_TIME_S).bus_v);
+        }
+        fmt::print("break at {:.0f} rpm from {:.0f} V: EMF {:.1f} V, highest bus {:.1f} V\n",
+                   HIGHEST_RPM, bus_v, emf, highest_v);
+        TEST_ASSERT_TRUE(highest_v > config.board.bus_max_v);
+        TEST_ASSERT_TRUE(highest_v <= 2 * emf - bus_v);
+    }
+}
+
+// The peak is computed for the largest flux that a point of operation has, at the lowest speed, and the slowest decay, at the highest
+// one.
+constexpr double PEAK_SHARE_LEAST = 0.75;
+
+void test_the_peak_of_the_short_circuit_current_is_within_the_computed_one()
+{
+    const nf::Config config = configured(COMPRESSOR);
+    const double safe = nf::safe_open_speed(config.motor, config.board);
+    const double fastest = nf::rad_s_from_rpm(HIGHEST_RPM) * config.motor.pole_pairs;
+    const double bound = nf::short_circuit_peak(config.motor, config.board, fastest);
+    std::mt19937 random(1);
+    double highest_a = 0;
+    for (int k = 0; k < POINTS; k++) {
+        const auto uniform = [&](double lo, double hi) {
+            return std::uniform_real_distribution<double>(lo, hi)(random);
+        };
+        // A point of operation: no current along the magnets, and the flux that the voltage can turn.
+        const double angle = uniform(nf::PI / 2, 3 * nf::PI / 2);
+        const double amplitude = config.motor.max_current_a * std::sqrt(uniform(0, 1));
+        const double speed = uniform(safe, fastest);
+        const plant_t plant = machine_at(config, speed, amplitude * std::cos(angle),
+                                         amplitude * std::sin(angle), config.board.bus_nominal_v);
+        const double flux = std::hypot(plant.motor.now.flux_d_wb, plant.motor.now.flux_q_wb);
+        if (speed * flux <= nf::largest_ratio(config.board) * config.board.bus_max_v) {
+            highest_a = std::max(highest_a, peak_of(plant, true, SHORT_TIME_S).current_a);
+        }
+    }
+    fmt::print("short circuit: highest {:.1f} A, computed {:.1f} A, in the end {:.2f} A\n",
+               highest_a, bound, nf::short_circuit_current(config.motor, fastest));
+    TEST_ASSERT_TRUE(highest_a <= bound);
+    TEST_ASSERT_TRUE(highest_a >= PEAK_SHARE_LEAST * bound);
+}
+
+constexpr double STEADY_TOLERANCE =
+    0.002; // the plant's integration, and what has not decayed after 0.5 s
+
+void test_the_short_circuit_current_in_the_end_is_the_computed_one()
+{
+    const nf::Config config = configured(COMPRESSOR);
+    for (const double rpm : {200.0, 1000.0, 4000.0, HIGHEST_RPM}) {
+        const double speed = nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs;
+        plant_t plant = machine_at(config, speed, 0, 0, config.board.bus_nominal_v);
+        (void)peak_of(plant, true, 0);
+        plant_set_gates(&plant, true);
+        for (int k = 0; k < 5000; k++) {
+            plant_step(&plant);
+        }
+        const double computed = nf::short_circuit_current(config.motor, speed);
+        TEST_ASSERT_DOUBLE_WITHIN(STEADY_TOLERANCE * computed, computed, amplitude_a(plant));
+    }
+}
+
+// ---- the drive
+
+using Fault = nf::FaultKind;
+
+struct Strike {
+    const char *name;
+    std::optional<nf::FaultEntry> entry; // none: a stop
+};
+
+nf::FaultEntry lasting(Fault kind, std::optional<double> value = {})
+{
+    return {0, kind, nf::FaultSpan::lasting, value, {}};
+}
+
+nf::FaultEntry once(Fault kind, std::optional<double> value = {})
+{
+    return {0, kind, nf::FaultSpan::tick, value, {}};
+}
+
+// What may go wrong in RUN, and a stop. A bus sensor that stands still is not here: nothing else in the drive sees the bus, so a
+// drive that brakes overcharges it, at any speed: docs/protection.md.
+const std::vector<Strike> STRIKES = {
+    {"stop", {}},
+    {"overcurrent", once(Fault::overcurrent, 13)},
+    {"adc_a_high", lasting(Fault::adc_a_high)},
+    {"adc_b_low", lasting(Fault::adc_b_low)},
+    {"adc_a_stuck", lasting(Fault::adc_a_stuck)},
+    {"adc_b_stuck", lasting(Fault::adc_b_stuck)},
+    {"adc_bus high", once(Fault::adc_bus_stuck, 420)},
+    {"adc_bus low", once(Fault::adc_bus_stuck, 200)},
+    {"temperature", lasting(Fault::temperature, 110)},
+    {"phase_a_open", lasting(Fault::phase_a_open)},
+    {"late_isr", lasting(Fault::late_isr)},
+    {"rotor_jump", {{0, Fault::rotor_jump, nf::FaultSpan::instant, 150, {}}}},
+    {"break_input", once(Fault::break_input)},
+};
+
+// A load that holds a speed whatever the motor does.
+constexpr double LOAD_MOST_NM = 6;
+constexpr double LOAD_GAIN_NM_S = 0.2;
+
+class Ride
+{
+public:
+    Ride(const Machine &machine, const Words &more)
+        : config(configured(machine, more)), sim(config),
+          injection(config, sim.bases().control_period_s, 0),
+          safe_rad_s(nf::safe_open_speed(config.motor, config.board) / config.motor.pole_pairs)
+    {
+    }
+
+    void tick()
+    {
+        (void)injection.act(now, sim);
+        if (held_rpm) {
+            const double excess = speed() - nf::rad_s_from_rpm(*held_rpm);
+            sim.set_load_nm(std::clamp(LOAD_GAIN_NM_S * excess, -LOAD_MOST_NM, LOAD_MOST_NM));
+        }
+        sim.control();
+        watch();
+        sim.advance();
+        now++;
+    }
+    void seconds(double time_s)
+    {
+        const long ticks = std::lround(time_s / sim.bases().control_period_s);
+        for (long k = 0; k < ticks; k++) {
+            tick();
+        }
+    }
+    // The drive brings the motor there by itself.
+    void run_at(double rpm)
+    {
+        sim.command_speed_rpm(rpm);
+        for (int k = 0; k < 200000 && std::abs(speed() - nf::rad_s_from_rpm(rpm)) >
+                                          0.01 * nf::rad_s_from_rpm(rpm);
+             k++) {
+            if (sim.drive().state == DRIVE_STATE_READY) {
+                sim.request(DRIVE_REQUEST_RUN);
+            }
+            tick();
+        }
+        seconds(0.1);
+        TEST_ASSERT_EQUAL_INT(DRIVE_STATE_RUN, sim.drive().state);
+        peak = {};
+    }
+    void strike(const Strike &what)
+    {
+        if (what.entry) {
+            injection.begin(*what.entry, now);
+        } else {
+            sim.request(0);
+        }
+    }
+    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there, then lets it come to rest.
+    void outlive(double rpm)
+    {
+        held_rpm = rpm;
+        seconds(0.4);
+        sim.request(0);
+        seconds(0.2);
+        held_rpm = 0;
+        seconds(0.8);
+    }
+
+    double speed() const
+    {
+        return sim.plant().motor.now.omega_el_rad_s / config.motor.pole_pairs;
+    }
+    bool drives() const
+    {
+        return drive_is_driving(sim.drive().state);
+    }
+    bool is_broken() const
+    {
+        return sim.drive().safe_state.phase == SAFE_STATE_BROKEN;
+    }
+
+    nf::Config config;
+    nf::Simulation sim;
+    nf::Injection injection;
+    double safe_rad_s;
+    int64_t now = 0;
+    std::optional<double> held_rpm;
+    Peak peak;
+    bool was_short = false;
+    double opened_rad_s = 0; // fastest at which the gates opened behind a short circuit
+
+private:
+    void watch()
+    {
+        const drive_out_t &out = sim.out();
+        const bool is_short = !drives() && out.gate_enable;
+        if (is_short) {
+            for (const uint16_t compare : out.compare.phase) {
+                TEST_ASSERT_EQUAL_UINT16(0, compare);
+            }
+        }
+        if (short_ && !is_short && !drives() && !is_broken()) {
+            opened_rad_s = std::max(opened_rad_s, std::abs(speed()));
+        }
+        was_short |= is_short;
+        short_ = is_short;
+        peak.bus_v = std::max(peak.bus_v, sim.plant().bus_v);
+        double current[PLANT_LEGS];
+        plant_phases(plant_motor_current(&sim.plant().motor), current);
+        for (const double a : current) {
+            peak.current_a = std::max(peak.current_a, std::abs(a));
+        }
+    }
+
+    bool short_ = false;
+};
+
+// Where the drive learns of the speed by the bus alone, it shorts the motor in the tick behind the one at which the bus was
+// high: two periods of the largest current.
+double bus_limit_v(const nf::Config &config)
+{
+    const double charge = 2 * config.board.overcurrent_a / config.board.pwm_frequency_hz;
+    return config.board.bus_max_v + charge / config.board.bus_capacitance_f;
+}
+
+// A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
+double broken_bus_v(const nf::Config &config, double rpm)
+{
+    const double emf =
+        ROOT_3 * nf::rad_s_from_rpm(rpm) * config.motor.pole_pairs * config.motor.flux_linkage_wb;
+    return std::max(config.board.bus_max_v, 2 * emf - config.board.bus_min_v);
+}
+
+// The comparators open the gates at their current, unless the drive's own control was lost before and they have. Then the
+// windings keep their flux while the rotor turns on, which may turn the magnets' against it.
+double current_limit_a(const Ride &ride)
+{
+    const nf::MotorSettings &motor = ride.config.motor;
+    const double trip_a = ride.config.board.trip_a;
+    return ride.is_broken()
+               ? (2 * motor.flux_linkage_wb + motor.inductance_q_h * trip_a) / motor.inductance_d_h
+               : trip_a;
+}
+
+void assert_survived(const Ride &ride, const std::string &what)
+{
+    const double limit =
+        ride.is_broken() ? broken_bus_v(ride.config, HIGHEST_RPM) : bus_limit_v(ride.config);
+    TEST_ASSERT_TRUE_MESSAGE(ride.peak.bus_v <= limit, what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(ride.peak.current_a <= current_limit_a(ride), what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
+    TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
+}
+
+std::string told(const Ride &ride, const Strike &strike, double rpm, double load_rpm)
+{
+    return fmt::format("{} at {:.0f} rpm, load to {:.0f} rpm: fault {}, {}, bus {:.1f} V, phase "
+                       "{:.1f} A, opened at {:.0f} rpm",
+                       strike.name, rpm, load_rpm, static_cast<int>(ride.sim.drive().fault.id),
+                       ride.is_broken() ? "broken" : (ride.was_short ? "shorted" : "open"),
+                       ride.peak.bus_v, ride.peak.current_a,
+                       ride.opened_rad_s / nf::rad_s_from_rpm(1));
+}
+
+// The speeds of a table: below the speed up to which opening is safe, and as shares of it up to the highest.
+std::vector<double> speeds_of(const nf::Config &config)
+{
+    const double safe_rpm = rpm_of(config, nf::safe_open_speed(config.motor, config.board));
+    std::vector<double> all = {0.9 * safe_rpm};
+    for (const double rpm : {1.02 * safe_rpm, 1.3 * safe_rpm}) {
+        if (rpm < config.motor.max_speed_rpm) {
+            all.push_back(rpm);
+        }
+    }
+    all.push_back(config.motor.max_speed_rpm);
+    return all;
+}
+
+void run_table(const Machine &machine)
+{
+    for (const Strike &strike : STRIKES) {
+        for (const double rpm : speeds_of(configured(machine))) {
+            for (const double load_rpm : {rpm, HIGHEST_RPM}) {
+                Ride ride(machine, {});
+                ride.run_at(rpm);
+                ride.strike(strike);
+                ride.outlive(load_rpm);
+                const std::string what = told(ride, strike, rpm, load_rpm);
+                fmt::print("{}\n", what);
+                assert_survived(ride, what);
+            }
+        }
+    }
+}
+
+void test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current()
+{
+    run_table(COMPRESSOR);
+}
+
+// Without the short circuit the same load overcharges the bus.
+void test_with_open_gates_the_same_load_overcharges_the_bus()
+{
+    Ride ride(COMPRESSOR, {"board.safe_state=open", "board.bus_capacitance_f=0"});
+    ride.run_at(ride.config.motor.max_speed_rpm);
+    ride.strike({"stop", {}});
+    ride.outlive(HIGHEST_RPM);
+    fmt::print("open: bus {:.1f} V\n", ride.peak.bus_v);
+    TEST_ASSERT_TRUE(ride.peak.bus_v > ride.config.board.bus_max_v);
+}
+
+// Strikes at random instants of the ramp, with random loads.
+constexpr int CAMPAIGN = 60;
+
+void test_random_faults_are_survived()
+{
+    std::mt19937 random(7);
+    const auto uniform = [&](double lo, double hi) {
+        return std::uniform_real_distribution<double>(lo, hi)(random);
+    };
+    for (int k = 0; k < CAMPAIGN; k++) {
+        Ride ride(COMPRESSOR, {});
+        const Strike &strike = STRIKES[random() % STRIKES.size()];
+        const double rpm = uniform(0.3, 1) * ride.config.motor.max_speed_rpm;
+        const double load_rpm = uniform(0.5 * rpm, HIGHEST_RPM);
+        ride.run_at(rpm);
+        ride.held_rpm = rpm;
+        ride.seconds(uniform(0, 0.02));
+        ride.strike(strike);
+        ride.outlive(load_rpm);
+        const std::string what = told(ride, strike, rpm, load_rpm);
+        assert_survived(ride, what);
+    }
+}
+
+} // namespace
+
+void setUp()
+{
+}
+void tearDown()
+{
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit);
+    RUN_TEST(test_a_break_charges_the_bus_to_the_emf_and_its_overshoot);
+    RUN_TEST(test_the_peak_of_the_short_circuit_current_is_within_the_computed_one);
+    RUN_TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one);
+    RUN_TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current);
+    RUN_TEST(test_with_open_gates_the_same_load_overcharges_the_bus);
+    RUN_TEST(test_random_faults_are_survived);
+    return UNITY_END();
+}
