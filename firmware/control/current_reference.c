@@ -10,7 +10,8 @@
 #define MTPA_SQUARE_MAX (32767)
 #define MTPA_SHIFT (2U)
 #define GIVES_WAY (4)
-#define RISE_SHIFT (3U) /* of a weakened i_d*, a slow period */
+#define FALL_SHIFT (2U) /* of a weakened i_d*, a slow period */
+#define RISE_SHIFT (3U)
 
 /*
  * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes before the torque current is
@@ -73,12 +74,14 @@ static int32_t sloped_d(const current_reference_cfg_t *cfg, const current_refere
 }
 
 /*
- * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque each step of one is up to three times that of the
- * other. So i_d* falls at once, and rises by an eighth of what it may.
+ * The limit of i_d* depends on i_q*, whose range depends on i_d*: at the largest torque a step of one is up to three times that of the
+ * other. So i_d* falls by a quarter of what it should, and rises by an eighth of what it may.
  */
 static int32_t weakened_d(int32_t present, int32_t limit)
 {
-    return (limit > present) ? (present + fx_asr(limit - present, RISE_SHIFT)) : limit;
+    const uint32_t shift = (limit > present) ? RISE_SHIFT : FALL_SHIFT;
+
+    return present + fx_asr(limit - present, shift);
 }
 
 NEVER_INLINED static void weaken(const current_reference_cfg_t *cfg, weakening_t *weakening,
@@ -87,9 +90,9 @@ NEVER_INLINED static void weaken(const current_reference_cfg_t *cfg, weakening_t
     const weakening_in_t point = {
         .model = in->model,
         .speed_q15 = in->rotor_speed_q15,
-        .current = in->present,
+        .reference = in->present,
+        .current = in->current,
         .voltage = in->voltage,
-        .voltage_max = in->voltage_max,
         .current_max = in->current_max,
         .deepest = cfg->deepest,
     };
@@ -107,10 +110,8 @@ current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
     current_reference_t next = {.across = CURRENT_END};
 
     next.d = sloped_d(cfg, in, wanted);
-    if (weakening_is_near(in->demand, in->voltage_max)) {
+    if (weakening_is_near(weakening, in->demand, in->voltage_max)) {
         weaken(cfg, weakening, in, &next);
-    } else {
-        weakening_rest(weakening, in->voltage_max);
     }
     return next;
 }

@@ -59,6 +59,7 @@ typedef struct {
     int32_t
         imposed; /* i_d* of the imposed vector that RUN goes back to now, 0…16384; 0: it does not */
     int32_t rotor_speed_q15; /* |ω̂| of Ω_b, 0…32767 */
+    dq_t current;            /* measured, ±16384 */
     dq_t demand;             /* of this tick, ±32768 */
     dq_t voltage;            /* its mean, likewise */
     int32_t voltage_max;     /* radius of the voltage circle of this bus, 0…32767 */

@@ -5,7 +5,7 @@
 
 #define CURRENT_END (16384)
 #define NEAR_SHIFT (4U)     /* of the circle's radius, from where on it may decide */
-#define RESERVE_SHIFT (7U)  /* of the circle's radius, kept for the current control */
+#define RESERVE_SHIFT (6U)  /* of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
 #define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
 #define REST_STEP (80)      /* of the integral, a slow period at rest */
@@ -23,15 +23,15 @@ typedef struct {
 
 void weakening_reset(weakening_t *weakening)
 {
-    *weakening = (weakening_t){.voltage = 0, .circle = 0};
+    *weakening = (weakening_t){.circle = FX_Q15_MAX}; /* the first bus is lower */
 }
 
-bool weakening_is_near(dq_t voltage, int32_t voltage_max)
+/* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
+static void find_valley(weakening_t *weakening, int32_t voltage_max)
 {
-    const int32_t near = voltage_max - fx_asr(voltage_max, NEAR_SHIFT);
-    const int32_t square = near * near;
+    const int32_t risen = fx_approach(weakening->circle, voltage_max, RIPPLE_SHIFT);
 
-    return transforms_square(voltage) > (uint32_t)square;
+    weakening->circle = fx_min(risen, voltage_max);
 }
 
 static void forget(weakening_t *weakening)
@@ -41,10 +41,24 @@ static void forget(weakening_t *weakening)
     }
 }
 
-void weakening_rest(weakening_t *weakening, int32_t voltage_max)
+static bool is_beyond(dq_t demand, int32_t circle)
 {
-    weakening->circle = voltage_max;
-    forget(weakening);
+    const int32_t near = circle - fx_asr(circle, NEAR_SHIFT);
+    const int32_t square = near * near;
+
+    return transforms_square(demand) > (uint32_t)square;
+}
+
+bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
+{
+    bool near;
+
+    find_valley(weakening, voltage_max);
+    near = weakening->acts || is_beyond(demand, weakening->circle);
+    if (!near) {
+        forget(weakening);
+    }
+    return near;
 }
 
 /* Part over whole, Q16, at most 1. Rounded to some 2^-15. */
@@ -139,7 +153,7 @@ static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current
 /* i_d on the ellipse above this i_q. */
 static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
-    const int32_t across = reactive_volts(volts->reactance_q14.q, in->current.q);
+    const int32_t across = reactive_volts(volts->reactance_q14.q, in->reference.q);
     const int32_t left = other_leg(volts->flux, across) - volts->emf;
     const int32_t size = current_of_volts(fx_abs(left), volts->along, in->current_max);
 
@@ -206,41 +220,31 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
 }
 
 /* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
-static void learn(weakening_t *weakening, const weakening_in_t *in,
-                  const weakening_limits_t *limits, int32_t left)
+static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {
     const bool at_end = limits->upper <= limits->lower;
     const int32_t change = fx_asr(left, INTEGRAL_SHIFT);
 
     if ((change > 0) || !at_end) {
-        const int32_t end = fx_asr(in->voltage_max, 2U);
+        const int32_t end = fx_asr(weakening->circle, 2U);
 
         weakening->voltage = fx_clamp(weakening->voltage + change, -end, end);
     }
 }
 
-/* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
-static int32_t lowest_circle(weakening_t *weakening, int32_t voltage_max)
-{
-    const int32_t risen = fx_approach(weakening->circle, voltage_max, RIPPLE_SHIFT);
-
-    weakening->circle = fx_min(risen, voltage_max);
-    return weakening->circle;
-}
-
 weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted)
 {
     const int32_t length = (int32_t)trig_sqrt(transforms_square(in->voltage));
-    const int32_t circle = lowest_circle(weakening, in->voltage_max);
-    const int32_t available = circle - fx_asr(circle, RESERVE_SHIFT);
+    const int32_t available = weakening->circle - fx_asr(weakening->circle, RESERVE_SHIFT);
     const weakening_volts_t volts =
         volts_of(in, (available - resistive_volts(in, length)) + weakening->voltage);
     weakening_limits_t limits = {.lower = -CURRENT_END, .across = CURRENT_END};
 
     limits.upper = ellipse_d(in, &volts);
+    weakening->acts = (limits.upper < wanted) || (in->reference.d < wanted);
     if (limits.upper < wanted) {
         end_where_useless(in, &volts, &limits);
-        learn(weakening, in, &limits, available - length);
+        correct_voltage(weakening, &limits, available - length);
     } else {
         forget(weakening);
     }

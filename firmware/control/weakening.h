@@ -38,15 +38,16 @@
 typedef struct {
     int32_t voltage; /* what E has by the integral, ±8192 */
     int32_t circle;  /* radius that the ripple of the bus leaves: its least one of late, 0…32767 */
+    bool acts;       /* i_d* is what the voltage allows, or on its way back */
 } weakening_t;
 
 /* Operating point. */
 typedef struct {
     const current_loop_cfg_t *model;
     int32_t speed_q15;   /* |ω| of Ω_b, 0…32767 */
-    dq_t current;        /* i* of the last slow period, ±16384 */
+    dq_t reference;      /* i* of the last slow period, ±16384 */
+    dq_t current;        /* that flows, ±16384 */
     dq_t voltage;        /* mean demand, ±32768 */
-    int32_t voltage_max; /* radius of the voltage circle of this bus, 0…32767 */
     int32_t current_max; /* radius of the current circle, 1…16384 */
     int32_t deepest;     /* −i_d* is at most this, 0…16384 */
 } weakening_in_t;
@@ -60,11 +61,11 @@ typedef struct {
 
 void weakening_reset(weakening_t *weakening);
 
-/* The demand is above 15/16 of the circle's radius: from there on the voltage may decide. Radius 0…32767, demand ±32768. */
-bool weakening_is_near(dq_t voltage, int32_t voltage_max);
-
-/* Nothing is near: the integral goes back to 0 within some 100 slow periods. */
-void weakening_rest(weakening_t *weakening, int32_t voltage_max);
+/*
+ * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage may decide i_d*: it does already, or the
+ * demand (±32768) is above 15/16 of the lowest radius of late. If not, the integral goes back to 0 within some 100 slow periods.
+ */
+bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max);
 
 /*
  * One slow period near the circle. wanted: i_d* without the voltage's limit. Rounded towards less voltage, saturated. Four square roots

@@ -56,6 +56,7 @@ static void enter(drive_t *drive, drive_state_t state)
     if (state == DRIVE_STATE_RUN) {
         torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
         torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+        weakening_reset(&drive->weakening);
         frame_plan_rotor(drive);
     }
 }

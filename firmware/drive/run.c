@@ -30,7 +30,6 @@ void run_reset(drive_t *drive)
     drive->residual = 0;
     drive->lost_periods = 0U;
     drive->signals.current_ref = (dq_t){0, 0};
-    weakening_reset(&drive->weakening);
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
@@ -174,6 +173,7 @@ static current_reference_in_t operating_point(const drive_t *drive)
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
         .rotor_speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
+        .current = {.d = fx_sat15(drive->signals.current.d), .q = fx_sat15(drive->signals.current.q)},
         .demand = drive->signals.voltage,
         .voltage = drive->derating.voltage,
         .voltage_max = modulator_limit(&drive->cfg->modulator, drive->signals.bus),

@@ -20,6 +20,7 @@
 #include "../../firmware/control/torque_loop.c"
 #include "../../firmware/control/transforms.c"
 #include "../../firmware/control/virtual_resistance.c"
+#include "../../firmware/control/weakening.c"
 #undef CFG
 #undef CFG_STARTUP
 #undef CFG_BOTH

@@ -25,24 +25,17 @@ using Words = std::vector<std::string>;
 
 constexpr double ROOT_3 = 1.7320508075688772;
 
-// A salient motor with little flux and much inductance. This drive does not weaken the field: its highest speed is where the
-// EMF meets the voltage circle. An over-hauling load makes the speeds above.
 struct Machine {
     const char *motor;
     const char *board;
     const char *tuning;
     Words set;
 };
-const Machine COMPRESSOR = {
-    "motor_a",
-    "compressor_310v",
-    "robust",
-    {"motor.pole_pairs=3", "motor.resistance_ohm=0.6", "motor.inductance_d_h=8e-3",
-     "motor.inductance_q_h=12e-3", "motor.flux_linkage_wb=0.1", "motor.rated_torque_nm=2.5",
-     "motor.rated_speed_rpm=4500", "motor.max_speed_rpm=5200", "motor.max_current_a=8",
-     "motor.inertia_kg_m2=1e-3", "motor.viscous_friction_nm_s=1e-4",
-     "plant.bus_capacitance_f=680e-6", "plant.bus_source_resistance_ohm=1"}};
-constexpr double HIGHEST_RPM = 8000; // of the load, and of a drive that weakens the field
+const Machine COMPRESSOR = {"compressor",
+                            "compressor_310v",
+                            "any",
+                            {"plant.bus_capacitance_f=680e-6", "plant.bus_source_resistance_ohm=1"}};
+constexpr double HIGHEST_RPM = 8000; // of the load
 
 nf::Config configured(const Machine &machine, const Words &more = {})
 {

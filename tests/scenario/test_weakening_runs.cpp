@@ -15,9 +15,9 @@ using nf::Machine;
 using nf::Words;
 using Bench = nf::RunBench;
 
-constexpr Machine MACHINES[] = {{"motor_a_weakened", "bench_310v", "robust"},
-                                {"motor_b_weakened", "bench_310v", "any"},
-                                {"compressor", "bench_310v", "any"}};
+constexpr Machine MACHINES[] = {{"motor_a_weakened", "bench_310v_short", "robust"},
+                                {"motor_b_weakened", "bench_310v_short", "any"},
+                                {"compressor", "compressor_310v", "any"}};
 constexpr int GRID = 2000;
 constexpr double HALF_TURN = 3.14159265358979323846;
 

@@ -215,7 +215,7 @@ static void go_beyond_base_speed(void)
     cfg.deepest = 9000;
     motor.reactance_d_q13 = 16384;
     motor.reactance_q_q13 = 16384;
-    weakening_rest(&weakening, in.voltage_max);
+    weakening_reset(&weakening);
 }
 
 static void test_weakening_falls_at_once_and_rises_by_an_eighth(void)
