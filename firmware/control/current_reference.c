@@ -41,7 +41,7 @@ static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q
 
     if (magnet <= MTPA_END) {
         const uint32_t shift = (magnet > MTPA_SQUARE_MAX) ? MTPA_SHIFT : 0U;
-        const int32_t c = fx_asr(magnet, shift);
+        const int32_t c = fx_min(fx_asr(magnet, shift), MTPA_SQUARE_MAX);
         const int32_t q = fx_asr(fx_abs(current_q), shift);
         const int32_t root = (int32_t)trig_sqrt((uint32_t)((c * c) + (q * q)));
         const int32_t whole = fx_max((c + root) << shift, 1);

@@ -136,7 +136,7 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                         step_t measured, torque_range_t range)
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
-    pi_cfg_t weak;
+    pi_cfg_t weak = {.kp = 0, .ki = 0, .kp_shift = 1U, .ki_shift = 1U};
     const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
 
     return regulate_speed(loop, gains, half_speed_error(cfg, loop->reference, measured),
@@ -155,7 +155,7 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                           const speed_window_t *window, step_t reference, step_t measured,
                           int32_t wanted, torque_range_t range, speed_end_t *end)
 {
-    pi_cfg_t weak;
+    pi_cfg_t weak = {.kp = 0, .ki = 0, .kp_shift = 1U, .ki_shift = 1U};
     const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
     const int32_t integral_q26 = loop->pi.integral_q26;
     const step_t upper = fx_min(window->upper, cfg->speed_max);

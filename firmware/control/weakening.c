@@ -5,7 +5,7 @@
 
 #define CURRENT_END (16384)
 #define NEAR_SHIFT (4U)     /* of the circle's radius, from where on it may decide */
-#define RESERVE_SHIFT (6U)  /* of the circle's radius, kept for the current control */
+#define RESERVE (3)         /* of 256 of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
 #define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
 #define REST_STEP (80)      /* of the integral, a slow period at rest */
@@ -111,13 +111,18 @@ static int32_t reactive_volts(int32_t reactance_q14, int32_t current)
 }
 
 /* What the resistance takes of the voltage's length, Q15 of U_b. */
-static int32_t resistive_volts(const weakening_in_t *in, int32_t length)
+static int32_t resistive_volts(const weakening_in_t *in, dq_t current, int32_t length)
 {
-    const int32_t power = fx_asr(in->current.d * in->voltage.d, 1U) +
-                          fx_asr(in->current.q * in->voltage.q, 1U); /* Q29 */
-    const int32_t along = power / fx_max(length, 1);                 /* Q14 */
+    const int32_t power =
+        fx_asr(current.d * in->voltage.d, 1U) + fx_asr(current.q * in->voltage.q, 1U); /* Q29 */
+    const int32_t along = power / fx_max(length, 1);                                   /* Q14 */
 
     return fx_asr(fx_clamp(along, -CURRENT_END, CURRENT_END) * in->model->resistance_q13, 12U);
+}
+
+static int32_t flux_volts(int32_t flux_q15)
+{
+    return fx_asr(fx_usat15(flux_q15), 1U);
 }
 
 static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
@@ -128,7 +133,7 @@ static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
     volts.reactance_q14 = (dq_t){.d = fx_asr(in->speed_q15 * model->reactance_d_q13, 14U),
                                  .q = fx_asr(in->speed_q15 * model->reactance_q_q13, 14U)};
     volts.emf = fx_min(fx_asr(in->speed_q15 * model->emf_q13, 14U), VOLTS_END);
-    volts.flux = fx_asr(fx_usat15(flux_q15), 1U);
+    volts.flux = flux_volts(flux_q15);
     volts.along = reactive_volts(volts.reactance_q14.d, in->current_max);
     volts.across = reactive_volts(volts.reactance_q14.q, in->current_max);
     return volts;
@@ -204,7 +209,10 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
     return -depth;
 }
 
-/* Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. */
+/*
+ * Where the voltage asks for i_d: no deeper than it is of use, with the i_q that is left there. The resistance counts with the current
+ * that flows. With an i_q* that the voltage does not allow it would leave no i_q at all, and that in the next period all of it.
+ */
 static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
                               weakening_limits_t *limits)
 {
@@ -235,14 +243,15 @@ static void correct_voltage(weakening_t *weakening, const weakening_limits_t *li
 weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted)
 {
     const int32_t length = (int32_t)trig_sqrt(transforms_square(in->voltage));
-    const int32_t available = weakening->circle - fx_asr(weakening->circle, RESERVE_SHIFT);
-    const weakening_volts_t volts =
-        volts_of(in, (available - resistive_volts(in, length)) + weakening->voltage);
+    const int32_t available = weakening->circle - fx_asr(weakening->circle * RESERVE, 8U);
+    const int32_t whole = available + weakening->voltage;
+    weakening_volts_t volts = volts_of(in, whole - resistive_volts(in, in->reference, length));
     weakening_limits_t limits = {.lower = -CURRENT_END, .across = CURRENT_END};
 
     limits.upper = ellipse_d(in, &volts);
     weakening->acts = (limits.upper < wanted) || (in->reference.d < wanted);
     if (limits.upper < wanted) {
+        volts.flux = flux_volts(whole - resistive_volts(in, in->current, length));
         end_where_useless(in, &volts, &limits);
         correct_voltage(weakening, &limits, available - length);
     } else {
