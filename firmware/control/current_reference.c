@@ -81,7 +81,7 @@ static int32_t weakened_d(int32_t present, int32_t limit)
 {
     const uint32_t shift = (limit > present) ? RISE_SHIFT : FALL_SHIFT;
 
-    return present + fx_asr(limit - present, shift);
+    return fx_approach(present, limit, shift);
 }
 
 NEVER_INLINED static void weaken(const current_reference_cfg_t *cfg, weakening_t *weakening,

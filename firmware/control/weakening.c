@@ -4,7 +4,7 @@
 #include "trig.h"
 
 #define CURRENT_END (16384)
-#define NEAR_SHIFT (4U)     /* of the circle's radius, from where on it may decide */
+#define NEAR (15)           /* sixteenths of the circle's radius, from where on it may decide */
 #define RESERVE (3)         /* of 256 of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
 #define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
@@ -43,7 +43,7 @@ static void forget(weakening_t *weakening)
 
 static bool is_beyond(dq_t demand, int32_t circle)
 {
-    const int32_t near = circle - fx_asr(circle, NEAR_SHIFT);
+    const int32_t near = fx_asr(circle * NEAR, 4U);
     const int32_t square = near * near;
 
     return transforms_square(demand) > (uint32_t)square;

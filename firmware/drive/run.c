@@ -276,16 +276,21 @@ static bool is_to_be_held(const drive_t *drive)
     return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
 
-RARE static torque_range_t bridged_range(const drive_t *drive)
+RARE static void narrow_to_bridge(const drive_t *drive, torque_range_t *range)
 {
-    return torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                               drive->signals.current_ref.q, drive->torque_range);
+    *range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                                 drive->signals.current_ref.q, *range);
 }
 
 /* After a change of the mode the torque goes on a slope. */
 static torque_range_t reachable_range(const drive_t *drive)
 {
-    return drive->torque_loop.bridging ? bridged_range(drive) : drive->torque_range;
+    torque_range_t range = drive->torque_range;
+
+    if (drive->torque_loop.bridging) {
+        narrow_to_bridge(drive, &range);
+    }
+    return range;
 }
 
 /*

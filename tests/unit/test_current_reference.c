@@ -205,7 +205,7 @@ static void test_the_larger_one_of_least_current_and_mtpa_counts(void)
 
 /* ---- weakening ---- */
 
-/* E = 127/128 of 12800, ω·φ = 16384, X_d = 1: i_d = −3684. */
+/* E = 12650 of 12800, ω·φ = 16384, X_d = 1: i_d = −3734. */
 static void go_beyond_base_speed(void)
 {
     in.voltage_max = 12800;
@@ -218,18 +218,47 @@ static void go_beyond_base_speed(void)
     weakening_reset(&weakening);
 }
 
-static void test_weakening_falls_at_once_and_rises_by_an_eighth(void)
+/* i_d* after 100 slow periods: of the way to the limit (7/8)^100 is left at most. */
+static int32_t settled_weakened_d(int32_t from)
+{
+    int32_t d = from;
+
+    for (uint32_t k = 0U; k < 100U; k++) {
+        d = next_d(d, 0);
+    }
+    return d;
+}
+
+static void test_weakening_falls_by_a_quarter_and_rises_by_an_eighth(void)
 {
     go_beyond_base_speed();
-    TEST_ASSERT_INT32_WITHIN(8, -3684, next_d(2000, 0));
-    TEST_ASSERT_INT32_WITHIN(8, -8000 + ((8000 - 3684) / 8), next_d(-8000, 0));
+    TEST_ASSERT_INT32_WITHIN(2, 2000 - ((2000 + 3734) / 4), next_d(2000, 0));
+    TEST_ASSERT_INT32_WITHIN(2, -8000 + ((8000 - 3734) / 8), next_d(-8000, 0));
+}
+
+/* A change rounds down: i_d* falls to the very limit, and rises to within 7 of it, on the side of less voltage. */
+static void test_weakening_settles_where_the_voltage_ends(void)
+{
+    go_beyond_base_speed();
+    in.voltage = (dq_t){0, 12650}; /* nothing to learn */
+    TEST_ASSERT_INT32_WITHIN(4, -3734, settled_weakened_d(0));
+    TEST_ASSERT_INT32_WITHIN(4 + 7, -3734, settled_weakened_d(-8000));
 }
 
 static void test_weakening_ends_where_the_magnets_bear_no_more(void)
 {
     go_beyond_base_speed();
     cfg.deepest = 3000;
-    TEST_ASSERT_EQUAL_INT32(-3000, next_d(0, 0));
+    TEST_ASSERT_EQUAL_INT32(-3000, settled_weakened_d(0));
+}
+
+/* What is asked for falls below the limit: the voltage is not in its way, and the slope is its own. */
+static void test_weakening_never_raises_what_is_wanted(void)
+{
+    go_beyond_base_speed();
+    in.rotor_speed_q15 = 0;
+    TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
+    TEST_ASSERT_EQUAL_INT32(1000 - 20, next_d(1000, 8000));
 }
 
 /* Far from the circle i_d* rises on the slope of all else. */
@@ -306,8 +335,10 @@ int main(void)
     RUN_TEST(test_without_a_magnet_both_axes_have_the_same_current);
     RUN_TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q);
     RUN_TEST(test_the_larger_one_of_least_current_and_mtpa_counts);
-    RUN_TEST(test_weakening_falls_at_once_and_rises_by_an_eighth);
+    RUN_TEST(test_weakening_falls_by_a_quarter_and_rises_by_an_eighth);
+    RUN_TEST(test_weakening_settles_where_the_voltage_ends);
     RUN_TEST(test_weakening_ends_where_the_magnets_bear_no_more);
+    RUN_TEST(test_weakening_never_raises_what_is_wanted);
     RUN_TEST(test_a_field_that_need_not_be_weakened_comes_back_on_the_slope);
     RUN_TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does);
     RUN_TEST(test_i_q_ends_where_the_voltage_does);
