@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "current_reference.h"
 
-#include "inlining.h"
 #include "trig.h"
 
 #define CURRENT_END (16384)
@@ -52,20 +51,22 @@ static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q
 }
 
 /* What the torque asks of i_d*. */
-static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
+static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
+                        const current_reference_in_t *in)
 {
-    const int32_t saliency_q13 = in->model->reactance_q_q13 - in->model->reactance_d_q13;
+    const int32_t saliency_q13 = model->reactance_q_q13 - model->reactance_d_q13;
     int32_t most = 0;
 
     if ((cfg->most_torque != 0U) && (saliency_q13 > 0)) {
-        most = most_torque_d(in->model, saliency_q13, in->present.q);
+        most = most_torque_d(model, saliency_q13, in->present.q);
     }
     return fx_max(least_current_d(cfg, in), most);
 }
 
-static int32_t sloped_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in,
-                        int32_t wanted)
+int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
+                            const current_reference_in_t *in)
 {
+    const int32_t wanted = (in->imposed != 0) ? in->imposed : wanted_d(cfg, model, in);
     const int32_t present = in->present.d;
     const int32_t slope = cfg->slope * in->ticks;
     const int32_t slower = cfg->slope_down * in->ticks;
@@ -84,36 +85,13 @@ static int32_t weakened_d(int32_t present, int32_t limit)
     return fx_approach(present, limit, shift);
 }
 
-NEVER_INLINED static void weaken(const current_reference_cfg_t *cfg, weakening_t *weakening,
-                                 const current_reference_in_t *in, current_reference_t *next)
+current_reference_t current_reference_weakened(weakening_t *weakening, const weakening_in_t *in,
+                                               int32_t next_d)
 {
-    const weakening_in_t point = {
-        .model = in->model,
-        .speed_q15 = in->rotor_speed_q15,
-        .reference = in->present,
-        .current = in->current,
-        .voltage = in->voltage,
-        .current_max = in->current_max,
-        .deepest = cfg->deepest,
-    };
-    const weakening_limits_t limits = weakening_step(weakening, &point, next->d);
+    const weakening_limits_t limits = weakening_step(weakening, in, next_d);
 
-    next->d = fx_min(next->d, weakened_d(in->present.d, limits.upper));
-    next->across = limits.across;
-}
-
-current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
-                                           weakening_t *weakening,
-                                           const current_reference_in_t *in)
-{
-    const int32_t wanted = (in->imposed != 0) ? in->imposed : wanted_d(cfg, in);
-    current_reference_t next = {.across = CURRENT_END};
-
-    next.d = sloped_d(cfg, in, wanted);
-    if (weakening_is_near(weakening, in->demand, in->voltage_max)) {
-        weaken(cfg, weakening, in, &next);
-    }
-    return next;
+    return (current_reference_t){.d = fx_min(next_d, weakened_d(in->reference.d, limits.upper)),
+                                 .across = limits.across};
 }
 
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,

@@ -5,7 +5,8 @@
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
  * In the order of a slow period:
- *     current_reference_step    i_d*, and the largest i_q that the voltage leaves beside it
+ *     current_reference_d       i_d*
+ *     current_reference_weakened near the voltage circle: i_d*, and the largest i_q beside it
  *     current_reference_range   what both leave of the range of i_q*
  *     current_reference_flux    ψ at i_d*, in the model in force
  *     current_reference_q       i_q* of a torque; current_reference_torque is the way back
@@ -37,6 +38,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The voltage leaves all of i_q*. */
+#define CURRENT_REFERENCE_ALL (16384)
 /* Torque of the largest current and flux. */
 #define CURRENT_REFERENCE_TORQUE_MAX (536854528) /* 16384 · 32767 */
 
@@ -52,19 +55,12 @@ typedef struct {
 
 /* Operating point. */
 typedef struct {
-    const current_loop_cfg_t *model; /* in force */
-    dq_t present;                    /* i_d*, i_q* of the last slow period, ±16384 */
-    step_t speed;                    /* asked for, ±2^30 */
-    step_t floor_speed;              /* the least current counts from this speed on, ≥ 0 */
+    dq_t present;       /* i_d*, i_q* of the last slow period, ±16384 */
+    step_t speed;       /* asked for, ±2^30 */
+    step_t floor_speed; /* the least current counts from this speed on, ≥ 0 */
     int32_t
         imposed; /* i_d* of the imposed vector that RUN goes back to now, 0…16384; 0: it does not */
-    int32_t rotor_speed_q15; /* |ω̂| of Ω_b, 0…32767 */
-    dq_t current;            /* measured, ±16384 */
-    dq_t demand;             /* of this tick, ±32768 */
-    dq_t voltage;            /* its mean, likewise */
-    int32_t voltage_max;     /* radius of the voltage circle of this bus, 0…32767 */
-    int32_t current_max;     /* radius of the current circle, 1…16384 */
-    int32_t ticks;           /* of a slow period, 6…100 */
+    int32_t ticks; /* of a slow period, 6…100 */
 } current_reference_in_t;
 
 /* What the voltage leaves. */
@@ -74,12 +70,17 @@ typedef struct {
 } current_reference_t;
 
 /*
- * Returns the next i_d*, and what it leaves to i_q*. i_d* rises by `slope` a tick at most. It falls as fast above `floor`, and by
- * `slope_down` below: the next torque may be gone as soon as the last. Three divisions and three roots at most far from the circle.
+ * Returns the next i_d* with all voltage there is. It rises by `slope` a tick at most. It falls as fast above `floor`, and by
+ * `slope_down` below: the next torque may be gone as soon as the last. model: in force. Two divisions and a root at most.
  */
-current_reference_t current_reference_step(const current_reference_cfg_t *cfg,
-                                           weakening_t *weakening,
-                                           const current_reference_in_t *in);
+int32_t current_reference_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
+                            const current_reference_in_t *in);
+
+/*
+ * The same where the voltage may decide, and what is left to i_q*. next_d: from current_reference_d().
+ */
+current_reference_t current_reference_weakened(weakening_t *weakening, const weakening_in_t *in,
+                                               int32_t next_d);
 
 /*
  * Returns the part of `range` that is left for i_q*: `across`, and on the circle of radius current_max (0…16384) what is left beside

@@ -40,12 +40,21 @@ static step_t fastest_known(const drive_t *drive)
 }
 
 /* Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast for that. */
-static void leave(drive_t *drive)
+RARE static void leave(drive_t *drive)
 {
     safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive));
 }
 
-/* The protection limits of the new state apply from now on. RUN begins with a plan of its current control. */
+/* RUN begins with a plan of its current control. */
+RARE static void begin_run(drive_t *drive)
+{
+    torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
+    torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
+    weakening_reset(&drive->weakening);
+    frame_plan_rotor(drive);
+}
+
+/* The protection limits of the new state apply from now on. */
 static void enter(drive_t *drive, drive_state_t state)
 {
     if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
@@ -54,10 +63,7 @@ static void enter(drive_t *drive, drive_state_t state)
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
     if (state == DRIVE_STATE_RUN) {
-        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
-        torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
-        weakening_reset(&drive->weakening);
-        frame_plan_rotor(drive);
+        begin_run(drive);
     }
 }
 

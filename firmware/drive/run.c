@@ -167,31 +167,46 @@ static current_reference_in_t operating_point(const drive_t *drive)
     const startup_cfg_t *const cfg = &drive->cfg->startup;
 
     return (current_reference_in_t){
-        .model = &drive->model.run_loop,
         .present = drive->signals.current_ref,
         .speed = drive->speed_reference,
         .floor_speed = cfg->hold_speed,
         .imposed = is_slow(drive) ? cfg->current_hold : 0,
-        .rotor_speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
-        .current = {.d = fx_sat15(drive->signals.current.d), .q = fx_sat15(drive->signals.current.q)},
-        .demand = drive->signals.voltage,
-        .voltage = drive->derating.voltage,
-        .voltage_max = modulator_limit(&drive->cfg->modulator, drive->signals.bus),
-        .current_max = drive->cfg->derating.current_max,
         .ticks = (int32_t)drive->cfg->slow_ticks,
     };
+}
+
+/* The motor wants more voltage than the bus has, or nearly so. */
+NEVER_INLINED static void weaken(drive_t *drive, current_reference_t *next)
+{
+    const drive_signals_t *const s = &drive->signals;
+    const weakening_in_t point = {
+        .model = &drive->model.run_loop,
+        .speed_q15 = drive_speed_q15(drive, fx_abs(drive->observer.speed)),
+        .reference = s->current_ref,
+        .current = {.d = fx_sat15(s->current.d), .q = fx_sat15(s->current.q)},
+        .voltage = drive->derating.voltage,
+        .current_max = drive->cfg->derating.current_max,
+        .deepest = drive->cfg->current_reference.deepest,
+    };
+
+    *next = current_reference_weakened(&drive->weakening, &point, next->d);
 }
 
 /*
  * i_d* takes of the current: a torque that took all of it as well would trip at over-current. What the winding still bears counts:
  * a motor that is too hot keeps the i_d that its speed needs, and loses torque.
  */
-NEVER_INLINED static void limit_current(drive_t *drive)
+INLINES_ALL static void limit_current(drive_t *drive)
 {
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
-    const current_reference_t next = current_reference_step(cfg, &drive->weakening, &point);
+    const int32_t circle = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
+    current_reference_t next = {.across = CURRENT_REFERENCE_ALL};
 
+    next.d = current_reference_d(cfg, &drive->model.run_loop, &point);
+    if (weakening_is_near(&drive->weakening, drive->signals.voltage, circle)) {
+        weaken(drive, &next);
+    }
     drive->signals.current_ref.d = next.d;
     drive->torque_range =
         current_reference_range(cfg, drive->torque_range, &next, drive->derating.thermal);

@@ -56,7 +56,7 @@ drive_event_t schedule_step(drive_t *drive, const drive_in_t *in, slot_t slot, b
         break;
     case SLOT_LIMITS:
         monitor_limits(drive);
-        if (moving && (drive->state == DRIVE_STATE_RUN)) {
+        if (drive->state == DRIVE_STATE_RUN) {
             run_limit(drive);
         }
         break;
