@@ -44,6 +44,14 @@ bool has_voltage_speed(const Config &config)
            config.tuning.voltage_speed_pct >= ABOVE_HANDOVER * config.tuning.handover_speed_pct;
 }
 
+// Of the file, or of what a start measures.
+bool has_saliency(const Config &config)
+{
+    const bool written = config.motor.inductance_q_h > config.motor.inductance_d_h;
+    const bool measured = has_startup(config) && config.tuning.adapt_saliency_pct > 0;
+    return (written || measured) && !has_voltage_drive(config);
+}
+
 bool has_notch(const Config &config)
 {
     return config.tuning.notch_hz > 0;

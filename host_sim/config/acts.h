@@ -28,6 +28,7 @@ bool has_handover(const Config &config);
 bool has_dead_time(const Config &config);
 bool has_voltage_drive(const Config &config);
 bool has_voltage_speed(const Config &config);
+bool has_saliency(const Config &config);
 bool has_notch(const Config &config);
 bool has_oscillation(const Config &config);
 bool has_angle_sensor(const Config &config);
@@ -57,6 +58,10 @@ constexpr Acting WITH_VOLTAGE_DRIVE = {"only with drive.method = \"voltage_phase
 constexpr Acting WITH_VOLTAGE_SPEED = {"only with drive.method = \"voltage_phase\" and from 1.5 "
                                        "times startup.handover_speed_pct on",
                                        has_voltage_speed};
+constexpr Acting WITH_SALIENCY = {
+    "only with drive.method = \"current\", and motor.inductance_q_h above motor.inductance_d_h or a start that measures it, "
+    "adaptation.saliency_pct above 0",
+    has_saliency};
 constexpr Acting WITH_NOTCH = {"only with speed_loop.notch_hz above 0", has_notch};
 constexpr Acting WITH_OSCILLATION = {"only with supervision.oscillation other than \"off\"",
                                      has_oscillation};

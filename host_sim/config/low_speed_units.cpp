@@ -416,7 +416,7 @@ current_reference_cfg_t make_current_reference(const MotorSettings &motor,
     c.floor_shift = gives_over ? 0 : 1;
     c.slope = hold_slope(motor, board, own, m, b);
     c.slope_down = gives_over ? c.slope : std::max(c.slope / CURRENT_FALL, 1);
-    c.most_torque = tuning.most_torque > 0 && !gives_over ? 1 : 0;
+    c.most_torque = tuning.most_torque != 0 && !gives_over ? 1 : 0;
     keep(c.deepest, deepest_current(motor, tuning) / b.current_a * Q15, 0, Q14);
     return c;
 }

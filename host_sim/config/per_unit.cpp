@@ -27,7 +27,7 @@ constexpr double CURRENT_BASE_RATIO = 2.0;
 // Electrical angle in a PWM period up to which the middle current of the observer and the lead of the voltage hold.
 constexpr double TURN_MAX_RAD = 0.7;
 // What the firmware keeps of the voltage for the current control, and the largest EMF, of U_b: weakening.c.
-constexpr double WEAKENING_RESERVE = 1.0 / 128;
+constexpr double WEAKENING_RESERVE = 3.0 / 256;
 constexpr double EMF_MOST = 1.9;
 // The estimate may overshoot the highest speed asked for.
 constexpr double ESTIMATE_HEADROOM = 1.25;
@@ -88,20 +88,22 @@ void check_speed(const MotorSettings &motor, const BoardSettings &board,
                  const TuningSettings &tuning, const Model &m, const Bases &b)
 {
     const double speed = rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs;
-    const double least_flux = motor.flux_linkage_wb -
-                              motor.inductance_d_h * deepest_current(motor, tuning);
+    const double least_flux =
+        motor.flux_linkage_wb - motor.inductance_d_h * deepest_current(motor, tuning);
     const Source setting = {"motor.max_speed_rpm", motor.max_speed_rpm};
-    require(speed * std::max(least_flux, 0.0), 0,
-            largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
-            tuning.weakening_pct > 0
-                ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-                  "leave, even with the field weakened by current_loop.weakening_pct of "
-                  "motor.max_current_a"
-                : "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-                  "leave, and current_loop.weakening_pct = 0 does not weaken the field");
-    require(speed * motor.flux_linkage_wb, 0, EMF_MOST * b.voltage_v, setting,
-            "above it the motor's EMF exceeds 1.9 times board.bus_full_scale_v, which the firmware's "
-            "numbers end with");
+    require(
+        speed * std::max(least_flux, 0.0), 0,
+        largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
+        tuning.weakening_pct > 0
+            ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
+              "leave, even with the field weakened by current_loop.weakening_pct of "
+              "motor.max_current_a"
+            : "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
+              "leave, and current_loop.weakening_pct = 0 does not weaken the field");
+    require(
+        speed * motor.flux_linkage_wb, 0, EMF_MOST * b.voltage_v, setting,
+        "above it the motor's EMF exceeds 1.9 times board.bus_full_scale_v, which the firmware's "
+        "numbers end with");
     require(m.max_speed_el * b.control_period_s, 0, TURN_MAX_RAD,
             {"motor.max_speed_rpm", motor.max_speed_rpm},
             "above it the rotor turns more than 0.7 rad in a PWM period; a higher "

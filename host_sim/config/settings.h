@@ -166,8 +166,8 @@ struct TuningSettings {
     double current_bandwidth_hz = 0;
     double current_floor_pct =
         0; // least current in RUN, of the continuous current, where there is dead time
-    double most_torque = 1;     // 1: MTPA where L_q > L_d; 0: i_d = 0
-    double weakening_pct = 95;  // largest i_d of field weakening, of motor.max_current_a; 0: none
+    int most_torque = 1;       // 1: MTPA where L_q > L_d; 0: i_d = 0
+    double weakening_pct = 95; // largest i_d of field weakening, of motor.max_current_a; 0: none
     double speed_bandwidth_hz = 0;
     double speed_damping = 0; // of the closed speed loop
     double speed_ramp_rpm_s = 0;

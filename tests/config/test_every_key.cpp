@@ -233,7 +233,7 @@ Rungs numbers_near(double value, const nf::Field &field, bool whole)
             pairs.push_back({low * field.max, high * field.max});
         }
     } else if (whole) {
-        pairs.push_back({0.5 * value, 2 * value});
+        pairs.push_back({std::floor(0.5 * value), 2 * value});
     } else {
         for (const auto &[low, high] : FACTORS) {
             pairs.push_back({low * value, high * value});

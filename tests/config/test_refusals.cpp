@@ -336,11 +336,17 @@ void a_board_of_ones_own_is_blamed_before_a_shipped_motor()
         "--set: board.overcurrent_a = 5: is too small; allowed: at least 10 A, which is motor.max_current_a "
         "(motors/m.toml:11); or write motor.max_current_a in a file of your own or with --set, at most 5 A",
         refusal({}, {"board.overcurrent_a=5"}).c_str());
-    TEST_ASSERT_EQUAL_STRING(
+    const char *const blamed =
         "--set: board.bus_nominal_v = 201: motor.max_speed_rpm = 2000 (motors/m.toml:10) does not fit the firmware "
-        "with it",
-        before(refusal({}, {"board.bus_nominal_v=201", "motor.flux_linkage_wb=0.387"}), "; allowed")
-            .c_str());
+        "with it";
+    TEST_ASSERT_EQUAL_STRING(blamed,
+                             before(refusal({}, {"board.bus_nominal_v=201"}), "; allowed").c_str());
+    // Both are the user's, and move the limit alike where nothing weakens the flux.
+    TEST_ASSERT_EQUAL_STRING(
+        blamed, before(refusal({}, {"board.bus_nominal_v=201", "motor.flux_linkage_wb=0.387",
+                                    "current_loop.weakening_pct=0"}),
+                       "; allowed")
+                    .c_str());
 }
 
 // A servo of 100 W on a board for ±15 A, with the gains of the robust tuning.
@@ -424,15 +430,59 @@ void a_dead_time_that_does_not_fit_is_named_where_it_is_written()
     }
 }
 
-// 0.95·310 V/√3 = 170.03 V at 2·0.387 Wb: 219.68 rad/s.
+// What is said of 5000 rpm, and that the speed which is allowed is.
+void expect_speed(const char *allowed, const char *reason, const std::vector<std::string> &set)
+{
+    std::vector<std::string> beyond = set;
+    beyond.push_back("motor.max_speed_rpm=5000");
+    TEST_ASSERT_EQUAL_STRING(
+        (std::string(
+             "--set: motor.max_speed_rpm = 5000: does not fit the firmware; allowed: at most ") +
+         allowed + " rpm: above it" + reason)
+            .c_str(),
+        refusal({}, beyond).c_str());
+    std::vector<std::string> at_limit = set;
+    at_limit.push_back(std::string("motor.max_speed_rpm=") + allowed);
+    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, at_limit).c_str());
+}
+
+// Of 0.95·310 V/√3 = 170.03 V the current control keeps 3/256: 168.04 V at 2·0.387 Wb are 217.1 rad/s. With i_d = −2.5 A, 25 % of
+// 10 A, 11.6 mH leave 0.358 Wb: 234.7 rad/s.
 void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
 {
     const Folder folder;
-    TEST_ASSERT_EQUAL_STRING(
-        "--set: motor.max_speed_rpm = 5000: does not fit the firmware; "
-        "allowed: at most 2097 rpm",
-        before(refusal({}, {"motor.max_speed_rpm=5000"}), ": above it").c_str());
-    TEST_ASSERT_EQUAL_STRING("accepted", refusal({}, {"motor.max_speed_rpm=2097"}).c_str());
+    expect_speed(
+        "2073",
+        " the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct leave, and "
+        "current_loop.weakening_pct = 0 does not weaken the field",
+        {"current_loop.weakening_pct=0"});
+    expect_speed(
+        "2241",
+        " the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct leave, even with the "
+        "field weakened by current_loop.weakening_pct of motor.max_current_a",
+        {"current_loop.weakening_pct=25"});
+}
+
+// With 95 % of 10 A the voltage would bear 2899 rpm. Without a capacitor 400 V/√3 at 1.15·2·0.387 Wb: 259.5 rad/s.
+void a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed()
+{
+    const Folder folder;
+    expect_speed(
+        "2477",
+        ", at the limit of the over-speed fault, the EMF charges the bus beyond board.bus_max_v once the gates "
+        "open; board.safe_state = \"short\" shorts the motor instead",
+        {});
+}
+
+void mtpa_is_on_or_off()
+{
+    const char *const text = ": is a number with a fraction; allowed: a whole number, 0 to 1";
+    expect_override("current_loop.most_torque=0.7",
+                    (std::string("--set: current_loop.most_torque = 0.7") + text).c_str());
+    expect_override(
+        "current_loop.most_torque=2",
+        "--set: current_loop.most_torque = 2: is too large; allowed: a whole number, 0 to 1");
+    expect_override("current_loop.most_torque=0", "accepted");
 }
 
 // K_i follows as 8 times K_p, as far as the firmware's numbers hold: not its writer's matter.
@@ -812,6 +862,8 @@ int main()
     RUN_TEST(the_optional_settings_are_refused_outside_their_ranges);
     RUN_TEST(a_dead_time_that_does_not_fit_is_named_where_it_is_written);
     RUN_TEST(a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed);
+    RUN_TEST(a_speed_whose_emf_overcharges_the_bus_with_open_gates_is_named_with_what_is_allowed);
+    RUN_TEST(mtpa_is_on_or_off);
     RUN_TEST(a_voltage_gain_is_not_refused_for_the_integral_that_follows);
     RUN_TEST(no_rule_breaks_what_another_key_allows);
     RUN_TEST(what_is_neither_a_value_nor_left_to_a_rule_is_refused);

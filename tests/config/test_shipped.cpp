@@ -24,6 +24,8 @@ extern "C" {
 #include <fstream>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 // generated.c, compiled from headers that nfconfig wrote
 extern "C" const drive_cfg_t *generated_motor_a(void);
@@ -34,17 +36,48 @@ extern "C" const about_t *about_generated_motor_b(void);
 namespace
 {
 
-// Each motor for 24 V has its board; the motors of both papers go with every board for 310 V.
+// Each motor for 24 V has its board, and each one that weakens its field one that shorts it; the motors of both papers go with
+// every laboratory inverter for 310 V.
 bool go_together(const std::string &motor, const std::string &board)
 {
-    const std::map<std::string, std::string> boards_24v = {{"odrive_d5065", "b_g431b_esc1"},
-                                                           {"outrunner_24v", "b_g431b_esc1"},
-                                                           {"teknic_m2310p", "frdm_mc_lvpmsm"}};
-    const auto own = boards_24v.find(motor);
-    if (own != boards_24v.end()) {
+    const std::map<std::string, std::string> own_boards = {
+        {"odrive_d5065", "b_g431b_esc1"},         {"outrunner_24v", "b_g431b_esc1"},
+        {"teknic_m2310p", "frdm_mc_lvpmsm"},      {"compressor", "compressor_310v"},
+        {"motor_a_weakened", "bench_310v_short"}, {"motor_b_weakened", "bench_310v_short"}};
+    const auto own = own_boards.find(motor);
+    if (own != own_boards.end()) {
         return own->second == board;
     }
-    return board == "bench_310v" || board == "g431_bench";
+    return board == "bench_310v" || board == "bench_310v_short" || board == "g431_bench";
+}
+
+bool is_accepted(const std::string &motor, const std::string &board,
+                 const std::vector<std::string> &set)
+{
+    try {
+        nf::build(nf::load_parts(motor, board, "any", {}, set));
+        return true;
+    } catch (const nf::ConfigError &) {
+        return false;
+    }
+}
+
+// Its board is its own because it shorts the motor; the other one that does may suit it too.
+void a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates()
+{
+    for (const char *motor : {"compressor", "motor_a_weakened", "motor_b_weakened"}) {
+        for (const std::string &board : nf::list_boards()) {
+            if (go_together(motor, board)) {
+                TEST_ASSERT_TRUE_MESSAGE(is_accepted(motor, board, {}), motor);
+                TEST_ASSERT_FALSE_MESSAGE(is_accepted(motor, board, {"board.safe_state=open"}),
+                                          motor);
+            } else if (board != "bench_310v_short" && board != "compressor_310v") {
+                TEST_ASSERT_FALSE_MESSAGE(is_accepted(motor, board, {}), motor);
+            } else {
+                // Its comparators and its scale decide.
+            }
+        }
+    }
 }
 
 void every_shipped_combination_fits_the_firmware()
@@ -373,6 +406,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(every_shipped_combination_fits_the_firmware);
+    RUN_TEST(a_motor_that_weakens_its_field_is_refused_where_a_fault_opens_the_gates);
     RUN_TEST(every_shipped_imperfection_fits_the_firmware);
     RUN_TEST(every_shipped_scenario_fits_the_firmware);
     RUN_TEST(the_set_all_is_the_sum_of_its_parts);

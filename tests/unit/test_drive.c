@@ -1091,8 +1091,9 @@ static void test_position_command_is_reached_by_a_motor_in_both_directions(void)
 }
 
 /*
- * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag: while
- * the rotor still follows the old reference it grows by gain·ramp·period, 3 % of a ramp, in a period.
+ * One slow period. The profile keeps its own ramp. The reference adds the correction of the lag, which grows by
+ * gain·lag·period, 3.1 % of the lag of the speed, in a period. The bridge takes three periods to the torque of the ramp: until then
+ * the rotor falls back by 1, 2/3 and 1/3 of a ramp, two in all.
  */
 static void run_without_bump(example_motor_t *m)
 {
@@ -1103,7 +1104,7 @@ static void run_without_bump(example_motor_t *m)
     run_motor(m, cfg.slow_ticks, 0.0);
     TEST_ASSERT_TRUE(abs(drive.position_loop.profile_speed - profile) <= cfg.position_loop.ramp);
     TEST_ASSERT_TRUE((100 * (int64_t)abs(drive.speed_loop.reference - reference)) <=
-                     (105 * (int64_t)cfg.position_loop.ramp));
+                     (107 * (int64_t)cfg.position_loop.ramp));
     TEST_ASSERT_TRUE(abs(drive.signals.current_ref.q) < cfg.derating.current_max);
 }
 

@@ -631,7 +631,7 @@ static void test_the_estimate_waits_with_a_ramp_that_waits(void)
 
 /* ---- the least current ---- */
 
-/* i_d* after one slow period in RUN at speed, from i_d* and i_q*. */
+/* i_d* after one slow period in RUN at the speed of the hand-over, from i_d* and i_q*. */
 static int32_t current_d_after(int32_t d, int32_t q)
 {
     const step_t speed = cfg.startup.handover_speed;
@@ -645,7 +645,7 @@ static int32_t current_d_after(int32_t d, int32_t q)
     drive.observer.speed = speed;
     drive.torque_range = (torque_range_t){-8192, 8192};
     drive.signals.current_ref = (dq_t){d, q};
-    control_speed();
+    run_limit(&drive);
     return drive.signals.current_ref.d;
 }
 
@@ -664,18 +664,39 @@ static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own(vo
     TEST_ASSERT_EQUAL_INT32(2000, current_d_after(2000, 2000));
 }
 
-/* The bus is that of setUp(). */
-static void test_the_least_current_yields_where_the_voltage_ends(void)
+/* i_d* after one slow period at a speed whose EMF is a sixteenth above the bus of setUp(), with this demand. */
+static int32_t current_d_beyond_base_speed(dq_t demand)
 {
     const int32_t limit = modulator_limit(&cfg.modulator, drive.signals.bus);
-    const int32_t near = (15 * limit) / 16;
+    const int32_t speed_q15 = ((limit + (limit / 16)) * 8192) / cfg.current_loop.emf_q13;
 
-    drive.derating.voltage = (dq_t){0, near};
-    TEST_ASSERT_TRUE(current_d_after(0, 0) > 0);
-    drive.derating.voltage = (dq_t){0, near + 2};
+    weakening_reset(&drive.weakening);
+    drive.signals.voltage = demand;
+    (void)current_d_after(0, 0);
+    drive.signals.current_ref = (dq_t){0, 0};
+    drive.observer.speed = speed_q15 * 2048; /* 2^speed_shift */
+    drive.speed_reference = drive.observer.speed;
+    run_limit(&drive);
+    return drive.signals.current_ref.d;
+}
+
+static void test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends(void)
+{
+    const int32_t near = (15 * modulator_limit(&cfg.modulator, drive.signals.bus)) / 16;
+
+    TEST_ASSERT_EQUAL_INT32(64 * (int32_t)cfg.slow_ticks,
+                            current_d_beyond_base_speed((dq_t){0, near}));
+    TEST_ASSERT_LESS_THAN_INT32(0, current_d_beyond_base_speed((dq_t){0, near + 2}));
+    TEST_ASSERT_LESS_THAN_INT32(0, current_d_beyond_base_speed((dq_t){-near - 2, 0}));
+}
+
+/* The voltage drive has neither i_d* nor a range. */
+static void test_the_voltage_drive_leaves_the_current_reference_alone(void)
+{
+    drive.voltage_drive.active = true;
     TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
-    drive.derating.voltage = (dq_t){-near - 2, 0};
-    TEST_ASSERT_EQUAL_INT32(0, current_d_after(0, 0));
+    TEST_ASSERT_EQUAL_INT32(-8000, current_d_after(-8000, 0));
+    TEST_ASSERT_EQUAL_INT32(8192, drive.torque_range.upper);
 }
 
 /* What was imposed is above the least current, and of no use: it goes as it came. */
@@ -885,6 +906,7 @@ static int32_t torque_beside(int32_t current_d, int32_t sign)
     drive.observer.speed = speed - (sign * (speed / 2));
     drive.torque_range = (torque_range_t){-cfg.derating.current_max, cfg.derating.current_max};
     drive.signals.current_ref = (dq_t){current_d, 0};
+    run_limit(&drive);
     control_speed();
     return drive.signals.current_ref.q;
 }
@@ -1039,6 +1061,7 @@ static drive_state_t after_a_loaded_period_at(step_t reference, int32_t load)
     drive.observer.speed = reference;
     drive.speed_reference = reference;
     speed_loop_start(&drive.speed_loop, reference, load);
+    run_limit(&drive);
     slot(SLOT_SPEED);
     return drive.state;
 }
@@ -1439,6 +1462,7 @@ static void test_the_check_of_an_imposed_current_allows_the_whole_emf_in_either_
 
 static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
 {
+    cfg.startup.current_hold = 0; /* no imposed current comes in */
     enter(DRIVE_STATE_RUN);
     drive.signals.bus = cfg.derating.bus_low.zero;
     slot(SLOT_LIMITS);
@@ -1453,6 +1477,7 @@ static void test_the_torques_limits_follow_the_bus_of_this_tick(void)
 static void
 test_the_torques_limits_follow_the_rotor_where_it_runs_and_the_vector_where_it_is_dragged(void)
 {
+    cfg.startup.current_hold = 0;                   /* no imposed current comes in */
     drive.signals.bus = cfg.derating.bus_high.zero; /* no braking */
     drive.observer.speed = 2 * cfg.derating.regeneration_speed;
     drive.vector.step = -2 * cfg.derating.regeneration_speed;
@@ -1620,7 +1645,8 @@ int main(void)
     RUN_TEST(test_what_was_learned_of_j_is_forgotten_with_a_fault);
     RUN_TEST(test_the_estimate_of_a_rotor_that_is_elsewhere_is_left_alone);
     RUN_TEST(test_the_least_current_comes_with_its_slope_and_goes_with_its_own);
-    RUN_TEST(test_the_least_current_yields_where_the_voltage_ends);
+    RUN_TEST(test_the_least_current_gives_way_to_a_weakened_field_where_the_voltage_ends);
+    RUN_TEST(test_the_voltage_drive_leaves_the_current_reference_alone);
     RUN_TEST(test_what_was_imposed_goes_with_the_slope_down_to_the_least_current);
     RUN_TEST(test_the_voltage_drive_takes_over_after_its_periods_and_counts_anew);
     RUN_TEST(test_the_voltage_drive_begins_with_the_voltage_that_acts_whatever_speed_is_missing);
