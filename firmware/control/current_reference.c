@@ -8,6 +8,8 @@
 #define MTPA_END (131071) /* a larger c: MTPA has less than 0.2 % more torque than i_d = 0 */
 #define MTPA_SQUARE_MAX (32767)
 #define MTPA_SHIFT (2U)
+#define MTPA_SCALE (4)
+#define Q13_TO_C (16384) /* half of Q15: c has twice the saliency */
 #define GIVES_WAY (4)
 #define FALL_SHIFT (2U) /* of a weakened i_d*, a slow period */
 #define RISE_SHIFT (3U)
@@ -35,15 +37,18 @@ static int32_t least_current_d(const current_reference_cfg_t *cfg, const current
 static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13,
                              int32_t current_q)
 {
-    const int32_t magnet = (model->emf_q13 << 14U) / saliency_q13; /* c, Q15 of I_b */
+    const int32_t magnet = (model->emf_q13 * Q13_TO_C) / saliency_q13; /* c, Q15 of I_b */
     int32_t depth = 0;
 
     if (magnet <= MTPA_END) {
-        const uint32_t shift = (magnet > MTPA_SQUARE_MAX) ? MTPA_SHIFT : 0U;
+        const bool large = magnet > MTPA_SQUARE_MAX;
+        const uint32_t shift = large ? MTPA_SHIFT : 0U;
+        const int32_t scale = large ? MTPA_SCALE : 1;
         const int32_t c = fx_min(fx_asr(magnet, shift), MTPA_SQUARE_MAX);
         const int32_t q = fx_asr(fx_abs(current_q), shift);
-        const int32_t root = (int32_t)trig_sqrt((uint32_t)((c * c) + (q * q)));
-        const int32_t whole = fx_max((c + root) << shift, 1);
+        const int32_t square = (c * c) + (q * q);
+        const int32_t root = (int32_t)trig_sqrt((uint32_t)square);
+        const int32_t whole = fx_max((c + root) * scale, 1);
 
         depth = (current_q * current_q) / whole;
     }
@@ -106,7 +111,8 @@ torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torqu
 
         room = fx_min(room, beside);
     }
-    return (torque_range_t){.lower = fx_max(range.lower, -room), .upper = fx_min(range.upper, room)};
+    return (torque_range_t){.lower = fx_max(range.lower, -room),
+                            .upper = fx_min(range.upper, room)};
 }
 
 int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_d)

@@ -7,6 +7,7 @@
 #define QUARTER_TURN_BACK (0xC0000000U)
 #define PULSE_CURRENT_MAX (0x1FFFF) /* above twice the largest magnitude */
 #define ONE_Q14 (16384)
+#define WAIT_MAX (0x100000U)   /* of wait_ticks */
 #define SPEED_MAX (0x40000000) /* of a measured speed: a quarter of a turn in a tick */
 #define TELLING_TURN \
     (0x15555555U) /* 1/12 of a turn, in which two directions off by 4° give the speed within 20 % */
@@ -127,10 +128,12 @@ static void follow_current(flying_start_t *start, ab_t current)
 {
     if (start->tick > 1U) {
         const step_t way = fx_signed(direction(current) - direction(start->first));
-        const int32_t half_off = fx_asr(way, 1U) - fx_asr(start->speed, 1U);
-        const step_t mean = start->speed + (2 * (half_off / ((int32_t)start->tick - 1)));
+        const uint32_t changes = ((start->tick < WAIT_MAX) ? start->tick : WAIT_MAX) - 1U;
+        const int32_t half_speed = fx_asr(start->speed, 1U);
+        const int32_t half_off = (fx_asr(way, 1U) - half_speed) / (int32_t)changes;
+        const int32_t half_mean = half_speed + fx_clamp(half_off, -SPEED_MAX, SPEED_MAX);
 
-        start->speed = fx_clamp(mean, -SPEED_MAX, SPEED_MAX);
+        start->speed = 2 * fx_clamp(half_mean, -(SPEED_MAX / 2), SPEED_MAX / 2);
     }
     start->first = current;
 }

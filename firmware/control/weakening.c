@@ -41,7 +41,7 @@ static void forget(weakening_t *weakening)
     }
 }
 
-static bool is_beyond(dq_t demand, int32_t circle)
+static bool is_demanding(dq_t demand, int32_t circle)
 {
     const int32_t near = fx_asr(circle * NEAR, 4U);
     const int32_t square = near * near;
@@ -54,7 +54,7 @@ bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
     bool near;
 
     find_valley(weakening, voltage_max);
-    near = weakening->acts || is_beyond(demand, weakening->circle);
+    near = weakening->acts || is_demanding(demand, weakening->circle);
     if (!near) {
         forget(weakening);
     }
@@ -70,7 +70,9 @@ static int32_t share_of(uint32_t part, uint32_t whole)
         const uint32_t lift = fx_leading_zeros(whole);
         const uint32_t divisor = (whole << lift) >> 16U; /* 2^15…2^16 − 1 */
 
-        share = fx_min((int32_t)((part << lift) / divisor), SHARE_ONE);
+        const uint32_t quotient = (part << lift) / divisor;
+
+        share = fx_min((int32_t)quotient, SHARE_ONE);
     }
     return share;
 }
@@ -90,7 +92,8 @@ static uint32_t long_root(uint64_t square)
         root = trig_sqrt((uint32_t)(square & 0xFFFFFFFFU));
     } else {
         const uint32_t pairs = 16U - (fx_leading_zeros(high) / 2U); /* 1…16 */
-        const uint64_t reduced = square >> (2U * pairs);
+        const uint32_t bits = 2U * pairs;
+        const uint64_t reduced = square >> bits;
 
         root = (uint32_t)trig_sqrt((uint32_t)(reduced & 0xFFFFFFFFU)) << pairs;
     }
@@ -166,7 +169,8 @@ static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volt
 }
 
 /* i_q on the ellipse above this i_d. */
-static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts, int32_t current_d)
+static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volts,
+                         int32_t current_d)
 {
     const int32_t along = volts->emf + reactive_volts(volts->reactance_q14.d, current_d);
 
@@ -183,8 +187,8 @@ static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts
     int32_t depth = 0;
 
     if (lacking > 0) {
-        const int64_t square =
-            ((int64_t)half * half) + ((int64_t)(across2 - along2) * (int64_t)lacking);
+        const int32_t saliency2 = across2 - along2;
+        const int64_t square = ((int64_t)half * half) + ((int64_t)saliency2 * lacking);
         const uint32_t root = (square > 0) ? long_root((uint64_t)square) : 0U;
 
         depth = part_of(share_of((uint32_t)lacking, (uint32_t)half + root), in->current_max);

@@ -54,8 +54,8 @@ typedef struct {
 
 /* What the voltage leaves. */
 typedef struct {
-    int32_t upper;  /* i_d* at most, ±16384 */
-    int32_t lower;  /* a smaller i_d* is of no use, −16384…0; −16384 where `upper` does not decide */
+    int32_t upper; /* i_d* at most, ±16384 */
+    int32_t lower; /* a smaller i_d* is of no use, −16384…0; −16384 where `upper` does not decide */
     int32_t across; /* |i_q*| at most, 0…16384 */
 } weakening_limits_t;
 

@@ -1,7 +1,6 @@
-// SPDX-License-Identifier: MIT
+/* SPDX-License-Identifier: MIT */
 // A drive and its motor under a test's hand: it asks for a motion, loads the motor, and lets time pass.
-#ifndef RUN_BENCH_H
-#define RUN_BENCH_H
+#pragma once
 
 #include "config.h"
 #include "numbers.h"
@@ -29,8 +28,7 @@ class RunBench
 {
 public:
     RunBench(const Machine &machine, const Words &sets, const Words &set)
-        : config(load_parts(machine.motor, machine.board, machine.tuning, sets, set)),
-          sim(config)
+        : config(load_parts(machine.motor, machine.board, machine.tuning, sets, set)), sim(config)
     {
     }
 
@@ -106,5 +104,3 @@ public:
 };
 
 } // namespace nf
-
-#endif

@@ -30,8 +30,7 @@ double torque_of(const nf::MotorSettings &m, double d, double q)
 double voltage_of(const nf::MotorSettings &m, double omega, double d, double q)
 {
     return std::hypot(m.resistance_ohm * d - omega * m.inductance_q_h * q,
-                      m.resistance_ohm * q +
-                          omega * (m.inductance_d_h * d + m.flux_linkage_wb));
+                      m.resistance_ohm * q + omega * (m.inductance_d_h * d + m.flux_linkage_wb));
 }
 
 // The largest torque of all currents within a circle that this voltage holds at this speed.
@@ -66,18 +65,18 @@ void follow_the_curve(const Machine &machine, double sign)
     const nf::Config plain = nf::load_parts(machine.motor, machine.board, machine.tuning, {}, {});
     const nf::MotorSettings &motor = plain.motor;
     const double rated_rad_s = nf::rad_s_from_rpm(motor.rated_speed_rpm);
-    Bench bench(machine, {},
-                {fmt::format("motor.inertia_kg_m2={}", motor.rated_torque_nm * RISE_S / rated_rad_s),
-                 fmt::format("motor.continuous_current_a={}", motor.max_current_a),
-                 "speed_loop.bandwidth_hz=2"});
+    Bench bench(
+        machine, {},
+        {fmt::format("motor.inertia_kg_m2={}", motor.rated_torque_nm * RISE_S / rated_rad_s),
+         fmt::format("motor.continuous_current_a={}", motor.max_current_a),
+         "speed_loop.bandwidth_hz=2"});
     const double volts = nf::largest_ratio(plain.board) * plain.board.bus_nominal_v;
     const double top = 0.95 * motor.max_speed_rpm / motor.rated_speed_rpm;
     bench.ask_torque(3 * sign);
     bench.until(DRIVE_STATE_RUN, 60);
     double next = 0.5;
     for (int k = 0; k < 400 && next < top; k++) {
-        const double torque =
-            std::abs(bench.mean_torque(0.05)) * motor.rated_torque_nm;
+        const double torque = std::abs(bench.mean_torque(0.05)) * motor.rated_torque_nm;
         TEST_ASSERT_EQUAL_INT_MESSAGE(FAULT_NONE, bench.sim.drive().fault.id, machine.motor);
         const double speed = sign * bench.speed();
         if (speed < next) {
@@ -124,8 +123,9 @@ void test_the_salient_motors_have_the_largest_torque_of_their_current()
             bench.seconds(1);
             const double made = bench.mean_torque(0.2) * bench.config.motor.rated_torque_nm;
             const plant_view_t &truth = bench.now.truth;
-            const double share = std::abs(made) / most_torque_nm(bench.config.motor,
-                                                                 std::hypot(truth.i_d_a, truth.i_q_a));
+            const double share =
+                std::abs(made) /
+                most_torque_nm(bench.config.motor, std::hypot(truth.i_d_a, truth.i_q_a));
             const std::string what =
                 fmt::format("{}, {:+.0f} % of rated torque: {:.2f} % of the largest of its current",
                             machine.motor, 100 * torque, 100 * share);
@@ -170,7 +170,8 @@ void run_beyond_base(const Machine &machine, const Words &sets, const Words &bus
     bench.until(DRIVE_STATE_HOLD, 20);
     for (const double sign : {1.0, -1.0}) {
         bench.ask_speed(sign * rpm / rated);
-        for (int k = 0; k < PATIENCE_S && sign * bench.speed() < (1 - SPEED_WITHIN) * rpm / rated; k++) {
+        for (int k = 0; k < PATIENCE_S && sign * bench.speed() < (1 - SPEED_WITHIN) * rpm / rated;
+             k++) {
             pass(1);
         }
         pass(1);

@@ -22,13 +22,8 @@ static weakening_t weakening;
 void setUp(void)
 {
     cfg = (current_reference_cfg_t){.floor = 4000, .floor_shift = 1U, .slope = 64, .slope_down = 2};
-    motor = (current_loop_cfg_t){
-        .emf_q13 = 8192, .reactance_d_q13 = 4096, .reactance_q_q13 = 4096};
-    in = (current_reference_in_t){.model = &motor,
-                                  .speed = 1000000,
-                                  .voltage_max = 16000,
-                                  .current_max = 12000,
-                                  .ticks = 10};
+    motor = (current_loop_cfg_t){.emf_q13 = 8192, .reactance_d_q13 = 4096, .reactance_q_q13 = 4096};
+    in = (current_reference_in_t){.speed = 1000000, .ticks = 10};
     weakening_reset(&weakening);
 }
 
@@ -94,7 +89,7 @@ static void test_the_current_is_the_torque_by_the_flux_and_ends_with_the_current
 static int32_t next_d(int32_t d, int32_t q)
 {
     in.present = (dq_t){d, q};
-    return current_reference_step(&cfg, &weakening, &in).d;
+    return current_reference_d(&cfg, &motor, &in);
 }
 
 static void test_the_least_current_comes_with_its_slope_and_goes_with_its_own_fall(void)
@@ -205,68 +200,41 @@ static void test_the_larger_one_of_least_current_and_mtpa_counts(void)
 
 /* ---- weakening ---- */
 
-/* E = 12650 of 12800, ω·φ = 16384, X_d = 1: i_d = −3734. */
-static void go_beyond_base_speed(void)
+/* E = 253/256 of 12800, ω·φ = 16384, X = 1: an i_d of −3734 at most. */
+static current_reference_t weakened(int32_t present, int32_t next, int32_t deepest)
 {
-    in.voltage_max = 12800;
-    in.voltage = (dq_t){0, 12600};
-    in.demand = (dq_t){0, 12600};
-    in.rotor_speed_q15 = 16384;
-    cfg.deepest = 9000;
+    const weakening_in_t point = {.model = &motor,
+                                  .speed_q15 = 16384,
+                                  .reference = {present, 0},
+                                  .voltage = {0, 12600},
+                                  .current_max = 12000,
+                                  .deepest = deepest};
+
     motor.reactance_d_q13 = 16384;
     motor.reactance_q_q13 = 16384;
     weakening_reset(&weakening);
+    (void)weakening_is_near(&weakening, (dq_t){0, 12600}, 12800);
+    return current_reference_weakened(&weakening, &point, next);
 }
 
-/* i_d* after 100 slow periods: of the way to the limit (7/8)^100 is left at most. */
-static int32_t settled_weakened_d(int32_t from)
+static void test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth(void)
 {
-    int32_t d = from;
-
-    for (uint32_t k = 0U; k < 100U; k++) {
-        d = next_d(d, 0);
-    }
-    return d;
+    TEST_ASSERT_INT32_WITHIN(4, -3734 / 4, weakened(0, 0, 9000).d);
+    TEST_ASSERT_INT32_WITHIN(4, -8000 + ((8000 - 3734) / 8), weakened(-8000, 0, 9000).d);
 }
 
-static void test_weakening_falls_by_a_quarter_and_rises_by_an_eighth(void)
+/* What all else wants is below it already. */
+static void test_weakening_raises_nothing(void)
 {
-    go_beyond_base_speed();
-    TEST_ASSERT_INT32_WITHIN(2, 2000 - ((2000 + 3734) / 4), next_d(2000, 0));
-    TEST_ASSERT_INT32_WITHIN(2, -8000 + ((8000 - 3734) / 8), next_d(-8000, 0));
-}
-
-/* A change rounds down: i_d* falls to the very limit, and rises to within 7 of it, on the side of less voltage. */
-static void test_weakening_settles_where_the_voltage_ends(void)
-{
-    go_beyond_base_speed();
-    in.voltage = (dq_t){0, 12650}; /* nothing to learn */
-    TEST_ASSERT_INT32_WITHIN(4, -3734, settled_weakened_d(0));
-    TEST_ASSERT_INT32_WITHIN(4 + 7, -3734, settled_weakened_d(-8000));
+    TEST_ASSERT_EQUAL_INT32(-5000, weakened(-5000, -5000, 9000).d);
 }
 
 static void test_weakening_ends_where_the_magnets_bear_no_more(void)
 {
-    go_beyond_base_speed();
-    cfg.deepest = 3000;
-    TEST_ASSERT_EQUAL_INT32(-3000, settled_weakened_d(0));
-}
+    const current_reference_t there = weakened(-3000, 0, 3000);
 
-/* What is asked for falls below the limit: the voltage is not in its way, and the slope is its own. */
-static void test_weakening_never_raises_what_is_wanted(void)
-{
-    go_beyond_base_speed();
-    in.rotor_speed_q15 = 0;
-    TEST_ASSERT_EQUAL_INT32(640, next_d(0, 0));
-    TEST_ASSERT_EQUAL_INT32(1000 - 20, next_d(1000, 8000));
-}
-
-/* Far from the circle i_d* rises on the slope of all else. */
-static void test_a_field_that_need_not_be_weakened_comes_back_on_the_slope(void)
-{
-    go_beyond_base_speed();
-    in.demand = (dq_t){0, 12000};
-    TEST_ASSERT_EQUAL_INT32(-8000 + 640, next_d(-8000, 8000));
+    TEST_ASSERT_EQUAL_INT32(-3000, there.d);
+    TEST_ASSERT_LESS_THAN_INT32(CURRENT_MAX, there.across);
 }
 
 /* ---- the range of i_q* ---- */
@@ -335,11 +303,9 @@ int main(void)
     RUN_TEST(test_without_a_magnet_both_axes_have_the_same_current);
     RUN_TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q);
     RUN_TEST(test_the_larger_one_of_least_current_and_mtpa_counts);
-    RUN_TEST(test_weakening_falls_by_a_quarter_and_rises_by_an_eighth);
-    RUN_TEST(test_weakening_settles_where_the_voltage_ends);
+    RUN_TEST(test_a_weakened_i_d_falls_by_a_quarter_and_rises_by_an_eighth);
+    RUN_TEST(test_weakening_raises_nothing);
     RUN_TEST(test_weakening_ends_where_the_magnets_bear_no_more);
-    RUN_TEST(test_weakening_never_raises_what_is_wanted);
-    RUN_TEST(test_a_field_that_need_not_be_weakened_comes_back_on_the_slope);
     RUN_TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does);
     RUN_TEST(test_i_q_ends_where_the_voltage_does);
     RUN_TEST(test_the_vector_never_leaves_its_circle);

@@ -164,8 +164,7 @@ static void test_upper_lies_on_the_ellipse_of_any_motor(void)
         const double d = (sqrt(fmax((e.flux * e.flux) - (x * x), 0.0)) - e.emf) / e.along;
         const weakening_limits_t now = limits();
 
-        if (is_plain(&e) && (fabs(d) < 1.0) && (x < (0.9 * e.flux)) &&
-            (now.upper > now.lower)) {
+        if (is_plain(&e) && (fabs(d) < 1.0) && (x < (0.9 * e.flux)) && (now.upper > now.lower)) {
             /* The root's slope is at most x/√(E² − x²) = 2.1 there. */
             const double tolerance =
                 (VOLT_ROUNDINGS * (1.0 + 2.1) * VOLT_LSB / e.along) + SHARE_ROUNDINGS;
