@@ -32,6 +32,11 @@ constexpr uint64_t GOOD_ONE_IN = 50;
 constexpr double UNSHOWN_S = 1;
 constexpr double SAID_AGAIN_S = 5;
 
+constexpr double S_PER_PS = 1e-12;
+
+// The ring has a segment for the time of so many more, at least: within it the entries have to come.
+constexpr double COME_WITHIN = RECORDER_SEGMENTS - 1;
+
 constexpr int BLOCK_TRIES = 10; // a block that is changed meanwhile is read again
 
 // The board's verdict on a change that is asked for again before a tick has taken it.
@@ -110,7 +115,6 @@ void Follower::connect()
 // The stream may be at the oldest segment of the ring, and the shadow has those that it has not taken.
 double Follower::oldest_s() const
 {
-    constexpr double S_PER_PS = 1e-12;
     constexpr double RINGS = 2;
     return RINGS * RECORDER_SEGMENTS * identity_.segment_entries * identity_.tick_ps * S_PER_PS;
 }
@@ -241,6 +245,7 @@ void Follower::hear(const SegmentInfo &info)
         }
     }
     stream_->add(info);
+    announced_s_ = client_.now_s();
 }
 
 void Follower::lose(const std::string &why)
@@ -296,24 +301,35 @@ void Follower::choose_candidate()
     overwritten_ = overwritten_ || gone;
     tried_ = candidate_ ? candidate_->number : tried_;
     candidate_ = stream_->newest_after(tried_);
+    candidate_s_ = announced_s_;
     state_.clear();
     if (candidate_) {
         stream_->forget_before(candidate_->number);
     }
 }
 
-// Some words of it.
-void Follower::ask_for_state()
+// The board keeps a state that was asked for, but not the entries behind it. Where they come so slowly that the ring would
+// overwrite them, they have the line alone.
+bool Follower::entries_hurry() const
+{
+    const double segment_s = S_PER_PS * identity_.segment_entries * identity_.tick_ps;
+    const double since_s = client_.now_s() - candidate_s_;
+    const double share = stream_->share(candidate_->number);
+    return !state_.empty() && share < 1 && share * COME_WITHIN * segment_s < since_s;
+}
+
+// Some words of it. Whether it has asked.
+bool Follower::ask_for_state()
 {
     choose_candidate();
-    if (!candidate_) {
-        return;
+    if (!candidate_ || entries_hurry()) {
+        return false;
     }
     const Client::Piece piece =
         client_.state(candidate_->number, static_cast<uint16_t>(state_.size()),
                       careful_ ? STATE_SHORT : LINK_READ_WORDS_MAX);
     if (!candidate_) {
-        return; // the board has begun anew, and said so before its answer
+        return true; // the board has begun anew, and said so before its answer
     }
     const bool refused = piece.answered && piece.words.words.empty();
     state_.insert(state_.end(), piece.words.words.begin(), piece.words.words.end());
@@ -326,6 +342,7 @@ void Follower::ask_for_state()
         candidate_.reset();
         begin(info);
     }
+    return true;
 }
 
 void Follower::begin(const SegmentInfo &info)
@@ -404,12 +421,12 @@ void Follower::step(double wait_s)
 {
     keep_alive();
     judge_line();
-    const bool asked = ask_for_missing();
+    bool asked = ask_for_missing();
     if (!shadow_.is_in_step()) {
-        ask_for_state();
+        asked = ask_for_state() || asked;
         tell_unshown();
     }
-    client_.poll(asked || candidate_ ? 0 : wait_s);
+    client_.poll(asked ? 0 : wait_s);
     if (shadow_.is_in_step()) {
         compute();
     }

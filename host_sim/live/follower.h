@@ -147,7 +147,8 @@ private:
     void hear(const SegmentInfo &info);
     void tell_unshown();
     void choose_candidate();
-    void ask_for_state();
+    bool entries_hurry() const;
+    bool ask_for_state();
     void begin(const SegmentInfo &info);
     bool ask_for_missing();
     void compute();
@@ -166,6 +167,8 @@ private:
     std::unique_ptr<Stream> stream_;
     uint32_t at_ = 0; // segment, when in step: the next one to be computed
     std::optional<SegmentInfo> candidate_;
+    double announced_s_ = 0;      // when the last segment was
+    double candidate_s_ = 0;      // when the candidate was
     uint32_t tried_ = 0;          // candidates up to this one were none
     std::vector<uint32_t> state_; // of the candidate, so far
     std::vector<Gap> gaps_;

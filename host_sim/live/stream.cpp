@@ -148,6 +148,17 @@ bool Stream::has_lost(uint32_t segment) const
     return is_overwritten && (at == parts_.end() || !is_whole(at->second));
 }
 
+double Stream::share(uint32_t segment) const
+{
+    const auto at = parts_.find(segment);
+    if (at == parts_.end()) {
+        return 0;
+    }
+    const auto come = std::count_if(at->second.entries.begin(), at->second.entries.end(),
+                                    [](const auto &entry) { return entry.has_value(); });
+    return is_whole(at->second) ? 1 : static_cast<double>(come) / segment_entries_;
+}
+
 bool Stream::is_lost(uint32_t first) const
 {
     for (uint32_t number = first; number + RECORDER_SEGMENTS <= newest_; number++) {

@@ -55,6 +55,8 @@ public:
     // What the ring has no more of is not waited for: whether some of a segment, or of one from `first` on, will not come.
     bool has_lost(uint32_t segment) const;
     bool is_lost(uint32_t first) const;
+    // How much of a segment has come, 0…1; 1: all of it.
+    double share(uint32_t segment) const;
     // Forgets all before a segment.
     void forget_before(uint32_t segment);
 
