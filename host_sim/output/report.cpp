@@ -129,6 +129,9 @@ std::string json_text(const Config &config, const RunResult &result)
         json["parameters"][p.name] = {
             {"configured", p.configured}, {"estimated", p.estimated}, {"actual", p.actual}};
     }
+    json["motor"] = {{"pole_pairs", config.motor.pole_pairs},
+                     {"rated_speed_rpm", config.motor.rated_speed_rpm},
+                     {"max_current_a", config.motor.max_current_a}};
     for (const Dimensionless &number : dimensionless(config)) {
         json["dimensionless"][number.name] = number.value;
     }

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Figures: the panels of the paper, shared ranges, and the same bytes for the same run."""
 
+import math
 import unittest
 
 from support import COARSE_S, FolderTest
-from report import claim, style
+from report import claim, style, weakening
 from report.caption import alternative, caption
 from report.draw import draw
 from report.layouts import SCENARIOS, layouts, overview
 from report.panels import CATALOGUE, Panel
 from report.picture import save
-from report.runs import PlotError, read_runs
+from report.runs import PlotError, Run, read_runs
 from report.svg import svg
 
 VOLTAGE = {"fig6": ["command and actual speed", "actual d current", "actual q current", "voltage",
@@ -124,6 +125,41 @@ class Figures(FolderTest):
         self.assertEqual(panels[0].kind, "state")
         figure = draw(trace, layouts_of(panels), style.PRINT)
         self.assertIn("RUN", [text.get_text() for ax in figure.axes for text in ax.texts])
+
+
+class Weakening(FolderTest):
+    """The plane of the currents, of a run of made-up motor data."""
+
+    def run_with(self, rated_speed_rpm):
+        self.run_files("s1")
+        run, = read_runs(self.folder)
+        actual = {"resistance_ohm": 2.0, "inductance_d_h": 0.01, "inductance_q_h": 0.01, "flux_linkage_wb": 0.4}
+        return Run("s_weakening", run.trace.cut(0.0), {
+            "parameters": {name: {"actual": value} for name, value in actual.items()},
+            "motor": {"pole_pairs": 2, "rated_speed_rpm": rated_speed_rpm, "max_current_a": 10.0}})
+
+    def test_only_a_run_beyond_rated_speed_has_it(self):
+        self.assertTrue(weakening.goes_beyond(self.run_with(1000.0)))
+        self.assertFalse(weakening.goes_beyond(self.run_with(2500.0)))
+        unknown = self.run_with(1000.0)
+        del unknown.metrics["motor"]
+        self.assertFalse(weakening.goes_beyond(unknown))
+
+    def test_the_curve_is_the_current_s_torque_and_falls_where_the_voltage_ends(self):
+        motor = weakening.Motor(self.run_with(1000.0).metrics)
+        slow, fast, braking = (motor.limits([rpm], 179.0, sign)[0] for rpm, sign in ((100, 1), (2600, 1), (2600, -1)))
+        self.assertAlmostEqual(slow, 1.5 * 2 * 0.4 * 10, places=6)
+        self.assertLess(fast, 0.7 * slow)
+        self.assertGreater(-braking, fast)
+        self.assertTrue(math.isnan(motor.limits([20000], 179.0, 1)[0]))
+
+    def test_it_fits_both_widths(self):
+        run = self.run_with(1000.0)
+        for shape in (style.PRINT, style.NARROW):
+            figure = weakening.draw(run, shape)
+            self.assertEqual([ax.get_title(loc="left") for ax in figure.axes], ["(a) torque over speed", "(b) currents"])
+            text = svg(figure, shape, "plane", weakening.WORDS)
+            self.assertNotRegex(text, r"(fill|stroke): #[0-9a-f]{6}")
 
 
 def layouts_of(panels: tuple[Panel, ...]):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Write the report of a folder of runs: index.html and the figures as PNG files."""
 
-from report import claim, voltage_drive
+from report import claim, voltage_drive, weakening
 from report.caption import alternative, caption
 from report.draw import draw
 from report.layouts import layouts
@@ -18,6 +18,14 @@ def picture_of_run(run, layout, folder):
                    lambda shape: draw(trace, layout, shape, bases), folder)
 
 
+def pictures_of_run(run, folder):
+    found = [picture_of_run(run, layout, folder) for layout in layouts(run)]
+    if weakening.goes_beyond(run):
+        found.append(picture(f"{run.name}_{weakening.KEY}", weakening.TITLE, (weakening.WORDS, f"{weakening.TITLE}. {weakening.WORDS}"),
+                             lambda shape: weakening.draw(run, shape), folder))
+    return found
+
+
 def write_report(runs_folder, folder, more=()):
     """Returns the path of the page. What is in `more` takes the folder and gives an entry as of page()."""
     runs = sorted(read_runs(runs_folder), key=lambda run: run.scenario not in TITLES)
@@ -25,7 +33,7 @@ def write_report(runs_folder, folder, more=()):
     entries = []
     for run in runs:
         shown = Run(run.name, run.trace.cut(start=0.0), run.metrics)
-        entries.append((shown, [picture_of_run(shown, layout, folder) for layout in layouts(shown)]))
+        entries.append((shown, pictures_of_run(shown, folder)))
     path = folder / "index.html"
     made = page(entries, [*voltage_drive.entries([run for run, _ in entries], conditions),
                           *(make(folder) for make in more)])

@@ -11,6 +11,7 @@ TITLES = {
     "s3": "position command 0 → 3π → −3π rad",
     "s4": "voltage drive with the sensor's angle, load of 3 N·m from 0.1 s on",
     "s5": "voltage drive with the estimated angle, load of 3 N·m from 0.1 s on",
+    "s_weakening": "2600 rpm both ways with a weakened field, load of 3 N·m at 2600 rpm",
 }
 METRICS = {     # key: name, unit
     "speed_error_max_rpm": ("speed error, largest", "rpm"),
