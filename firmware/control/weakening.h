@@ -10,7 +10,7 @@
  *
  *     upper = (√(E² − (X_q·i_q)²) − ω·φ) / X_d
  *
- * E is the voltage of the bus, where its ripple is lowest, less 1/128, which the current control keeps, less what the resistance takes along the voltage,
+ * E is the voltage of the bus, where its ripple is lowest, less 3/256, which the current control keeps, less what the resistance takes along the voltage,
  * R·(i·v)/|v|. An integral finds what the model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves
  * of the bus, and sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
  *

@@ -24,8 +24,9 @@ MISSED = [(15, 0, 1), (15, 0, 29), (15, 0, 57), (15, 20, 3), (15, 20, 21), (15, 
 # Motor A off its file, free until the drive starts, under a step of load behind it. R and the dead time are not measured then.
 OFF_FILE = list(product((400, 1800), SETS, (0.7, 1.3), (0.7, 1.4), (0.9, 1.1)))
 
-# Twice the largest errors of all these: speed of a restart at 15 % of the rated one, angle with R and φ off the file.
-LIMITS = {"speed_error_max_pct": 2.8, "angle_error_max_deg": 4.8}
+# Twice the largest errors of all these: speed of a restart of motor B at the rated one with `all`, where its noise makes 1.3 to 2.9 %
+# of it, angle with R and φ off the file.
+LIMITS = {"speed_error_max_pct": 5.8, "angle_error_max_deg": 4.8}
 
 
 def run(imperfection, *settings):

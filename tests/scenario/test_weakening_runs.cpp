@@ -139,7 +139,7 @@ void test_the_salient_motors_have_the_largest_torque_of_their_current()
 // ---- speed beyond the base
 
 constexpr double ANGLE_MOST_DEG = 3;
-// `all` on the compressor: X_q·i_q is as large as the EMF there, and L_q is wrong by 20 % until it is measured.
+// `imp` on the compressor: X_q·i_q is as large as the EMF there, and the drive believes L −20 % until it has measured it.
 constexpr double ANGLE_SALIENT_DEG = 6;
 constexpr double SPEED_WITHIN = 0.01;
 // Behind a rectifier nothing takes energy back: what this capacitor cannot hold a rotor loses in its winding and by friction.
