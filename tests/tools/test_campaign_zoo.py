@@ -116,7 +116,8 @@ class Refusals(ZooTest):
         for setting, why in (("board.pwm_frequency_hz=2000", zoo.FOR_PHYSICS),
                              ("board.bus_nominal_v=12", zoo.FOR_PHYSICS),
                              ("current_loop.bandwidth_hz=10000", zoo.FOR_FORMAT)):
-            done = subprocess.run([MOTORSIM, "run", "zoo:outrunner:1", "--set", setting, "--set", "board.bus_min_v=5"],
+            done = subprocess.run([MOTORSIM, "run", "zoo:outrunner:1", "--set", setting, "--set", "board.bus_min_v=5",
+                                   "--set", "current_loop.weakening_pct=0"],
                                   capture_output=True, text=True, check=False)
             found = self.load().drawn.refusal(done.stderr)
             self.assertEqual(found and found["refused_for"], why, done.stderr)

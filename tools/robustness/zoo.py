@@ -12,7 +12,7 @@ from .distributions import Choice
 
 VARIANTS = EXACT, USER = "exact", "user"
 # What cannot be done with any number format: see check_speed() in host_sim/config/per_unit.cpp.
-PHYSICS = re.compile("the motor's EMF exceeds|the rotor turns more than 0.7 rad in a PWM period")
+PHYSICS = re.compile("the motor's EMF exceeds|the EMF charges the bus|shorts the motor|the rotor turns more than 0.7 rad in a PWM period")
 REFUSAL = re.compile("does not fit the firmware")
 FOR_PHYSICS, FOR_FORMAT = "physics", "number format"
 # Nothing is broken in the zoo: wires are whole, sensors read what flows, no tick is late.
