@@ -289,21 +289,22 @@ static drive_event_t obey_at_rest(drive_t *drive, const drive_in_t *in, bool run
     return event;
 }
 
+/* While the motor is shorted its current flows, and nothing begins. */
 static void obey(drive_t *drive, const drive_in_t *in)
 {
+    const bool shorted = safe_state_is_short(&drive->safe_state);
+    const bool driving = drive_is_driving(drive->state);
     const bool run = (in->command.request & DRIVE_REQUEST_RUN) != 0U;
     const uint8_t level =
         (drive->state == DRIVE_STATE_PROBE) ? DRIVE_REQUEST_PROBE : DRIVE_REQUEST_RUN;
     const bool goes_on = (in->command.request & level) != 0U;
 
-    if (safe_state_is_short(&drive->safe_state)) {
-        /* the motor's current flows: nothing begins */
-    } else if (!drive_is_driving(drive->state)) {
+    if (!driving && !shorted) {
         fault_t fault;
 
         fault_clear(&fault);
         follow_or_fail(drive, obey_at_rest(drive, in, run, &fault), &fault);
-    } else if (!goes_on) {
+    } else if (driving && !goes_on) {
         follow(drive, DRIVE_EVENT_STOP);
     } else {
         /* go on */

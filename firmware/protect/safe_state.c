@@ -70,11 +70,10 @@ static bool is_overcharged(safe_state_t *safe, const safe_state_in_t *in)
     return in->bus > fx_max(in->bus_max, opened + fx_asr(opened, RISE_LOG2));
 }
 
-bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
+static void seek_safe_state(safe_state_t *safe, const safe_state_cfg_t *cfg,
+                            const safe_state_in_t *in)
 {
-    if (safe->phase == SAFE_STATE_BROKEN) {
-        /* until it is cleared */
-    } else if (cfg->open_speed == 0) {
+    if (cfg->open_speed == 0) {
         safe_state_reset(safe);
     } else if (safe->phase == SAFE_STATE_SHORT) {
         wait_for_slow_rotor(safe, cfg, in);
@@ -82,6 +81,14 @@ bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe
         short_motor(safe);
     } else {
         /* open */
+    }
+}
+
+/* What is broken stays so until it is cleared. */
+bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
+{
+    if (safe->phase != SAFE_STATE_BROKEN) {
+        seek_safe_state(safe, cfg, in);
     }
     return safe_state_is_short(safe);
 }

@@ -310,11 +310,11 @@ void Follower::choose_candidate()
 
 // The board keeps a state that was asked for, but not the entries behind it. Where they come so slowly that the ring would
 // overwrite them, they have the line alone.
-bool Follower::entries_hurry() const
+bool Follower::entries_hurry(const SegmentInfo &segment) const
 {
     const double segment_s = S_PER_PS * identity_.segment_entries * identity_.tick_ps;
     const double since_s = client_.now_s() - candidate_s_;
-    const double share = stream_->share(candidate_->number);
+    const double share = stream_->share(segment.number);
     return !state_.empty() && share < 1 && share * COME_WITHIN * segment_s < since_s;
 }
 
@@ -322,7 +322,7 @@ bool Follower::entries_hurry() const
 bool Follower::ask_for_state()
 {
     choose_candidate();
-    if (!candidate_ || entries_hurry()) {
+    if (!candidate_ || entries_hurry(*candidate_)) {
         return false;
     }
     const Client::Piece piece =

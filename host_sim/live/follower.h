@@ -147,7 +147,7 @@ private:
     void hear(const SegmentInfo &info);
     void tell_unshown();
     void choose_candidate();
-    bool entries_hurry() const;
+    bool entries_hurry(const SegmentInfo &segment) const;
     bool ask_for_state();
     void begin(const SegmentInfo &info);
     bool ask_for_missing();
