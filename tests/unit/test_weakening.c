@@ -226,6 +226,14 @@ static void test_a_speed_that_no_current_reaches_leaves_no_torque(void)
     TEST_ASSERT_EQUAL_INT32(0, limits().across);
 }
 
+/* Of U_b: E = 296.5, ω·φ = 400, X·I = 244; (400² + 244² − 296.5²) / (2·244·400) = 0.674. A voltage is rounded to 1 of 122. */
+static void test_a_small_part_of_the_bases_is_enough(void)
+{
+    see_bus(300);
+    in.speed_q15 = 400;
+    TEST_ASSERT_INT32_WITHIN(150, -6740, limits().lower);
+}
+
 static void test_a_speed_within_the_circle_asks_for_nothing(void)
 {
     in.speed_q15 = 8000;
@@ -377,6 +385,7 @@ int main(void)
     RUN_TEST(test_it_ends_where_the_circle_meets_the_ellipse_or_at_the_most_torque_per_volt);
     RUN_TEST(test_the_magnets_end_it_and_i_q_stays_on_the_ellipse_there);
     RUN_TEST(test_a_speed_that_no_current_reaches_leaves_no_torque);
+    RUN_TEST(test_a_small_part_of_the_bases_is_enough);
     RUN_TEST(test_a_speed_within_the_circle_asks_for_nothing);
     RUN_TEST(test_without_weakening_i_q_ends_on_the_ellipse);
     RUN_TEST(test_the_resistance_takes_what_it_takes_along_the_voltage);
