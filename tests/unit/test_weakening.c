@@ -289,6 +289,203 @@ static void test_an_i_q_that_is_only_asked_for_leaves_i_q_its_place_on_the_ellip
     TEST_ASSERT_INT32_WITHIN(8, 5516, limits().across);
 }
 
+/* ---- to the last digit: voltages Q14 of U_b, I = 16384 ---- */
+
+/* E of this size: a bus of 25300 without the reserve, or none, and the rest learned. */
+static void set_flux(int32_t flux)
+{
+    const bool is_small = flux <= 4096;
+
+    see_bus(is_small ? 0 : 25600);
+    weakening.voltage = (2 * flux) - (is_small ? 0 : 25300);
+}
+
+/* ω·φ, E, X_d·I, X_q·I. ω = 1/2, so X = x_q13 / 2^14 and X·I = x_q13 / 2. */
+static void set_volts(int32_t emf, int32_t flux, int32_t along, int32_t across)
+{
+    set_motor(emf, 2 * along, 2 * across);
+    in.speed_q15 = 16384;
+    in.current_max = CURRENT_END;
+    in.deepest = CURRENT_END;
+    set_flux(flux);
+}
+
+/* ω·φ and X·I are above 32000 of 16384, and count as that. */
+static void set_saturated(int32_t flux)
+{
+    set_volts(32767, flux, 0, 0);
+    model.reactance_d_q13 = 32767;
+    model.reactance_q_q13 = 32767;
+    in.speed_q15 = 32767;
+}
+
+static void test_the_emf_saturates_at_32000(void)
+{
+    set_saturated(16000); /* (16000 − 32000) / 32000 · 16384 */
+    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
+    set_flux(16001); /* 15999 · 0.512 = 8191.49 */
+    TEST_ASSERT_EQUAL_INT32(-8191, limits().upper);
+}
+
+static void test_the_voltage_of_a_reactance_saturates_at_32000(void)
+{
+    set_saturated(16000);
+    model.emf_q13 = 0; /* 16000 / 32000 · 16384 */
+    TEST_ASSERT_EQUAL_INT32(8192, limits().upper);
+    set_flux(15916); /* 15916 · 0.512 = 8148.99 */
+    TEST_ASSERT_EQUAL_INT32(8148, limits().upper);
+    set_saturated(100); /* 32000 − 32000 is left along: 100 / 32000 · 16384 = 51.2 */
+    in.deepest = 16382;
+    TEST_ASSERT_EQUAL_INT32(-16382, limits().lower);
+    set_flux(100);
+    TEST_ASSERT_EQUAL_INT32(51, limits().across);
+}
+
+static void test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current(void)
+{
+    set_volts(12650, 12650, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(0, weakening_step(&weakening, &in, 1).upper);
+    in.current_max = 10000;
+    set_flux(12651);
+    TEST_ASSERT_EQUAL_INT32(10000, limits().upper);
+    set_flux(12649);
+    TEST_ASSERT_EQUAL_INT32(-10000, limits().upper);
+    set_volts(0, 16000, 10, 10);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_END, limits().upper);
+}
+
+/* R = 1. */
+static void test_the_resistance_takes_of_both_axes(void)
+{
+    set_volts(16000, 10000, 16000, 0);
+    model.resistance_q13 = 8192;
+    in.voltage = (dq_t){-6000, 8000};
+    in.reference = (dq_t){-5000, 2000}; /* (30 + 16)e6 / 1e4 = 4600 of 32768 */
+    in.current = in.reference;
+    /* (10000 − 2300 − 16000) / 16000 · 16384 = −8499.2 */
+    TEST_ASSERT_EQUAL_INT32(-8499, limits().upper);
+}
+
+static void test_the_resistance_counts_with_the_least_of_voltages(void)
+{
+    set_volts(16000, 10000, 16000, 0);
+    model.resistance_q13 = 8192;
+    in.voltage = (dq_t){0, 0};
+    in.reference = (dq_t){0, 4000};
+    in.current = in.reference;
+    TEST_ASSERT_EQUAL_INT32(-6144, limits().upper); /* −6000 / 16000 · 16384 */
+    set_flux(10000);
+    in.voltage = (dq_t){0, 1};
+    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper); /* 4000 of 32768 less: −8000 / 16000 · 16384 */
+}
+
+/* √2 is 1: so i·v/|v| is 32768 here and not more, times R = 1/2. */
+static void test_the_resistance_takes_at_most_its_voltage_at_a_whole_current(void)
+{
+    set_volts(0, 16000, 16384 / 2, 0);
+    model.resistance_q13 = 4096;
+    in.voltage = (dq_t){1, 1};
+    in.reference = (dq_t){16384, 16384};
+    weakening.voltage += 1; /* (32001 − 16384) / 2 = 7808 of 8192 */
+    TEST_ASSERT_EQUAL_INT32(15616, limits().upper);
+    set_volts(0, 0, 16000, 0);
+    model.resistance_q13 = 4096;
+    in.reference = (dq_t){-16384, -16384}; /* 8192 of 16000: 8388.6 */
+    TEST_ASSERT_EQUAL_INT32(8388, limits().upper);
+}
+
+static void test_a_resistance_that_takes_more_than_there_is_leaves_nothing(void)
+{
+    set_volts(8000, 1000, 16000, 0);
+    model.resistance_q13 = 8192;
+    in.voltage = (dq_t){0, 12000};
+    in.reference = (dq_t){0, 4000}; /* 2000 of 1000 */
+    in.current = in.reference;
+    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
+}
+
+/* 8500 − 5000/2 = 6000 along leaves 8000 of 10000, over 16000. */
+static void test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis(void)
+{
+    set_volts(8500, 10000, 8192, 16000);
+    in.deepest = 5000;
+    TEST_ASSERT_EQUAL_INT32(8192, limits().across);
+}
+
+static void test_a_circle_that_just_fits_asks_for_nothing(void)
+{
+    set_volts(0, 4096, 0, 4096);
+    in.current_max = 8192;
+    model.reactance_q_q13 = 16384;
+    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
+}
+
+/* c / (b + √(b² + a·c)) · 16384 in whole numbers. */
+static void test_the_circle_meets_the_ellipse_also_with_a_few_digits(void)
+{
+    set_volts(1, 1, 1, 1); /* 1 / (1 + 1) */
+    TEST_ASSERT_EQUAL_INT32(-8192, limits().lower);
+    set_volts(5, 5, 3, 3); /* 9 / 30 */
+    TEST_ASSERT_EQUAL_INT32(-4915, limits().lower);
+    set_volts(400, 300, 200, 200); /* 110000 / 160000: b² is above 2^32 */
+    TEST_ASSERT_EQUAL_INT32(-11264, limits().lower);
+}
+
+static void test_the_circle_meets_the_ellipse_to_the_last_digit_of_a_long_root(void)
+{
+    set_volts(2000, 3000, 1500, 3000); /* 4e6 / (3e6 + √36e12) = 4 / 9: 7281.8 */
+    TEST_ASSERT_EQUAL_INT32(-7281, limits().lower);
+    set_volts(1500, 1000, 1000, 2000); /* 5.25e6 / (1.5e6 + √18e12): 14978.5 */
+    TEST_ASSERT_EQUAL_INT32(-14978, limits().lower);
+    set_volts(1500, 1000, 1000, 1000); /* 2.25e6 / 3e6 */
+    TEST_ASSERT_EQUAL_INT32(-12288, limits().lower);
+    set_volts(2500, 5, 2500, 2500); /* (12.5e6 − 25) / 12.5e6: 16383.97, of a share rounded to 1 */
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+}
+
+static void test_without_a_root_the_circle_ends_it(void)
+{
+    set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+    set_volts(0, 100, 200, 200); /* without an EMF and a saliency a = b = 0 */
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+}
+
+/* ω·φ / X_d = 5 / 20. */
+static void test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current(void)
+{
+    set_volts(5, 18, 20, 20);
+    TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
+    set_volts(5, 18, 20, 19);
+    TEST_ASSERT_EQUAL_INT32(-4096, limits().lower);
+}
+
+static void test_without_voltage_and_reactance_the_current_ends_it(void)
+{
+    set_volts(0, 0, 0, 100);
+    in.reference = (dq_t){0, 16384};
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+}
+
+/* ω·φ = 16000, E = 10000, X·I = 16000: −6000 / 16000 · 16384. */
+static void test_it_decides_below_what_is_wanted_and_not_at_it(void)
+{
+    weakening_limits_t now;
+
+    set_volts(16000, 10000, 16000, 16000);
+    now = weakening_step(&weakening, &in, -6144);
+    TEST_ASSERT_EQUAL_INT32(-6144, now.upper);
+    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, now.lower);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_END, now.across);
+    in.reference = (dq_t){-6144, 0};
+    set_flux(10000);
+    (void)weakening_step(&weakening, &in, -6144);
+    TEST_ASSERT_FALSE(weakening.acts);
+    set_flux(10000);
+    (void)weakening_step(&weakening, &in, -6143);
+    TEST_ASSERT_TRUE(weakening.acts);
+}
+
 /* ---- near, and the integral ---- */
 
 static bool is_near(int32_t d, int32_t q, int32_t radius)
@@ -377,6 +574,44 @@ static void test_the_lowest_bus_of_late_counts(void)
     TEST_ASSERT_INT32_WITHIN(65, before, limits().upper); /* what rounding leaves, 63 of Q15 */
 }
 
+static void test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on(void)
+{
+    in.deepest = 3000;
+    in.voltage = (dq_t){0, 12650 - 8};
+    weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(1, weakening.voltage);
+    in.voltage = (dq_t){0, 12650 - 16};
+    weakening_step(&weakening, &in, 0);
+    TEST_ASSERT_EQUAL_INT32(3, weakening.voltage);
+}
+
+static void test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle(void)
+{
+    in.voltage = (dq_t){0, 20000};
+    for (int k = 0; k < 100; k++) {
+        weakening_step(&weakening, &in, CURRENT_END);
+    }
+    TEST_ASSERT_EQUAL_INT32(-3200, weakening.voltage);
+}
+
+static void test_the_last_digit_of_what_was_learned_is_forgotten(void)
+{
+    weakening.voltage = 1;
+    (void)is_near(0, 0, 12800);
+    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+    weakening.voltage = -1;
+    (void)is_near(0, 0, 12800);
+    TEST_ASSERT_EQUAL_INT32(0, weakening.voltage);
+}
+
+static void test_the_first_bus_counts_as_it_is(void)
+{
+    weakening_reset(&weakening);
+    TEST_ASSERT_EQUAL_INT32(32767, weakening.circle);
+    (void)is_near(0, 0, 32767);
+    TEST_ASSERT_EQUAL_INT32(32767, weakening.circle);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -398,5 +633,24 @@ int main(void)
     RUN_TEST(test_at_the_deepest_i_d_a_lack_is_not_learned);
     RUN_TEST(test_what_was_learned_is_forgotten_where_the_voltage_does_not_decide);
     RUN_TEST(test_the_lowest_bus_of_late_counts);
+    RUN_TEST(test_the_emf_saturates_at_32000);
+    RUN_TEST(test_the_voltage_of_a_reactance_saturates_at_32000);
+    RUN_TEST(test_a_voltage_that_is_left_over_without_a_reactance_is_all_of_the_current);
+    RUN_TEST(test_the_resistance_takes_of_both_axes);
+    RUN_TEST(test_the_resistance_counts_with_the_least_of_voltages);
+    RUN_TEST(test_the_resistance_takes_at_most_its_voltage_at_a_whole_current);
+    RUN_TEST(test_a_resistance_that_takes_more_than_there_is_leaves_nothing);
+    RUN_TEST(test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis);
+    RUN_TEST(test_a_circle_that_just_fits_asks_for_nothing);
+    RUN_TEST(test_the_circle_meets_the_ellipse_also_with_a_few_digits);
+    RUN_TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_a_long_root);
+    RUN_TEST(test_without_a_root_the_circle_ends_it);
+    RUN_TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current);
+    RUN_TEST(test_without_voltage_and_reactance_the_current_ends_it);
+    RUN_TEST(test_it_decides_below_what_is_wanted_and_not_at_it);
+    RUN_TEST(test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on);
+    RUN_TEST(test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle);
+    RUN_TEST(test_the_last_digit_of_what_was_learned_is_forgotten);
+    RUN_TEST(test_the_first_bus_counts_as_it_is);
     return UNITY_END();
 }
