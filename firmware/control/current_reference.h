@@ -5,11 +5,11 @@
  *     Te = 1.5·P·ψ·i_q,  ψ = φ + (L_d − L_q)·i_d           the flux that i_q turns into torque
  *
  * In the order of a slow period:
- *     current_reference_d       i_d*
- *     current_reference_weakened near the voltage circle: i_d*, and the largest i_q beside it
- *     current_reference_range   what both leave of the range of i_q*
- *     current_reference_flux    ψ at i_d*, in the model in force
- *     current_reference_q       i_q* of a torque; current_reference_torque is the way back
+ *     current_reference_d         i_d*
+ *     current_reference_weakened  near the voltage circle: i_d*, and the largest i_q beside it
+ *     current_reference_range     what both leave of the range of i_q*
+ *     current_reference_flux      ψ at i_d*, in the model in force
+ *     current_reference_q         i_q* of a torque; current_reference_torque is the way back
  *
  * i_d* follows from what asks for it:
  *     imposed     the current that an imposed vector will have, where RUN hands back. It is alone then.
@@ -18,8 +18,8 @@
  *     MTPA        the largest torque of a current, where L_q > L_d:
  *                 i_d = −i_q² / (c + √(c² + i_q²)),  c = φ / (2·(L_q − L_d))
  *     weakening   what the voltage allows (weakening.h)
- * The larger one of least current and MTPA, and not more than weakening allows. The first three follow a slope. Weakening does not:
- * where the voltage is short, the current control has nothing to follow a slope with.
+ * The larger one of least current and MTPA, and not more than weakening allows. The first three follow a slope. Weakening is
+ * faster: where the voltage is short, the current control has nothing to follow a slope with.
  *
  * Without current regulators (voltage_drive.h) both references are 0. There the phase compensator holds i_d at 0.
  *

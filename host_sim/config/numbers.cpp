@@ -8,7 +8,9 @@ namespace nf
 
 double deepest_current(const MotorSettings &motor, const TuningSettings &tuning)
 {
-    return tuning.weakening_pct / 100 * motor.max_current_a;
+    const double share_a = tuning.weakening_pct / 100 * motor.max_current_a;
+    const double bears_a = motor.demagnetising_current_a;
+    return bears_a > 0 ? std::min(share_a, bears_a) : share_a;
 }
 
 double largest_ratio(const BoardSettings &board)

@@ -28,7 +28,7 @@ inline double rad_s_from_rpm(double rpm)
     return rpm * TWO_PI / 60.0;
 }
 
-// The largest −i_d that field weakening asks for.
+// The largest −i_d that field weakening asks for: its share of the largest current, and no more than the magnets bear.
 double deepest_current(const MotorSettings &motor, const TuningSettings &tuning);
 
 // The largest phase voltage as a share of the bus: the circle in the hexagon of the inverter.

@@ -656,6 +656,18 @@ void the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it()
     }
 }
 
+// Motor B: 6.3 A of 40 A are 5161 of Q15.
+void the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear()
+{
+    expect(0.95 * 6.3 / 40 * 32768, motor_b().current_reference.deepest);
+    expect(0.5 * 6.3 / 40 * 32768,
+           motor_b({"current_loop.weakening_pct=50"}).current_reference.deepest);
+    expect(4.0 / 40 * 32768,
+           motor_b({"motor.demagnetising_current_a=4"}).current_reference.deepest);
+    expect(0.95 * 6.3 / 40 * 32768,
+           motor_b({"motor.demagnetising_current_a=40"}).current_reference.deepest);
+}
+
 // Without a start of its own the run's current changes as with one of 100 %.
 void run()
 {
@@ -909,6 +921,8 @@ int main()
     RUN_TEST(run);
     RUN_TEST(torque);
     RUN_TEST(the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it);
+    RUN_TEST(
+        the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear);
     RUN_TEST(hold_loop);
     RUN_TEST(a_large_resistance_is_relieved);
     RUN_TEST(the_edge_of_the_compensation);
