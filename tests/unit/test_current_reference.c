@@ -198,6 +198,49 @@ static void test_the_larger_one_of_least_current_and_mtpa_counts(void)
     TEST_ASSERT_EQUAL_INT32(alone, settled_d(10000));
 }
 
+/* Below the least current's speed, with all of the slope: i_d* is what MTPA asks for. */
+static int32_t mtpa_d(int32_t emf_q13, int32_t saliency_q13, int32_t q)
+{
+    cfg.most_torque = 1U;
+    in.floor_speed = 2000000;
+    motor = (current_loop_cfg_t){.emf_q13 = emf_q13, .reactance_q_q13 = saliency_q13};
+    return settled_d(q);
+}
+
+/* c = 8·16384 = 131072 is the first beyond the end; c = ⌊32767·16384/4096⌋ = 131068 the last before it: 2^28 / (4·(32767 + 33022)). */
+static void test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, mtpa_d(8192, 1024, 16384));
+    TEST_ASSERT_EQUAL_INT32(-1020, mtpa_d(32767, 4096, 16384));
+}
+
+/* c = 32767 is whole: 2^28 / (32767 + 36634) = 3867.9. c = 32768 is counted in quarters: 16353² / (4·(8192 + 9155)) = 3853.9… */
+static void test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-3867, mtpa_d(32767, 16384, 16384));
+    TEST_ASSERT_EQUAL_INT32(-3853, mtpa_d(32766, 16383, 16353));
+}
+
+/* Without a magnet i_d = −|i_q|, from one LSB to the largest current, which no end of i_d* cuts. */
+static void test_without_a_magnet_the_smallest_and_the_largest_current_are_exact(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-1, mtpa_d(0, 1, 1));
+    TEST_ASSERT_EQUAL_INT32(-16383, mtpa_d(0, 1, 16383));
+    TEST_ASSERT_EQUAL_INT32(-16384, mtpa_d(0, 1, 16384));
+    TEST_ASSERT_EQUAL_INT32(-16384, mtpa_d(0, 1, -16384));
+}
+
+/* 4000 − i_q/2 below 0 counts four times. Without a magnet MTPA is −|i_q|, far below. */
+static void test_the_least_current_gives_way_fourfold_from_where_the_torque_is_enough(void)
+{
+    cfg.most_torque = 1U;
+    motor = (current_loop_cfg_t){.reactance_q_q13 = 1};
+    TEST_ASSERT_EQUAL_INT32(1, settled_d(7998));
+    TEST_ASSERT_EQUAL_INT32(0, settled_d(8000));
+    TEST_ASSERT_EQUAL_INT32(-4, settled_d(8002));
+    TEST_ASSERT_EQUAL_INT32(-40, settled_d(-8020));
+}
+
 /* ---- weakening ---- */
 
 /* E = 253/256 of 12800, ω·φ = 16384, X = 1: an i_d of −3734 at most. */
@@ -237,6 +280,12 @@ static void test_weakening_ends_where_the_magnets_bear_no_more(void)
     TEST_ASSERT_LESS_THAN_INT32(CURRENT_MAX, there.across);
 }
 
+/* `upper` is above what is wanted: the voltage leaves all of i_q*. */
+static void test_where_weakening_does_not_decide_all_of_i_q_is_left(void)
+{
+    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, weakened(-5000, -5000, 9000).across);
+}
+
 /* ---- the range of i_q* ---- */
 
 static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t across, int32_t most)
@@ -270,6 +319,27 @@ static void test_i_q_ends_where_the_voltage_does(void)
 
     TEST_ASSERT_EQUAL_INT32(-1000, left.lower);
     TEST_ASSERT_EQUAL_INT32(900, left.upper);
+}
+
+/* From i_d* = 0 to the least current itself the range is left as it is, also one beyond the circle. */
+static void test_from_zero_to_the_least_current_the_circle_takes_nothing(void)
+{
+    const torque_range_t whole = {-10000, 10000};
+
+    TEST_ASSERT_EQUAL_INT32(10000, range_beside(whole, 0, CURRENT_MAX, 9000).upper);
+    TEST_ASSERT_EQUAL_INT32(-10000, range_beside(whole, 4000, CURRENT_MAX, 9000).lower);
+    /* √(9000² − 4001²) = 8061.5, √(9000² − 1) = 8999.9 */
+    TEST_ASSERT_EQUAL_INT32(8061, range_beside(whole, 4001, CURRENT_MAX, 9000).upper);
+    TEST_ASSERT_EQUAL_INT32(-8999, range_beside(whole, -1, CURRENT_MAX, 9000).lower);
+}
+
+/* √(10000² − 6000²) = 8000 */
+static void test_the_smaller_one_of_circle_and_voltage_ends_i_q(void)
+{
+    const torque_range_t whole = {-9000, 9000};
+
+    TEST_ASSERT_EQUAL_INT32(7999, range_beside(whole, -6000, 7999, 10000).upper);
+    TEST_ASSERT_EQUAL_INT32(8000, range_beside(whole, -6000, 8001, 10000).upper);
 }
 
 static void test_the_vector_never_leaves_its_circle(void)
@@ -309,5 +379,12 @@ int main(void)
     RUN_TEST(test_the_least_current_takes_nothing_of_the_range_and_all_else_does);
     RUN_TEST(test_i_q_ends_where_the_voltage_does);
     RUN_TEST(test_the_vector_never_leaves_its_circle);
+    RUN_TEST(test_mtpa_ends_where_the_magnet_is_eight_times_the_saliency);
+    RUN_TEST(test_mtpa_is_rounded_down_in_depth_on_both_sides_of_the_largest_square);
+    RUN_TEST(test_without_a_magnet_the_smallest_and_the_largest_current_are_exact);
+    RUN_TEST(test_the_least_current_gives_way_fourfold_from_where_the_torque_is_enough);
+    RUN_TEST(test_where_weakening_does_not_decide_all_of_i_q_is_left);
+    RUN_TEST(test_from_zero_to_the_least_current_the_circle_takes_nothing);
+    RUN_TEST(test_the_smaller_one_of_circle_and_voltage_ends_i_q);
     return UNITY_END();
 }

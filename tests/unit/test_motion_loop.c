@@ -1031,6 +1031,169 @@ static void test_a_learned_inertia_stays_within_the_limits_of_another_configurat
     TEST_ASSERT_EQUAL_INT32(4096 * 16, speed_loop.inertia_q17);
 }
 
+/* ---- within a window of speeds ---- */
+
+#define LSB (4096)     /* steps of speed that are one LSB of the error */
+#define LSB_Q26 (2048) /* one LSB of current in the integral */
+#define WIDE (1000)    /* both ends of the window, in LSB of the error */
+
+static speed_window_t window;
+static torque_range_t uneven;
+
+/*
+ * K_p = 1 and K_i·T = 1: i = error + I, and I grows by the error. A change of the reference by 4 steps takes 1 LSB of current. The
+ * integral follows the load by a quarter.
+ */
+static void open_window(void)
+{
+    speed_cfg = (speed_loop_cfg_t){
+        .pi = {.kp = 16384, .ki = 4096, .kp_shift = 14U, .ki_shift = 1U},
+        .ramp = 1000,
+        .speed_max = 0x20000000,
+        .inertia = 16384,
+        .inertia_least_q13 = 8192,
+        .inertia_most_q13 = 8192,
+        .error_shift = 12U,
+    };
+    window = (speed_window_t){.lower = -WIDE * LSB, .upper = WIDE * LSB, .load_shift = 2U};
+    uneven = (torque_range_t){-3000, 2500};
+}
+
+/* At a speed that many LSB of the error from 0. *end begins as what it must not stay. */
+static int32_t within(int32_t speed, int32_t wanted, speed_end_t *end, speed_end_t before)
+{
+    *end = before;
+    return speed_loop_within(&speed_loop, &speed_cfg, &window, speed_loop.reference, speed * LSB,
+                             wanted, uneven, end);
+}
+
+/* Upper end: error 1000 − 400 = 600, I = 100: up to 700 is free. Beyond, I grows by 600: 600 + 700 = 1300. */
+static void test_the_upper_end_decides_above_its_sum_and_not_at_it(void)
+{
+    speed_end_t end;
+
+    open_window();
+    speed_loop.pi.integral_q26 = 100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(700, within(400, 700, &end, SPEED_END_UPPER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+    speed_loop.pi.integral_q26 = 100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(701, within(400, 701, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
+    speed_loop.pi.integral_q26 = 100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(1300, within(400, 2000, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
+    TEST_ASSERT_EQUAL_INT32(700 * LSB_Q26, speed_loop.pi.integral_q26);
+}
+
+/* The same at the lower end, with the signs of the other side. */
+static void test_the_lower_end_decides_below_its_sum_and_not_at_it(void)
+{
+    speed_end_t end;
+
+    open_window();
+    speed_loop.pi.integral_q26 = -100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(-700, within(-400, -700, &end, SPEED_END_LOWER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+    speed_loop.pi.integral_q26 = -100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(-701, within(-400, -701, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
+    speed_loop.pi.integral_q26 = -100 * LSB_Q26;
+    TEST_ASSERT_EQUAL_INT32(-1300, within(-400, -2000, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
+    TEST_ASSERT_EQUAL_INT32(-700 * LSB_Q26, speed_loop.pi.integral_q26);
+}
+
+/* No end has to hold back what the range cuts off anyway: the ends allow ±4000, the range −3000…2500. */
+static void test_what_is_beyond_the_range_is_cut_before_an_end_decides(void)
+{
+    speed_end_t end;
+
+    open_window();
+    window = (speed_window_t){.lower = -4000 * LSB, .upper = 4000 * LSB, .load_shift = 2U};
+    TEST_ASSERT_EQUAL_INT32(2500, within(0, 5000, &end, SPEED_END_UPPER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+    speed_loop.pi.integral_q26 = 0;
+    TEST_ASSERT_EQUAL_INT32(-3000, within(0, -5000, &end, SPEED_END_LOWER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+}
+
+/* Ends at ±3000 LSB, the largest speed at 1000: from there on K_p·1000 and as much of I. */
+static void test_the_ends_of_a_window_are_within_the_largest_speed(void)
+{
+    speed_end_t end;
+
+    open_window();
+    speed_cfg.speed_max = 1000 * LSB;
+    window = (speed_window_t){.lower = -3000 * LSB, .upper = 3000 * LSB};
+    TEST_ASSERT_EQUAL_INT32(2000, within(0, 2400, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_UPPER, end);
+    speed_loop.pi.integral_q26 = 0;
+    TEST_ASSERT_EQUAL_INT32(-2000, within(0, -2400, &end, SPEED_END_NONE));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_LOWER, end);
+}
+
+/* A change of 400 takes 100 of 500: the load is 400, and a quarter of it is 100; then 300 of 100 are missing: 175. */
+static void test_between_the_ends_the_integral_follows_the_current_less_the_inertia(void)
+{
+    speed_end_t end = SPEED_END_UPPER;
+
+    open_window();
+    for (int32_t k = 1; k <= 2; k++) {
+        TEST_ASSERT_EQUAL_INT32(500, speed_loop_within(&speed_loop, &speed_cfg, &window, k * 400, 0,
+                                                       500, uneven, &end));
+        TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+        TEST_ASSERT_EQUAL_INT32(k * 400, speed_loop.reference);
+        TEST_ASSERT_EQUAL_INT32(((k == 1) ? 100 : 175) * LSB_Q26, speed_loop.pi.integral_q26);
+    }
+}
+
+/* Four times the inertia of the largest change of speed: 4·32767 or 4·32768, beyond ±1 of the integral. */
+static void test_a_load_beyond_the_integral_ends_at_it(void)
+{
+    speed_end_t end;
+
+    open_window();
+    window.load_shift = 0U;
+    speed_loop.inertia_q17 = 524288;
+    (void)speed_loop_within(&speed_loop, &speed_cfg, &window, 0x20000000, 0, 0, uneven, &end);
+    TEST_ASSERT_EQUAL_INT32(-67108864, speed_loop.pi.integral_q26);
+    speed_loop.pi.integral_q26 = 0;
+    (void)speed_loop_within(&speed_loop, &speed_cfg, &window, -0x20000000, 0, 0, uneven, &end);
+    TEST_ASSERT_EQUAL_INT32(67108863, speed_loop.pi.integral_q26);
+}
+
+/* And the inertia counts the limited change: 4000 of 4004, 8000 of 8004. */
+static void test_within_a_window_the_reference_is_limited_to_the_largest_speed(void)
+{
+    speed_end_t end;
+
+    open_window();
+    window = (speed_window_t){.lower = -4000, .upper = 4000};
+    speed_cfg.speed_max = 4000;
+    (void)speed_loop_within(&speed_loop, &speed_cfg, &window, 4004, 0, 0, uneven, &end);
+    TEST_ASSERT_EQUAL_INT32(4000, speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(-1000 * LSB_Q26, speed_loop.pi.integral_q26);
+    speed_loop.pi.integral_q26 = 0;
+    (void)speed_loop_within(&speed_loop, &speed_cfg, &window, -4004, 0, 0, uneven, &end);
+    TEST_ASSERT_EQUAL_INT32(-4000, speed_loop.reference);
+    TEST_ASSERT_EQUAL_INT32(2000 * LSB_Q26, speed_loop.pi.integral_q26);
+}
+
+/* Ends so far away that they allow all of ±16384. */
+static void test_between_the_ends_the_largest_current_has_15_bits(void)
+{
+    speed_end_t end;
+
+    open_window();
+    window = (speed_window_t){.lower = -20000 * LSB, .upper = 20000 * LSB};
+    uneven = (torque_range_t){-16384, 16384};
+    TEST_ASSERT_EQUAL_INT32(16383, within(0, 16384, &end, SPEED_END_UPPER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+    speed_loop.pi.integral_q26 = 0;
+    TEST_ASSERT_EQUAL_INT32(-16384, within(0, -16384, &end, SPEED_END_UPPER));
+    TEST_ASSERT_EQUAL_INT(SPEED_END_NONE, end);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -1096,5 +1259,13 @@ int main(void)
     RUN_TEST(test_from_one_and_a_half_of_the_inertia_on_half_of_the_integral_gain_acts);
     RUN_TEST(test_a_wrong_inertia_no_longer_overshoots_behind_a_ramp_once_it_is_learned);
     RUN_TEST(test_a_learned_inertia_stays_within_the_limits_of_another_configuration);
+    RUN_TEST(test_the_upper_end_decides_above_its_sum_and_not_at_it);
+    RUN_TEST(test_the_lower_end_decides_below_its_sum_and_not_at_it);
+    RUN_TEST(test_what_is_beyond_the_range_is_cut_before_an_end_decides);
+    RUN_TEST(test_the_ends_of_a_window_are_within_the_largest_speed);
+    RUN_TEST(test_between_the_ends_the_integral_follows_the_current_less_the_inertia);
+    RUN_TEST(test_a_load_beyond_the_integral_ends_at_it);
+    RUN_TEST(test_within_a_window_the_reference_is_limited_to_the_largest_speed);
+    RUN_TEST(test_between_the_ends_the_largest_current_has_15_bits);
     return UNITY_END();
 }

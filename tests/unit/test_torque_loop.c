@@ -109,6 +109,42 @@ static void test_away_from_an_end_the_torque_begins_with_the_one_that_acts(void)
     }
 }
 
+static void test_a_start_has_its_current_at_once_and_no_bridge(void)
+{
+    torque_loop_bridge(&loop);
+    loop.bound = true;
+    torque_loop_start(&loop, FLUX, -1234);
+    TEST_ASSERT_EQUAL_INT32(-1234, loop.current);
+    TEST_ASSERT_EQUAL_INT32(-1234 * FLUX, loop.reference_q28);
+    TEST_ASSERT_FALSE(loop.bridging);
+    TEST_ASSERT_FALSE(loop.bound);
+}
+
+/* A free torque is nothing that a bridge has to lead to. */
+static void test_a_free_torque_is_not_bridged(void)
+{
+    in.target_q28 = 500 * FLUX;
+    (void)torque_loop_plan(&loop, &cfg, &in);
+    TEST_ASSERT_FALSE(loop.bound);
+    TEST_ASSERT_FALSE(loop.bridging);
+}
+
+/* An end of which the reference has less than it allows is in nobody's way: from 1000 on with the slope of 100. */
+static void test_what_waits_short_of_an_end_goes_on_with_its_slope(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_loop_start(&loop, FLUX, sign * 1000);
+        loop.end = (sign > 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
+        in.reference = sign * 1000000;
+        in.speed = in.reference;
+        in.current = sign * 50;
+        in.target_q28 = sign * 2000 * FLUX;
+        (void)torque_loop_plan(&loop, &cfg, &in);
+        TEST_ASSERT_EQUAL_INT32(sign * 1100, loop.current);
+        TEST_ASSERT_EQUAL_INT32(sign * 1100 * FLUX, loop.reference_q28);
+    }
+}
+
 /* ---- the bridge ---- */
 
 static void test_a_bridge_goes_by_the_slope_until_its_loop_is_within(void)
@@ -138,6 +174,14 @@ static void test_a_bridge_stays_within_the_range_and_always_moves(void)
     range = torque_loop_bridged(&cfg, FLUX, -5, whole);
     TEST_ASSERT_EQUAL_INT32(-6, range.lower);
     TEST_ASSERT_EQUAL_INT32(-4, range.upper);
+}
+
+static void test_a_bridge_from_below_the_range_begins_at_its_lower_end(void)
+{
+    const torque_range_t range = torque_loop_bridged(&cfg, FLUX, -RANGE_MAX - 500, whole);
+
+    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, range.lower);
+    TEST_ASSERT_EQUAL_INT32(-RANGE_MAX + 100, range.upper);
 }
 
 /* ---- low speed ---- */
@@ -273,6 +317,31 @@ static void test_a_window_below_the_lowest_speed_binds(void)
     in.target_q28 = 500 * FLUX;
     TEST_ASSERT_EQUAL_INT32(LOWEST / 2, torque_loop_plan(&loop, &cfg, &in));
     TEST_ASSERT_TRUE(loop.bound);
+}
+
+/* A reference of 0 counts as forwards, one of −1 as backwards. */
+static void test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_loop_start(&loop, FLUX, 0);
+        in.reference = (sign > 0) ? 0 : -1;
+        in.speed = sign * (LOWEST + 5);
+        in.target_q28 = sign * 500 * FLUX;
+        TEST_ASSERT_EQUAL_INT32(in.speed, torque_loop_plan(&loop, &cfg, &in));
+        TEST_ASSERT_FALSE(loop.bound);
+    }
+}
+
+/* What decided i_q* before says nothing about the speed loop's own torque. */
+static void test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it(void)
+{
+    loop.end = (uint8_t)SPEED_END_LOWER;
+    in.speed = LOWEST;
+    in.reference = LOWEST;
+    in.target_q28 = -500 * FLUX;
+    TEST_ASSERT_EQUAL_INT32(LOWEST - RAMP, torque_loop_plan(&loop, &cfg, &in));
+    TEST_ASSERT_TRUE(loop.bound);
+    TEST_ASSERT_EQUAL_UINT8(SPEED_END_NONE, loop.end);
 }
 
 static void test_whatever_comes_stays_within_what_is_stated(void)
@@ -450,5 +519,11 @@ int main(void)
     RUN_TEST(test_between_the_ends_the_integral_finds_the_load);
     RUN_TEST(test_in_a_window_of_no_width_the_speed_loop_has_the_torque);
     RUN_TEST(test_the_window_is_no_wider_than_the_speed_loop);
+    RUN_TEST(test_a_start_has_its_current_at_once_and_no_bridge);
+    RUN_TEST(test_a_free_torque_is_not_bridged);
+    RUN_TEST(test_what_waits_short_of_an_end_goes_on_with_its_slope);
+    RUN_TEST(test_a_bridge_from_below_the_range_begins_at_its_lower_end);
+    RUN_TEST(test_a_rotor_on_the_side_of_its_reference_is_free_from_the_lowest_speed_on);
+    RUN_TEST(test_where_the_speed_loop_has_the_torque_no_end_of_the_window_has_it);
     return UNITY_END();
 }
