@@ -10,16 +10,17 @@
 #define MTPA_SHIFT (2U)
 #define MTPA_SCALE (4)
 #define Q13_TO_C (16384) /* half of Q15: c has twice the saliency */
-#define GIVES_WAY (4)
-#define FALL_SHIFT (2U) /* of a weakened i_d*, a slow period */
+#define GIVES_WAY (4)    /* twice the slope of −|i_q*|, the deepest MTPA, at floor_shift 1 */
+#define FALL_SHIFT (2U)  /* of a weakened i_d*, a slow period */
 #define RISE_SHIFT (3U)
 
 /*
  * i_d* that keeps the current vector large enough; below 0 where the torque alone does. It comes before the torque current is
  * gone, which falls faster: less half of i_q* the vector is never shorter than 0.89 of the least current, and less all of it
  * 0.71. A load below floor_speed is alone there: i_q* has the dead time across the EMF, where it turns the angle by some
- * degrees; i_d* beside it would add its own. Where the torque
- * alone is enough it gives way so fast that MTPA of any motor, −|i_q*| at most, follows without a jump.
+ * degrees; i_d* beside it would add its own.
+ *
+ * Where the torque current alone is enough, the result falls below 0 in proportion to it. So MTPA takes over without a jump.
  */
 static int32_t least_current_d(const current_reference_cfg_t *cfg, const current_reference_in_t *in)
 {

@@ -7,8 +7,8 @@
 #define NEAR (15)           /* sixteenths of the circle's radius, from where on it may decide */
 #define RESERVE (3)         /* of 256 of the circle's radius, kept for the current control */
 #define INTEGRAL_SHIFT (3U) /* of the voltage that is missing, a slow period */
-#define RIPPLE_SHIFT (6U)   /* in which a valley of the bus is forgotten, in slow periods */
-#define REST_STEP (80)      /* of the integral, a slow period at rest */
+#define RIPPLE_SHIFT (6U)   /* a valley of the bus fades by 1/64 a slow period */
+#define REST_STEP (80)      /* by which the integral goes back to 0, a slow period */
 #define SHARE_ONE (65536)
 #define VOLTS_END (32000) /* so that the sum of two squares fits 32 bits */
 

@@ -17,8 +17,8 @@ void run_reset(drive_t *drive);
 void run_reset_sensed(drive_t *drive);
 
 /*
- * Computes the speed reference of the next slow period: ramp, position profile, or what a torque leads to. position: of the frame in which the
- * currents are controlled.
+ * Computes the speed reference of the next slow period: ramp, position profile, or what a torque leads to.
+ * position: of the frame in which the currents are controlled.
  */
 void run_plan(drive_t *drive, const drive_command_t *command, const rotor_position_t *position);
 

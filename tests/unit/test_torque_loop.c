@@ -91,17 +91,23 @@ static void test_with_another_flux_the_torque_stays(void)
     TEST_ASSERT_EQUAL_INT32(2000, loop.current);
 }
 
+/* An end of the window holds the torque at 50, the reference waits at `waiting`, and 2000 is asked for: one slow period of that. */
+static void plan_at_an_end(int32_t sign, int32_t waiting)
+{
+    torque_loop_start(&loop, FLUX, sign * waiting);
+    loop.end = (sign > 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
+    in.reference = sign * 1000000;
+    in.speed = in.reference;
+    in.current = sign * 50;
+    in.target_q28 = sign * 2000 * FLUX;
+    (void)torque_loop_plan(&loop, &cfg, &in);
+}
+
 /* What waits beyond an end of the window is not in the way of a torque that leads away from it. */
 static void test_away_from_an_end_the_torque_begins_with_the_one_that_acts(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        torque_loop_start(&loop, FLUX, sign * 3000);
-        loop.end = (sign > 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
-        in.reference = sign * 1000000;
-        in.speed = in.reference;
-        in.current = sign * 50;
-        in.target_q28 = sign * 2000 * FLUX;
-        (void)torque_loop_plan(&loop, &cfg, &in);
+        plan_at_an_end(sign, 3000);
         TEST_ASSERT_EQUAL_INT32(sign * 2000, loop.current);
         in.target_q28 = -sign * 2000 * FLUX;
         (void)torque_loop_plan(&loop, &cfg, &in);
@@ -133,13 +139,7 @@ static void test_a_free_torque_is_not_bridged(void)
 static void test_what_waits_short_of_an_end_goes_on_with_its_slope(void)
 {
     for (int32_t sign = -1; sign <= 1; sign += 2) {
-        torque_loop_start(&loop, FLUX, sign * 1000);
-        loop.end = (sign > 0) ? (uint8_t)SPEED_END_UPPER : (uint8_t)SPEED_END_LOWER;
-        in.reference = sign * 1000000;
-        in.speed = in.reference;
-        in.current = sign * 50;
-        in.target_q28 = sign * 2000 * FLUX;
-        (void)torque_loop_plan(&loop, &cfg, &in);
+        plan_at_an_end(sign, 1000);
         TEST_ASSERT_EQUAL_INT32(sign * 1100, loop.current);
         TEST_ASSERT_EQUAL_INT32(sign * 1100 * FLUX, loop.reference_q28);
     }
