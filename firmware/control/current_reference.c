@@ -56,16 +56,19 @@ static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q
     return -fx_min(depth, CURRENT_END);
 }
 
+static int32_t mtpa_d(const current_loop_cfg_t *model, int32_t current_q)
+{
+    const int32_t saliency_q13 = model->reactance_q_q13 - model->reactance_d_q13;
+
+    return (saliency_q13 > 0) ? most_torque_d(model, saliency_q13, current_q) : 0;
+}
+
 /* What the torque asks of i_d*. */
 static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                         const current_reference_in_t *in)
 {
-    const int32_t saliency_q13 = model->reactance_q_q13 - model->reactance_d_q13;
-    int32_t most = 0;
+    const int32_t most = (cfg->most_torque != 0U) ? mtpa_d(model, in->present.q) : 0;
 
-    if ((cfg->most_torque != 0U) && (saliency_q13 > 0)) {
-        most = most_torque_d(model, saliency_q13, in->present.q);
-    }
     return fx_max(least_current_d(cfg, in), most);
 }
 
@@ -103,17 +106,19 @@ current_reference_t current_reference_weakened(weakening_t *weakening, const wea
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
                                        const current_reference_t *reference, int32_t current_max)
 {
-    int32_t room = reference->across;
+    const bool beside = (reference->d > cfg->floor) || (reference->d < 0);
+    torque_range_t left = range;
 
-    if ((reference->d > cfg->floor) || (reference->d < 0)) {
+    if (beside || (reference->across < CURRENT_REFERENCE_ALL)) {
         const int32_t square =
             fx_max((current_max * current_max) - (reference->d * reference->d), 0);
-        const int32_t beside = (int32_t)trig_sqrt((uint32_t)square);
+        const int32_t rest = beside ? (int32_t)trig_sqrt((uint32_t)square) : CURRENT_REFERENCE_ALL;
+        const int32_t room = fx_min(reference->across, rest);
 
-        room = fx_min(room, beside);
+        left = (torque_range_t){.lower = fx_max(range.lower, -room),
+                                .upper = fx_min(range.upper, room)};
     }
-    return (torque_range_t){.lower = fx_max(range.lower, -room),
-                            .upper = fx_min(range.upper, room)};
+    return left;
 }
 
 int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_d)

@@ -79,36 +79,42 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     return fx_clamp(torque, range.lower, range.upper);
 }
 
-/* A K_i that the shift ends at is less than one LSB of the integral for the largest error. */
-static pi_cfg_t weakened(const pi_cfg_t *from, uint32_t kp_bits, uint32_t ki_bits)
+/*
+ * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the damping: that of
+ * the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3.
+ */
+static uint32_t is_heavy(const speed_loop_t *loop)
 {
-    const uint32_t ki_shift = from->ki_shift + ki_bits;
+    return (loop->inertia_q17 >= SPEED_LOOP_HEAVY_Q17) ? 1U : 0U;
+}
+
+static bool has_file_gains(const speed_loop_t *loop)
+{
+    return (is_heavy(loop) | loop->halvings) == 0U;
+}
+
+static const pi_cfg_t *file_gains(const speed_loop_t *loop, const speed_loop_cfg_t *cfg)
+{
+    const bool soft = fx_abs(loop->reference) < cfg->soft_speed;
+
+    return soft ? &cfg->soft : &cfg->pi;
+}
+
+/*
+ * Those of the file, weaker for a heavy rotor and for a lowered bandwidth: K_p/2, K_i/4. A K_i that the shift ends at is less than one LSB of the integral
+ * for the largest error.
+ */
+static pi_cfg_t gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg)
+{
+    const pi_cfg_t *const from = file_gains(loop, cfg);
+    const uint32_t ki_shift = from->ki_shift + is_heavy(loop) + (2U * loop->halvings);
 
     return (pi_cfg_t){
         .kp = from->kp,
         .ki = from->ki,
-        .kp_shift = from->kp_shift + kp_bits,
+        .kp_shift = from->kp_shift + loop->halvings,
         .ki_shift = (uint32_t)fx_min((int32_t)ki_shift, SHIFT_MAX),
     };
-}
-
-/*
- * The gains in force; *weak keeps them where they are not those of the configuration. K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which
- * keeps the damping: that of the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered
- * bandwidth: K_p/2, K_i/4.
- */
-static const pi_cfg_t *gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
-                                      pi_cfg_t *weak)
-{
-    const bool soft = fx_abs(loop->reference) < cfg->soft_speed;
-    const uint32_t heavy = (loop->inertia_q17 >= SPEED_LOOP_HEAVY_Q17) ? 1U : 0U;
-    const pi_cfg_t *gains = soft ? &cfg->soft : &cfg->pi;
-
-    if ((heavy | loop->halvings) != 0U) {
-        *weak = weakened(gains, loop->halvings, heavy + (2U * loop->halvings));
-        gains = weak;
-    }
-    return gains;
 }
 
 /* Q15 of 2·Ω_b */
@@ -117,17 +123,33 @@ static int32_t half_speed_error(const speed_loop_cfg_t *cfg, step_t reference, s
     return fx_sat16(fx_asr(reference - measured, cfg->error_shift));
 }
 
+/* Two calls: behind a pointer to one of two gains each is 3 instructions dearer. */
+static int32_t regulate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t half_error_q15,
+                        int32_t feed_forward, int32_t reach)
+{
+    int32_t current;
+
+    if (has_file_gains(loop)) {
+        current = pi_step(&loop->pi, file_gains(loop, cfg), half_error_q15, feed_forward, reach);
+    } else {
+        const pi_cfg_t gains = gains_in_force(loop, cfg);
+
+        current = pi_step(&loop->pi, &gains, half_error_q15, feed_forward, reach);
+    }
+    return current;
+}
+
 /*
  * pi_step() clamps symmetrically, so the range is shifted by its middle. When the sum of its ends is odd, the shifted range reaches
  * one LSB too far down; the fx_max() below cuts that off.
  */
-static int32_t regulate_speed(speed_loop_t *loop, const pi_cfg_t *gains, int32_t half_error_q15,
-                              int32_t feed_forward, torque_range_t range)
+static int32_t regulate_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                               int32_t half_error_q15, int32_t feed_forward, torque_range_t range)
 {
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t reach = range.upper - middle;
     const int32_t beyond_middle =
-        pi_step(&loop->pi, gains, half_error_q15, feed_forward - middle, reach);
+        regulate(loop, cfg, half_error_q15, feed_forward - middle, reach);
 
     return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }
@@ -136,11 +158,18 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
                         step_t measured, torque_range_t range)
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
-    pi_cfg_t weak = {.kp = 0, .ki = 0, .kp_shift = 1U, .ki_shift = 1U};
-    const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
 
-    return regulate_speed(loop, gains, half_speed_error(cfg, loop->reference, measured),
-                          feed_forward, range);
+    return regulate_within(loop, cfg, half_speed_error(cfg, loop->reference, measured), feed_forward,
+                           range);
+}
+
+/* What regulation with this error would ask for. */
+static int32_t answer_to(const speed_loop_t *loop, const speed_loop_cfg_t *cfg,
+                         int32_t half_error_q15)
+{
+    const pi_cfg_t gains = gains_in_force(loop, cfg);
+
+    return pi_sum(&gains, half_error_q15, loop->pi.integral_q26);
 }
 
 /* The integral as a mean of the current less that of the acceleration: what is left holds the load. */
@@ -155,9 +184,6 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
                           const speed_window_t *window, step_t reference, step_t measured,
                           int32_t wanted, torque_range_t range, speed_end_t *end)
 {
-    pi_cfg_t weak = {.kp = 0, .ki = 0, .kp_shift = 1U, .ki_shift = 1U};
-    const pi_cfg_t *const gains = gains_in_force(loop, cfg, &weak);
-    const int32_t integral_q26 = loop->pi.integral_q26;
     const step_t upper = fx_min(window->upper, cfg->speed_max);
     const step_t lower = fx_max(window->lower, -cfg->speed_max);
     const int32_t to_upper = half_speed_error(cfg, upper, measured);
@@ -168,13 +194,13 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     int32_t current;
 
     loop->reference = limited;
-    if (asked > pi_sum(gains, to_upper, integral_q26)) {
+    if (asked > answer_to(loop, cfg, to_upper)) {
         *end = SPEED_END_UPPER;
-        current = regulate_speed(loop, gains, to_upper, 0,
+        current = regulate_within(loop, cfg, to_upper, 0,
                                  (torque_range_t){.lower = range.lower, .upper = asked});
-    } else if (asked < pi_sum(gains, to_lower, integral_q26)) {
+    } else if (asked < answer_to(loop, cfg, to_lower)) {
         *end = SPEED_END_LOWER;
-        current = regulate_speed(loop, gains, to_lower, 0,
+        current = regulate_within(loop, cfg, to_lower, 0,
                                  (torque_range_t){.lower = asked, .upper = range.upper});
     } else {
         *end = SPEED_END_NONE;

@@ -61,10 +61,10 @@ bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
     return near;
 }
 
-/* Part over whole, Q16, at most 1. Rounded to some 2^-15. */
+/* Part over whole, Q16, at most 1; no part of nothing. Rounded to some 2^-15. */
 static int32_t share_of(uint32_t part, uint32_t whole)
 {
-    int32_t share = SHARE_ONE;
+    int32_t share = (part > 0U) ? SHARE_ONE : 0;
 
     if (part < whole) {
         const uint32_t lift = fx_leading_zeros(whole);
@@ -82,29 +82,10 @@ static int32_t part_of(int32_t share_q16, int32_t whole)
     return fx_asr(fx_asr(share_q16, 1U) * whole, 15U);
 }
 
-/* √ of up to 2^62, rounded down to 16 significant bits. */
-static uint32_t long_root(uint64_t square)
+/* By how many bits the largest of these, or of 2^30, is beyond 15: without them a product fits 32 bits. A 64-bit one is a call on Cortex-M0+. */
+static uint32_t bits_beyond_15(uint32_t all_bits)
 {
-    const uint32_t high = (uint32_t)(square >> 32U);
-    uint32_t root;
-
-    if (high == 0U) {
-        root = trig_sqrt((uint32_t)(square & 0xFFFFFFFFU));
-    } else {
-        const uint32_t pairs = 16U - (fx_leading_zeros(high) / 2U); /* 1…16 */
-        const uint32_t bits = 2U * pairs;
-        const uint64_t reduced = square >> bits;
-
-        root = (uint32_t)trig_sqrt((uint32_t)(reduced & 0xFFFFFFFFU)) << pairs;
-    }
-    return root;
-}
-
-static uint64_t square_of(int32_t x)
-{
-    const int64_t square = (int64_t)x * x;
-
-    return (uint64_t)square;
+    return (all_bits > 0x7FFFU) ? (17U - fx_leading_zeros(all_bits)) : 0U;
 }
 
 /* X·i, Q14 of U_b, saturated. */
@@ -153,9 +134,7 @@ static int32_t other_leg(int32_t whole, int32_t part)
 /* volts / X·I, of I. */
 static int32_t current_of_volts(int32_t volts, int32_t reactive, int32_t current_max)
 {
-    const int32_t share = share_of((uint32_t)volts, (uint32_t)fx_max(reactive, 1));
-
-    return part_of(share, current_max);
+    return part_of(share_of((uint32_t)volts, (uint32_t)reactive), current_max);
 }
 
 /* i_d on the ellipse above this i_q. */
@@ -188,10 +167,15 @@ static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts
 
     if (lacking > 0) {
         const int32_t saliency2 = across2 - along2;
-        const int64_t square = ((int64_t)half * half) + ((int64_t)saliency2 * lacking);
-        const uint32_t root = (square > 0) ? long_root((uint64_t)square) : 0U;
+        const uint32_t beyond =
+            bits_beyond_15((uint32_t)half | (uint32_t)lacking | (uint32_t)fx_abs(saliency2));
+        const int32_t half_15 = fx_asr(half, beyond);
+        const int32_t lacking_15 = fx_asr(lacking, beyond);
+        const int32_t square =
+            (half_15 * half_15) + (fx_asr(saliency2, beyond) * lacking_15);
+        const uint32_t root = trig_sqrt((uint32_t)fx_max(square, 0));
 
-        depth = part_of(share_of((uint32_t)lacking, (uint32_t)half + root), in->current_max);
+        depth = part_of(share_of((uint32_t)lacking_15, (uint32_t)half_15 + root), in->current_max);
     }
     return -depth;
 }
@@ -202,13 +186,17 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
     int32_t depth = in->current_max;
 
     if (volts->emf < volts->along) {
-        const int32_t saliency = fx_max(volts->across - volts->along, 0) * volts->flux;
-        const int32_t emf = volts->across * volts->emf;
-        const uint64_t square = square_of(emf) + (8U * square_of(saliency));
-        const uint32_t whole = (uint32_t)emf + long_root(square);
-        const int32_t beyond = part_of(share_of((uint32_t)saliency, whole), 2 * volts->flux);
+        const uint32_t saliency =
+            (uint32_t)fx_max(volts->across - volts->along, 0) * (uint32_t)volts->flux;
+        const uint32_t emf = (uint32_t)volts->across * (uint32_t)volts->emf;
+        const uint32_t beyond = bits_beyond_15(emf | (4U * saliency));
+        const uint32_t saliency_13 = saliency >> beyond;
+        const uint32_t emf_15 = emf >> beyond;
+        const uint32_t square = (emf_15 * emf_15) + (8U * saliency_13 * saliency_13);
+        const int32_t share = share_of(saliency_13, emf_15 + trig_sqrt(square));
 
-        depth = current_of_volts(volts->emf + beyond, volts->along, in->current_max);
+        depth = current_of_volts(volts->emf + part_of(share, 2 * volts->flux), volts->along,
+                                 in->current_max);
     }
     return -depth;
 }

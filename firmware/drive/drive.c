@@ -45,10 +45,13 @@ RARE static void leave(drive_t *drive)
     safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive));
 }
 
-/* RUN begins with a plan of its current control. */
+/* RUN begins with a plan of its current control, and with the torque that acts: no change of the mode is left to be bridged. */
 RARE static void begin_run(drive_t *drive)
 {
-    torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
+    drive->torque_loop.bridging = false;
+    if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {
+        torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
+    }
     torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
     weakening_reset(&drive->weakening);
     frame_plan_rotor(drive);
@@ -78,19 +81,28 @@ static void follow(drive_t *drive, drive_event_t event)
 static void fail(drive_t *drive, const fault_t *fault)
 {
     if (drive->state != DRIVE_STATE_FAULT) {
-        drive->fault = *fault;
+        drive->fault.id = fault->id;
+        drive->fault.value = fault->value;
+        drive->fault.limit = fault->limit;
         drive->fault.tick = drive->tick;
         follow(drive, DRIVE_EVENT_FAULT);
     }
 }
 
-/* Act on the event of a part that can find a fault too. */
-static void follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
+RARE static void react(drive_t *drive, drive_event_t event, const fault_t *fault)
 {
     if (event == DRIVE_EVENT_FAULT) {
         fail(drive, fault);
     } else {
         follow(drive, event);
+    }
+}
+
+/* Act on the event of a part that can find a fault too. Most ticks have none. */
+static void follow_or_fail(drive_t *drive, drive_event_t event, const fault_t *fault)
+{
+    if (event != DRIVE_EVENT_NONE) {
+        react(drive, event, fault);
     }
 }
 

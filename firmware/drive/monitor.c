@@ -211,7 +211,7 @@ void monitor_limits(drive_t *drive)
         .bus = drive->signals.bus,
         .speed = drive_speed(drive),
         .voltage = drive_is_controlled(drive->state) ? drive->signals.voltage : (dq_t){0, 0},
-        .current_d = drive_current_in_force(drive).d,
+        .current_d = drive->signals.current_ref.d,
     };
 
     drive->torque_range = derating_range(&drive->derating, &drive->cfg->derating, &motion);

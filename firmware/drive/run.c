@@ -291,23 +291,6 @@ static bool is_to_be_held(const drive_t *drive)
     return (drive->signals.current_ref.d >= cfg->current_hold) && is_slow(drive) && settled;
 }
 
-RARE static void narrow_to_bridge(const drive_t *drive, torque_range_t *range)
-{
-    *range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                                 drive->signals.current_ref.q, *range);
-}
-
-/* After a change of the mode the torque goes on a slope. */
-static torque_range_t reachable_range(const drive_t *drive)
-{
-    torque_range_t range = drive->torque_range;
-
-    if (drive->torque_loop.bridging) {
-        narrow_to_bridge(drive, &range);
-    }
-    return range;
-}
-
 /*
  * The speed loop has its limits before the filter, so its integral stops where it stops without one. The filter overshoots
  * a limit that the speed loop has just reached: that is cut off. At rest it is short of the limit by a rounding, and what
@@ -330,24 +313,17 @@ static void filter_torque(drive_t *drive)
     drive->signals.current_ref.q = fx_clamp(torque, range.lower, range.upper);
 }
 
-/*
- * The reference of position control also corrects the position: its change is no ramp. At its limit the torque is not what
- * the ramp asks for.
- */
+/* The reference of position control also corrects the position: its change is no ramp. */
 static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before)
 {
-    const torque_range_t range = drive->torque_range;
-    const int32_t torque = drive->signals.current_ref.q;
-    const bool within = (torque > range.lower) && (torque < range.upper);
-
-    if (within && (drive->mode == (uint8_t)DRIVE_MODE_SPEED)) {
+    if (drive->mode == (uint8_t)DRIVE_MODE_SPEED) {
         speed_loop_learn(&drive->speed_loop, &drive->cfg->speed_loop,
                          drive->speed_loop.reference - before, integral_before);
     }
 }
 
 /* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits, teaches or leads. */
-NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
+NEVER_INLINED static void control_free_torque(drive_t *drive)
 {
     const speed_window_t window = torque_loop_window(
         &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
@@ -355,45 +331,71 @@ NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t ran
 
     drive->signals.current_ref.q = speed_loop_within(
         &drive->speed_loop, &drive->cfg->speed_loop, &window, drive->speed_reference,
-        drive->observer.speed, drive->torque_loop.current, range, &end);
+        drive->observer.speed, drive->torque_loop.current, drive->torque_range, &end);
     drive->torque_loop.end = (uint8_t)end;
 }
 
-static void control_rotor_speed(drive_t *drive, torque_range_t range)
+static void control_rotor_speed(drive_t *drive)
 {
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                        drive->observer.speed, range);
+                        drive->observer.speed, drive->torque_range);
 }
 
-/* What a ramp of the speed leads to. */
+/* The torque current, by the loop that has it. */
+static void choose_current_q(drive_t *drive)
+{
+    if (run_torque_is_free(drive)) {
+        control_free_torque(drive);
+    } else {
+        control_rotor_speed(drive);
+    }
+}
+
+static void filter_current_q(drive_t *drive)
+{
+    if (torque_filter_acts(&drive->cfg->torque_filter)) {
+        filter_torque(drive);
+    }
+}
+
+/* What a ramp of the speed leads to. At its limit the torque is not what the ramp asks for. */
 static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 {
-    wait_at_limit(drive, before);
-    if (!drive->torque_loop.bridging) {
+    const torque_range_t range = drive->torque_range;
+    const int32_t torque = drive->signals.current_ref.q;
+
+    if ((torque > range.lower) && (torque < range.upper)) {
         learn_inertia(drive, before, integral_before);
+    } else {
+        wait_at_limit(drive, before);
     }
     lead_estimate(drive, before);
 }
 
-/* The torque current, by the loop that has it. */
+/* After a change of the mode the torque goes on a slope. Until it is there, the ramp neither waits nor teaches. */
+RARE static void bridge_current_q(drive_t *drive)
+{
+    const step_t before = drive->speed_loop.reference;
+
+    drive->torque_range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                                              drive->signals.current_ref.q, drive->torque_range);
+    choose_current_q(drive);
+    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, drive->torque_range);
+    filter_current_q(drive);
+    if (!run_torque_is_free(drive)) {
+        lead_estimate(drive, before);
+    }
+}
+
 static void control_current_q(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
     const int32_t integral_before = drive->speed_loop.pi.integral_q26;
-    const torque_range_t range = reachable_range(drive);
-    const bool unbound = run_torque_is_free(drive);
 
-    if (unbound) {
-        control_free_torque(drive, range);
-    } else {
-        control_rotor_speed(drive, range);
-    }
-    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, range);
-    if (torque_filter_acts(&drive->cfg->torque_filter)) {
-        filter_torque(drive);
-    }
-    if (!unbound) {
+    choose_current_q(drive);
+    filter_current_q(drive);
+    if (!run_torque_is_free(drive)) {
         follow_ramp(drive, before, integral_before);
     }
 }
@@ -403,7 +405,11 @@ INLINES_ALL static drive_event_t control_torque(drive_t *drive)
 {
     drive_event_t event = DRIVE_EVENT_NONE;
 
-    control_current_q(drive);
+    if (drive->torque_loop.bridging) {
+        bridge_current_q(drive);
+    } else {
+        control_current_q(drive);
+    }
     if ((drive->cfg->startup.current_hold != 0) && is_to_be_held(drive)) {
         hand_back(drive);
         event = DRIVE_EVENT_HELD;

@@ -65,6 +65,26 @@ int32_t units_decihertz(const units_rotation_t *rotation, uint32_t halves, uint3
     return (int32_t)(halves + ticks);
 }
 
+int64_t units_torque_base(const units_rotation_t *rotation, uint32_t current_full_scale_ua, uint32_t bus_full_scale_uv,
+                          uint32_t speed_shift)
+{
+    (void)rotation;
+    (void)speed_shift;
+    return (int64_t)current_full_scale_ua + bus_full_scale_uv;
+}
+
+int32_t units_torque(int64_t base, int32_t torque_q28)
+{
+    (void)base;
+    return torque_q28;
+}
+
+int32_t units_torque_q28(int64_t base, int32_t torque)
+{
+    (void)base;
+    return torque;
+}
+
 int32_t units_thousandths(int32_t value, int32_t one, uint32_t base_millionths)
 {
     (void)one;

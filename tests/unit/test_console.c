@@ -166,6 +166,13 @@ static void test_a_torque_beyond_the_motors_or_no_number_changes_nothing(void)
     }
 }
 
+static void test_where_the_configuration_is_refused_no_torque_is_taken(void)
+{
+    app = (app_t){.hal = &hardware}; /* nothing has begun */
+    command_mailbox_init(&app.mailbox);
+    TEST_ASSERT_NOT_NULL(strstr(said_to("torque 1\n"), "error: torque takes N m, at most 0.000000"));
+}
+
 static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
 {
     ready();
@@ -407,6 +414,7 @@ static void test_while_the_motor_is_measured_no_other_line_moves_it_and_a_stop_e
     target = app.in.command.target;
     assert_contains(MEASURING, said_to("run\n"));
     assert_contains(MEASURING, said_to("speed 10\n"));
+    assert_contains(MEASURING, said_to("torque 1\n"));
     assert_contains("error: it is under way\r\n", said_to("identify\n"));
     TEST_ASSERT_EQUAL_UINT8(DRIVE_REQUEST_PROBE, request_taken());
     TEST_ASSERT_EQUAL_UINT8(mode, app.in.command.mode);
@@ -538,5 +546,6 @@ int main(void)
     RUN_TEST(test_a_line_that_is_stuck_does_not_leave_the_current_on);
     RUN_TEST(test_each_torque_within_the_motors_reaches_the_drive);
     RUN_TEST(test_a_torque_beyond_the_motors_or_no_number_changes_nothing);
+    RUN_TEST(test_where_the_configuration_is_refused_no_torque_is_taken);
     return UNITY_END();
 }

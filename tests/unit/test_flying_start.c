@@ -429,6 +429,15 @@ static void test_a_current_that_does_not_end_tells_its_speed(void)
     }
 }
 
+static void test_the_longest_wait_tells_the_speed_of_a_current_too(void)
+{
+    seeded_t seed = {0x10E6U};
+
+    cfg.wait_ticks = 0x100000U;
+    /* each mean is rounded by two at most, and divided by the ticks after it */
+    TEST_ASSERT_TRUE(fabs(speed_of_live_current(2000, 0.125, 0, &seed) - (0.125 * TURN)) <= 4.0);
+}
+
 static void test_a_current_that_stands_still_has_no_speed(void)
 {
     seeded_t seed = {0x57AU};
@@ -551,6 +560,7 @@ int main(void)
     RUN_TEST(test_without_a_current_the_gates_wait_until_the_compare_values_of_now_act);
     RUN_TEST(test_a_current_that_does_not_end_in_time_is_reported_with_open_gates);
     RUN_TEST(test_a_current_that_does_not_end_tells_its_speed);
+    RUN_TEST(test_the_longest_wait_tells_the_speed_of_a_current_too);
     RUN_TEST(test_a_current_that_stands_still_has_no_speed);
     RUN_TEST(test_at_a_standing_rotor_the_gates_stay_on_for_exactly_the_charge);
     RUN_TEST(test_a_turning_rotor_is_not_braked_by_a_charge);

