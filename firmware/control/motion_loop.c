@@ -148,8 +148,7 @@ static int32_t regulate_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
 {
     const int32_t middle = fx_asr(range.lower + range.upper, 1U);
     const int32_t reach = range.upper - middle;
-    const int32_t beyond_middle =
-        regulate(loop, cfg, half_error_q15, feed_forward - middle, reach);
+    const int32_t beyond_middle = regulate(loop, cfg, half_error_q15, feed_forward - middle, reach);
 
     return fx_max(fx_sat15(middle + beyond_middle), range.lower);
 }
@@ -159,8 +158,8 @@ int32_t speed_loop_step(speed_loop_t *loop, const speed_loop_cfg_t *cfg, step_t 
 {
     const int32_t feed_forward = speed_loop_accelerate(loop, cfg, reference, range);
 
-    return regulate_within(loop, cfg, half_speed_error(cfg, loop->reference, measured), feed_forward,
-                           range);
+    return regulate_within(loop, cfg, half_speed_error(cfg, loop->reference, measured),
+                           feed_forward, range);
 }
 
 /* What regulation with this error would ask for. */
@@ -197,11 +196,11 @@ int32_t speed_loop_within(speed_loop_t *loop, const speed_loop_cfg_t *cfg,
     if (asked > answer_to(loop, cfg, to_upper)) {
         *end = SPEED_END_UPPER;
         current = regulate_within(loop, cfg, to_upper, 0,
-                                 (torque_range_t){.lower = range.lower, .upper = asked});
+                                  (torque_range_t){.lower = range.lower, .upper = asked});
     } else if (asked < answer_to(loop, cfg, to_lower)) {
         *end = SPEED_END_LOWER;
         current = regulate_within(loop, cfg, to_lower, 0,
-                                 (torque_range_t){.lower = asked, .upper = range.upper});
+                                  (torque_range_t){.lower = asked, .upper = range.upper});
     } else {
         *end = SPEED_END_NONE;
         current = fx_sat15(asked);

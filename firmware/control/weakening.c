@@ -82,10 +82,15 @@ static int32_t part_of(int32_t share_q16, int32_t whole)
     return fx_asr(fx_asr(share_q16, 1U) * whole, 15U);
 }
 
-/* By how many bits the largest of these, or of 2^30, is beyond 15: without them a product fits 32 bits. A 64-bit one is a call on Cortex-M0+. */
+/*
+ * By how many bits the largest of numbers is beyond 15, from all their bits. Without those a product fits 32 bits; one of 64 bits is a
+ * call on a Cortex-M0+.
+ */
 static uint32_t bits_beyond_15(uint32_t all_bits)
 {
-    return (all_bits > 0x7FFFU) ? (17U - fx_leading_zeros(all_bits)) : 0U;
+    const uint32_t zeros = fx_leading_zeros(all_bits | 1U);
+
+    return (zeros < 17U) ? (17U - zeros) : 0U;
 }
 
 /* X·i, Q14 of U_b, saturated. */
@@ -169,10 +174,10 @@ static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts
         const int32_t saliency2 = across2 - along2;
         const uint32_t beyond =
             bits_beyond_15((uint32_t)half | (uint32_t)lacking | (uint32_t)fx_abs(saliency2));
-        const int32_t half_15 = fx_asr(half, beyond);
-        const int32_t lacking_15 = fx_asr(lacking, beyond);
-        const int32_t square =
-            (half_15 * half_15) + (fx_asr(saliency2, beyond) * lacking_15);
+        const int32_t half_15 = fx_usat15(fx_asr(half, beyond));
+        const int32_t lacking_15 = fx_usat15(fx_asr(lacking, beyond));
+        const int32_t saliency2_15 = fx_sat16(fx_asr(saliency2, beyond));
+        const int32_t square = (half_15 * half_15) + (saliency2_15 * lacking_15);
         const uint32_t root = trig_sqrt((uint32_t)fx_max(square, 0));
 
         depth = part_of(share_of((uint32_t)lacking_15, (uint32_t)half_15 + root), in->current_max);

@@ -53,7 +53,7 @@ CASES = {
     DRIVE: {
         "fx_leading_zeros": 100, "trig_sqrt": 100, "root_of_normalised": 300, "whole_root": 0, "trig_sincos": 1100,
         "estimate_step": 300, "frame_measure": 200, "frame_modulate": 2000, "frame_modulate_plain": 2000, "judge": 50,
-        "fx_approach": 20, "average": 20, "share_of": 100, "long_root": 40, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
+        "fx_approach": 20, "average": 20, "share_of": 100, "bits_beyond_15": 20, "heat_up": 60, "observer_rho": 10, "drive_step": 4, "watch": 20,
     },
     RECORDER: {"turn_over": 20},
 }

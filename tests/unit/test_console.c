@@ -170,7 +170,8 @@ static void test_where_the_configuration_is_refused_no_torque_is_taken(void)
 {
     app = (app_t){.hal = &hardware}; /* nothing has begun */
     command_mailbox_init(&app.mailbox);
-    TEST_ASSERT_NOT_NULL(strstr(said_to("torque 1\n"), "error: torque takes N m, at most 0.000000"));
+    TEST_ASSERT_NOT_NULL(
+        strstr(said_to("torque 1\n"), "error: torque takes N m, at most 0.000000"));
 }
 
 static void test_run_and_stop_reach_the_drive_and_leave_the_speed(void)
