@@ -323,7 +323,7 @@ static void learn_inertia(drive_t *drive, step_t before, int32_t integral_before
 }
 
 /* The torque is free within the window of speeds. Then no speed is asked for, and no ramp waits, teaches or leads. */
-NEVER_INLINED static void control_free_torque(drive_t *drive)
+NEVER_INLINED static void control_free_torque(drive_t *drive, torque_range_t range)
 {
     const speed_window_t window = torque_loop_window(
         &drive->cfg->torque_loop, drive->speed_loop.reference, lowest_torque_speed(drive));
@@ -331,24 +331,24 @@ NEVER_INLINED static void control_free_torque(drive_t *drive)
 
     drive->signals.current_ref.q = speed_loop_within(
         &drive->speed_loop, &drive->cfg->speed_loop, &window, drive->speed_reference,
-        drive->observer.speed, drive->torque_loop.current, drive->torque_range, &end);
+        drive->observer.speed, drive->torque_loop.current, range, &end);
     drive->torque_loop.end = (uint8_t)end;
 }
 
-static void control_rotor_speed(drive_t *drive)
+static void control_rotor_speed(drive_t *drive, torque_range_t range)
 {
     drive->signals.current_ref.q =
         speed_loop_step(&drive->speed_loop, &drive->cfg->speed_loop, drive->speed_reference,
-                        drive->observer.speed, drive->torque_range);
+                        drive->observer.speed, range);
 }
 
 /* The torque current, by the loop that has it. */
-static void choose_current_q(drive_t *drive)
+static void choose_current_q(drive_t *drive, torque_range_t range)
 {
     if (run_torque_is_free(drive)) {
-        control_free_torque(drive);
+        control_free_torque(drive, range);
     } else {
-        control_rotor_speed(drive);
+        control_rotor_speed(drive, range);
     }
 }
 
@@ -377,11 +377,12 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
 RARE static void bridge_current_q(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;
+    const torque_range_t range =
+        torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
+                            drive->signals.current_ref.q, drive->torque_range);
 
-    drive->torque_range = torque_loop_bridged(&drive->cfg->torque_loop, drive_flux(drive),
-                                              drive->signals.current_ref.q, drive->torque_range);
-    choose_current_q(drive);
-    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, drive->torque_range);
+    choose_current_q(drive, range);
+    torque_loop_arrive(&drive->torque_loop, drive->signals.current_ref.q, range);
     filter_current_q(drive);
     if (!run_torque_is_free(drive)) {
         lead_estimate(drive, before);
@@ -393,7 +394,7 @@ static void control_current_q(drive_t *drive)
     const step_t before = drive->speed_loop.reference;
     const int32_t integral_before = drive->speed_loop.pi.integral_q26;
 
-    choose_current_q(drive);
+    choose_current_q(drive, drive->torque_range);
     filter_current_q(drive);
     if (!run_torque_is_free(drive)) {
         follow_ramp(drive, before, integral_before);
