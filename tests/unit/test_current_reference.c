@@ -315,10 +315,17 @@ static void test_the_least_current_takes_nothing_of_the_range_and_all_else_does(
 
 static void test_i_q_ends_where_the_voltage_does(void)
 {
-    const torque_range_t left = range_beside((torque_range_t){-8000, 900}, 0, 1000, 10000);
+    const torque_range_t most = {-CURRENT_REFERENCE_ALL, CURRENT_REFERENCE_ALL};
+    torque_range_t left = range_beside((torque_range_t){-8000, 900}, 0, 1000, 10000);
 
     TEST_ASSERT_EQUAL_INT32(-1000, left.lower);
     TEST_ASSERT_EQUAL_INT32(900, left.upper);
+    left = range_beside((torque_range_t){-900, 8000}, 0, 1000, 10000);
+    TEST_ASSERT_EQUAL_INT32(-900, left.lower);
+    TEST_ASSERT_EQUAL_INT32(1000, left.upper);
+    left = range_beside(most, 0, CURRENT_REFERENCE_ALL - 1, 10000);
+    TEST_ASSERT_EQUAL_INT32(1 - CURRENT_REFERENCE_ALL, left.lower);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL - 1, left.upper);
 }
 
 /* From i_d* = 0 to the least current itself the range is left as it is, also one beyond the circle. */

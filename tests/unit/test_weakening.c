@@ -398,8 +398,8 @@ static void test_a_resistance_that_takes_more_than_there_is_leaves_nothing(void)
 {
     set_volts(8000, 1000, 16000, 16000);
     model.resistance_q13 = 8192;
-    in.voltage = (dq_t){0, 12000};
-    in.reference = (dq_t){0, 4000}; /* 2000 of 1000 */
+    in.voltage = (dq_t){12000, 0};
+    in.reference = (dq_t){4000, 0}; /* 2000 of 1000 */
     in.current = in.reference;
     TEST_ASSERT_EQUAL_INT32(-8192, limits().upper);
 }
@@ -427,6 +427,8 @@ static void test_the_circle_meets_the_ellipse_also_with_a_few_digits(void)
     TEST_ASSERT_EQUAL_INT32(-8192, limits().lower);
     set_volts(5, 5, 3, 3); /* 9 / 30 */
     TEST_ASSERT_EQUAL_INT32(-4915, limits().lower);
+    set_volts(200, 250, 200, 200); /* 17500 / 80000: 16 bits, of which one goes */
+    TEST_ASSERT_EQUAL_INT32(-3584, limits().lower);
     set_volts(400, 300, 200, 200); /* 110000 / 160000: more than 15 bits */
     TEST_ASSERT_EQUAL_INT32(-11264, limits().lower);
 }
@@ -447,6 +449,8 @@ static void test_without_a_root_the_circle_ends_it(void)
 {
     set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
     TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
+    set_volts(1, 0, 3, 2); /* 9 − 25: the circle misses the ellipse; of use is i_d up to −φ / L_d = −1 / 3 */
+    TEST_ASSERT_EQUAL_INT32(-5461, limits().lower);
 }
 
 static void test_a_motor_without_magnets_and_saliency_has_no_use_for_i_d(void)
