@@ -449,7 +449,8 @@ static void test_without_a_root_the_circle_ends_it(void)
 {
     set_volts(1, 0, 1, 0); /* 1 / (1 + √(1 − 1)) */
     TEST_ASSERT_EQUAL_INT32(-CURRENT_END, limits().lower);
-    set_volts(1, 0, 3, 2); /* 9 − 25: the circle misses the ellipse; of use is i_d up to −φ / L_d = −1 / 3 */
+    set_volts(1, 0, 3,
+              2); /* 9 − 25: the circle misses the ellipse; of use is i_d up to −φ / L_d = −1 / 3 */
     TEST_ASSERT_EQUAL_INT32(-5461, limits().lower);
 }
 
