@@ -211,10 +211,11 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
  * that flows. With an i_q* that the voltage does not allow it would leave no i_q at all, and that in the next period all of it.
  */
 static void end_where_useless(const weakening_in_t *in, const weakening_volts_t *volts,
-                              weakening_limits_t *limits)
+                              int32_t wanted, weakening_limits_t *limits)
 {
     const int32_t circle = circle_d(in, volts);
-    const int32_t useful = fx_max(torque_per_volt_d(in, volts), -in->deepest);
+    const int32_t deepest = fx_max(torque_per_volt_d(in, volts), -in->deepest);
+    const int32_t useful = fx_min(deepest, wanted); /* i_d* may be deeper without weakening */
 
     limits->lower = circle;
     if (useful > circle) {
@@ -249,7 +250,7 @@ weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *
     weakening->acts = (limits.upper < wanted) || (in->reference.d < wanted);
     if (limits.upper < wanted) {
         volts.flux = flux_volts(whole - resistive_volts(in, in->current, length));
-        end_where_useless(in, &volts, &limits);
+        end_where_useless(in, &volts, wanted, &limits);
         correct_voltage(weakening, &limits, available - length);
     } else {
         forget(weakening);

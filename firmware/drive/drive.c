@@ -22,14 +22,19 @@
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
 /*
- * The largest speed that anything tells of. In RUN the estimate may be what has failed; the ramp is where the rotor was to be.
- * Below RUN it is that of the vector. A flying start ends as it began, with open gates.
+ * The largest speed that anything tells of, where the drive leaves for `next`. In RUN the estimate may be what has failed. Then the
+ * ramp is where the rotor was to be. Torque control has no ramp, so behind a fault the rotor may be as fast as its window allows.
+ * Below RUN the speed is that of the vector. A flying start ends as it began, with open gates.
  */
-static step_t fastest_known(const drive_t *drive)
+static step_t fastest_known(const drive_t *drive, drive_state_t next)
 {
+    const torque_loop_cfg_t *const window = &drive->cfg->torque_loop;
     step_t speed = 0;
 
-    if (drive->state == DRIVE_STATE_RUN) {
+    if ((drive->state == DRIVE_STATE_RUN) && (next == DRIVE_STATE_FAULT) &&
+        (drive->mode == (uint8_t)DRIVE_MODE_TORQUE)) {
+        speed = fx_max(window->speed_forward, window->speed_backward);
+    } else if (drive->state == DRIVE_STATE_RUN) {
         speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
     } else if (drive->state != DRIVE_STATE_FLYING_START) {
         speed = fx_abs(drive->vector.step);
@@ -40,9 +45,9 @@ static step_t fastest_known(const drive_t *drive)
 }
 
 /* Nothing is driven from this tick on: the gates open, or the motor is shorted where it is too fast for that. */
-RARE static void leave(drive_t *drive)
+RARE static void leave(drive_t *drive, drive_state_t next)
 {
-    safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive));
+    safe_state_leave(&drive->safe_state, &drive->cfg->safe_state, fastest_known(drive, next));
 }
 
 /* RUN begins with a plan of its current control, and with the torque that acts: no change of the mode is left to be bridged. */
@@ -61,7 +66,7 @@ RARE static void begin_run(drive_t *drive)
 static void enter(drive_t *drive, drive_state_t state)
 {
     if (drive_is_driving(drive->state) && !drive_is_driving(state)) {
-        leave(drive);
+        leave(drive, state);
     }
     drive->state = state;
     drive->limits = protection_limits(&drive->cfg->protection, drive_is_driving(state));
@@ -413,7 +418,7 @@ static void restart(drive_t *drive, const drive_cfg_t *cfg)
     safe_state_t safe_state;
 
     if (drive_is_driving(state)) {
-        leave(drive);
+        leave(drive, DRIVE_STATE_INIT);
     }
     safe_state = drive->safe_state;
     initialise(drive, cfg);

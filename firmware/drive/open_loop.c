@@ -10,6 +10,8 @@
 #define SIXTH_TURN (0x2AAAAAAAU)
 #define SLIP_SHARE (2)          /* 1/2 of the hand-over speed between rotor and vector */
 #define NEAR_ZERO (0x02000000U) /* 1/128 of a turn */
+#define INVERSE_ROOT_3_Q15 (18918)
+#define Q13_ONE (8192)
 
 drive_event_t open_loop_start(drive_t *drive)
 {
@@ -91,18 +93,28 @@ NEVER_INLINED static drive_event_t start_turning(drive_t *drive, ab_t current_ab
     return (fast && !has_to_stand(drive)) ? DRIVE_EVENT_TRACKED : DRIVE_EVENT_DRAGGED;
 }
 
+/* The speed from which the EMF between two phases is above the bus. */
+static step_t rectifying_speed(const drive_t *drive)
+{
+    const int32_t phase = fx_asr(drive->signals.bus * INVERSE_ROOT_3_Q15, 15U);
+    const int32_t speed_q15 = (phase * Q13_ONE) / fx_max(drive->model.run_loop.emf_q13, 1);
+    const uint32_t lift = (uint32_t)1U << drive->cfg->speed_shift;
+
+    return fx_min(speed_q15, FX_Q15_MAX) * (int32_t)lift;
+}
+
 /*
- * A current flows with open gates. The EMF of a rotor is above the bus only beyond its highest speed. Then its current turns as fast. One that
- * does not comes from a channel that is stuck.
+ * A current flows with open gates. It is a rotor's, whose EMF is above the bus and whose current turns as fast as it does, or that of a
+ * channel that is stuck, which stands still. Half of the speed lies between both.
  */
 static fault_t live_fault(const drive_t *drive)
 {
     const step_t speed = fx_abs(drive->flying_start.speed);
-    const step_t speed_max = drive->cfg->speed_loop.speed_max;
+    const step_t limit = fx_min(drive->cfg->speed_loop.speed_max, rectifying_speed(drive));
     const drive_signals_t *const s = &drive->signals;
-    fault_t fault = {.id = FAULT_OVERSPEED, .value = speed, .limit = speed_max};
+    fault_t fault = {.id = FAULT_OVERSPEED, .value = speed, .limit = limit};
 
-    if (speed <= speed_max) {
+    if (speed <= (limit / 2)) {
         fault = (fault_t){
             .id = FAULT_ADC_STUCK,
             .value = fx_max(fx_abs(s->phase_a), fx_abs(s->phase_b)),

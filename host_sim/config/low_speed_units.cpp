@@ -398,6 +398,21 @@ startup_cfg_t make_startup(const MotorSettings &motor, const BoardSettings &boar
     return c;
 }
 
+// The magnets bear the i_d of the largest torque of the largest current: 4·ΔL·|i_d| = √(φ² + 8·ΔL²·I²) − φ.
+static void check_most_torque(const MotorSettings &motor)
+{
+    const double saliency = motor.inductance_q_h - motor.inductance_d_h;
+    if (saliency <= 0 || !(motor.demagnetising_current_a > 0)) {
+        return;
+    }
+    const double flux = motor.flux_linkage_wb;
+    const double root = std::sqrt(flux * flux + 8 * std::pow(saliency * motor.max_current_a, 2));
+    require((root - flux) / (4 * saliency), 0, motor.demagnetising_current_a,
+            {"motor.max_current_a", motor.max_current_a},
+            "above it the i_d of its largest torque is beyond motor.demagnetising_current_a; "
+            "current_loop.most_torque = 0 leaves i_d at 0");
+}
+
 current_reference_cfg_t make_current_reference(const MotorSettings &motor,
                                                const BoardSettings &board,
                                                const TuningSettings &tuning,
@@ -417,6 +432,9 @@ current_reference_cfg_t make_current_reference(const MotorSettings &motor,
     c.slope = hold_slope(motor, board, own, m, b);
     c.slope_down = gives_over ? c.slope : std::max(c.slope / CURRENT_FALL, 1);
     c.most_torque = tuning.most_torque != 0 && !gives_over ? 1 : 0;
+    if (c.most_torque != 0) {
+        check_most_torque(motor);
+    }
     keep(c.deepest, deepest_current(motor, tuning) / b.current_a * Q15, 0, Q14);
     return c;
 }

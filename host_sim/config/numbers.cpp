@@ -10,6 +10,9 @@ double deepest_current(const MotorSettings &motor, const TuningSettings &tuning)
 {
     const double share_a = tuning.weakening_pct / 100 * motor.max_current_a;
     const double bears_a = motor.demagnetising_current_a;
+    if (tuning.method == ControlMethod::voltage_phase) {
+        return 0; // its phase compensator holds i_d at 0
+    }
     return bears_a > 0 ? std::min(share_a, bears_a) : share_a;
 }
 

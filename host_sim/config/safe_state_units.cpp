@@ -80,7 +80,7 @@ void set_change(safe_state_cfg_t &c, const MotorSettings &motor, const BoardSett
         std::min(safe * motor.flux_linkage_wb / impedance, board.current_full_scale_a);
     keep(c.span_ticks, SPAN_RAD / turn, 1, SPAN_TICKS_MAX);
     keep(c.change_min,
-         CHANGE_SHARE * 2 * std::sin(c.span_ticks * turn / 2) * seen_a / b.current_a * Q15, 0,
+         CHANGE_SHARE * 2 * std::sin(c.span_ticks * turn / 2) * seen_a / b.current_a * Q15, 1,
          MANTISSA_MAX);
     keep(c.settle_ticks, SETTLE_TURNS * TWO_PI / turn, 0, std::ldexp(1.0, 20));
 }

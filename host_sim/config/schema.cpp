@@ -64,7 +64,7 @@ const std::vector<Field> FIELDS = {
     {"motor", "max_current_a", "A", 0.01, 1000, NEEDED, motor<&M::max_current_a>, "peak phase current the controller may ask for"},
     {"motor", "continuous_current_a", "A", 0, 1000, OPTIONAL, motor<&M::continuous_current_a>, "peak phase current for ever; 0: that of rated torque"},
     {"motor", "thermal_time_constant_s", "s", 0.1, 300, OPTIONAL, motor<&M::thermal_time_constant_s>, "of the winding, for the limit by i²t"},
-    {"motor", "demagnetising_current_a", "A", 0, 5000, OPTIONAL, motor<&M::demagnetising_current_a>, "peak phase current against the magnets that they bear; 0: not stated", RECORD},
+    {"motor", "demagnetising_current_a", "A", 0, 5000, OPTIONAL, motor<&M::demagnetising_current_a>, "largest phase current that does not demagnetise the magnets; 0: not stated", RECORD},
     {"motor", "inertia_kg_m2", "kg·m²", 1e-7, 100, NEEDED, motor<&M::inertia_kg_m2>, "moment of inertia with the load"},
     {"motor", "viscous_friction_nm_s", "N·m·s", 0, 100, NEEDED, motor<&M::viscous_friction_nm_s>, "friction torque per rad/s"},
 

@@ -666,6 +666,32 @@ void the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_th
            motor_b({"motor.demagnetising_current_a=4"}).current_reference.deepest);
     expect(0.95 * 6.3 / 40 * 32768,
            motor_b({"motor.demagnetising_current_a=40"}).current_reference.deepest);
+    expect(0, motor_b({"drive.method=voltage_phase"}).current_reference.deepest);
+}
+
+// Motor B, L_q − L_d and φ as in its file, 6.3 A.
+void the_magnets_bear_the_current_of_the_largest_torque()
+{
+    nf::Config config = nf::load_parts("motor_b", "bench_310v", "robust", {}, {});
+    const double saliency = config.motor.inductance_q_h - config.motor.inductance_d_h;
+    const double flux = config.motor.flux_linkage_wb;
+    const double c = flux / (2 * saliency);
+    const double most = config.motor.max_current_a;
+    // √(c² + i_q²) − c with i_q² = I² − i_d²
+    const double depth = (std::sqrt(c * c + 2 * most * most) - c) / 2;
+    config.motor.demagnetising_current_a = 1.001 * depth;
+    (void)nf::make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+    config.motor.demagnetising_current_a = 0.999 * depth;
+    bool refused = false;
+    try {
+        (void)nf::make_drive_cfg(config.motor, config.board, config.tuning, config.model);
+    } catch (const nf::SettingError &error) {
+        refused = true;
+        TEST_ASSERT_EQUAL_STRING("motor.max_current_a", error.key.c_str());
+    }
+    TEST_ASSERT_TRUE(refused);
+    config.tuning.most_torque = 0;
+    (void)nf::make_drive_cfg(config.motor, config.board, config.tuning, config.model);
 }
 
 // Without a start of its own the run's current changes as with one of 100 %.
@@ -923,6 +949,7 @@ int main()
     RUN_TEST(the_load_of_a_torque_is_found_as_fast_as_the_speed_loop_finds_it);
     RUN_TEST(
         the_field_is_weakened_by_a_share_of_the_largest_current_and_no_more_than_the_magnets_bear);
+    RUN_TEST(the_magnets_bear_the_current_of_the_largest_torque);
     RUN_TEST(hold_loop);
     RUN_TEST(a_large_resistance_is_relieved);
     RUN_TEST(the_edge_of_the_compensation);

@@ -559,6 +559,35 @@ static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
 }
 
+/* The estimate and the reference, which follows it, are of a slow rotor. */
+static void leave_torque_control(step_t forward, step_t backward, bool by_fault)
+{
+    run_at(0, 0);
+    drive.mode = (uint8_t)DRIVE_MODE_TORQUE;
+    in.command.mode = (uint8_t)DRIVE_MODE_TORQUE;
+    cfg.torque_loop.speed_forward = forward;
+    cfg.torque_loop.speed_backward = backward;
+    if (by_fault) {
+        make_overcurrent(&in);
+    } else {
+        in.command.request = 0U;
+    }
+    tick();
+}
+
+static void
+test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows(void)
+{
+    leave_torque_control(OPEN_SPEED + 1, 0, true);
+    assert_short();
+    leave_torque_control(0, OPEN_SPEED + 1, true);
+    assert_short();
+    leave_torque_control(OPEN_SPEED, OPEN_SPEED, true);
+    assert_gates_open();
+    leave_torque_control(OPEN_SPEED + 1, OPEN_SPEED + 1, false);
+    assert_gates_open();
+}
+
 static void test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow(void)
 {
     run_at(OPEN_SPEED + 100000, 0);
@@ -1369,6 +1398,7 @@ int main(void)
     RUN_TEST(test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick);
     RUN_TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed);
     RUN_TEST(test_a_fault_of_a_slow_rotor_opens_the_gates);
+    RUN_TEST(test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows);
     RUN_TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow);
     RUN_TEST(test_while_the_motor_is_shorted_nothing_begins);
     RUN_TEST(test_a_break_opens_the_gates_at_any_speed_until_it_is_cleared);

@@ -605,6 +605,42 @@ static void test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor(v
     }
 }
 
+/* Of 200 counts, through the diodes of open gates. speed: steps. */
+static void turn_current(double speed)
+{
+    double angle = 0.0;
+
+    for (uint32_t k = 0U; (k < PATIENCE_TICKS) && (drive.state != DRIVE_STATE_FAULT); k++) {
+        in.adc_ia = (uint16_t)lround((double)MID_COUNTS + (200.0 * cos(angle)));
+        in.adc_ib = (uint16_t)lround((double)MID_COUNTS + (200.0 * cos(angle - 2.0943951)));
+        drive_step(&drive, &in, &out);
+        TEST_ASSERT_FALSE(out.gate_enable);
+        angle += speed / 4294967296.0 * 6.2831853;
+    }
+}
+
+/* Its EMF is above this bus, and it is no faster than it may be. */
+static void test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it(void)
+{
+    for (uint32_t share = 4U; share <= 6U; share += 2U) { /* of the limit, tenths */
+        double limit;
+
+        setUp();
+        run_at(0.0);
+        in.adc_bus = (uint16_t)((in.adc_bus * 7U) / 10U);
+        drive_step(&drive, &in, &out);
+        limit = (drive.signals.bus / sqrt(3.0) / cfg.current_loop.emf_q13) * 8192.0 *
+                (double)((uint32_t)1U << cfg.speed_shift);
+        TEST_ASSERT_TRUE(limit < cfg.speed_loop.speed_max);
+        turn_current(-limit * share / 10.0);
+        TEST_ASSERT_EQUAL_INT((share > 5U) ? FAULT_OVERSPEED : FAULT_ADC_STUCK, drive.fault.id);
+        if (share > 5U) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.001 * limit, limit, drive.fault.limit);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 * limit, limit * share / 10.0, drive.fault.value);
+        }
+    }
+}
+
 /* ---- charge of the bootstrap supplies ---- */
 
 #define CHARGE_TICKS (50U)
@@ -910,6 +946,7 @@ int main(void)
     RUN_TEST(test_a_rotor_that_is_torn_from_the_vector_makes_the_start_begin_again);
     RUN_TEST(test_the_tick_that_repeats_a_start_opens_the_gates);
     RUN_TEST(test_a_current_that_does_not_end_with_open_gates_is_a_stuck_sensor);
+    RUN_TEST(test_a_rotor_that_feeds_the_bus_through_open_gates_is_too_fast_for_it);
     RUN_TEST(test_low_sides_alone_are_on_for_the_charge_before_the_first_high_side);
     RUN_TEST(test_a_charge_that_was_stopped_begins_anew_behind_a_new_look);
     RUN_TEST(test_a_fault_in_the_charge_opens_the_gates_at_once);

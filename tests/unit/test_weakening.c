@@ -495,6 +495,19 @@ static void test_it_decides_below_what_is_wanted_and_not_at_it(void)
     TEST_ASSERT_TRUE(weakening.acts);
 }
 
+/* ω·φ = 16000, E = 10000, X·I = 16000: at i_d of −8192 / 16384 the EMF is 8000, √(10000² − 8000²) / 16000 = 6144 / 16384. */
+static void test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q(void)
+{
+    weakening_limits_t now;
+
+    set_volts(16000, 10000, 16000, 16000);
+    in.deepest = 1000;
+    in.reference = (dq_t){-8192, 12000};
+    now = weakening_step(&weakening, &in, -8192);
+    TEST_ASSERT_EQUAL_INT32(-8192, now.upper);
+    TEST_ASSERT_EQUAL_INT32(6144, now.across);
+}
+
 /* ---- near, and the integral ---- */
 
 static bool is_near(int32_t d, int32_t q, int32_t radius)
@@ -658,6 +671,7 @@ int main(void)
     RUN_TEST(test_without_saliency_the_most_torque_per_volt_is_above_the_short_circuit_current);
     RUN_TEST(test_without_voltage_and_reactance_the_current_ends_it);
     RUN_TEST(test_it_decides_below_what_is_wanted_and_not_at_it);
+    RUN_TEST(test_what_is_wanted_deeper_than_weakening_may_ask_for_stays_and_has_its_i_q);
     RUN_TEST(test_at_the_deepest_i_d_a_rest_is_learned_from_its_first_step_on);
     RUN_TEST(test_the_integral_of_a_lack_ends_at_a_quarter_of_the_circle);
     RUN_TEST(test_the_last_digit_of_what_was_learned_is_forgotten);
