@@ -38,6 +38,11 @@ bool has_voltage_drive(const Config &config)
     return config.tuning.method == ControlMethod::voltage_phase;
 }
 
+bool has_no_voltage_drive(const Config &config)
+{
+    return !has_voltage_drive(config);
+}
+
 bool has_voltage_speed(const Config &config)
 {
     return has_voltage_drive(config) &&

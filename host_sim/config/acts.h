@@ -27,6 +27,7 @@ bool has_startup(const Config &config);
 bool has_handover(const Config &config);
 bool has_dead_time(const Config &config);
 bool has_voltage_drive(const Config &config);
+bool has_no_voltage_drive(const Config &config);
 bool has_voltage_speed(const Config &config);
 bool has_saliency(const Config &config);
 bool has_notch(const Config &config);
@@ -55,6 +56,8 @@ constexpr Acting WITH_DEAD_TIME = {
     has_dead_time};
 constexpr Acting WITH_VOLTAGE_DRIVE = {"only with drive.method = \"voltage_phase\"",
                                        has_voltage_drive};
+constexpr Acting WITHOUT_VOLTAGE_DRIVE = {"only with drive.method = \"current\"",
+                                          has_no_voltage_drive};
 constexpr Acting WITH_VOLTAGE_SPEED = {"only with drive.method = \"voltage_phase\" and from 1.5 "
                                        "times startup.handover_speed_pct on",
                                        has_voltage_speed};

@@ -94,12 +94,13 @@ void check_speed(const MotorSettings &motor, const BoardSettings &board,
     require(
         speed * std::max(least_flux, 0.0), 0,
         largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
-        tuning.weakening_pct > 0
+        deepest_current(motor, tuning) > 0
             ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
               "leave, even with the field weakened by current_loop.weakening_pct of "
               "motor.max_current_a"
             : "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-              "leave, and current_loop.weakening_pct = 0 does not weaken the field");
+              "leave, and current_loop.weakening_pct = 0 or drive.method = \"voltage_phase\" does "
+              "not weaken the field");
     require(
         speed * motor.flux_linkage_wb, 0, EMF_MOST * b.voltage_v, setting,
         "above it the motor's EMF exceeds 1.9 times board.bus_full_scale_v, which the firmware's "

@@ -163,7 +163,7 @@ const std::vector<Field> FIELDS = {
     {"current_loop", "bandwidth_hz", "Hz", 0, 10000, NEEDED, tuning<&T::current_bandwidth_hz>, "of the closed current loop; 0: by the PWM frequency"},
     {"current_loop", "floor_pct", "%", -1, 50, OPTIONAL, tuning<&T::current_floor_pct>, "least current in RUN, of motor.continuous_current_a; -1: by the dead time", WITH_DEAD_TIME},
     {"current_loop", "most_torque", "", 0, 1, OPTIONAL, tuning<&T::most_torque>, "1: i_d makes the most torque of a current (MTPA) where inductance_q_h is above inductance_d_h; 0: i_d = 0", WITH_SALIENCY},
-    {"current_loop", "weakening_pct", "%", 0, 100, OPTIONAL, tuning<&T::weakening_pct>, "largest i_d of field weakening, of motor.max_current_a; 0: the field is not weakened"},
+    {"current_loop", "weakening_pct", "%", 0, 100, OPTIONAL, tuning<&T::weakening_pct>, "largest i_d of field weakening, of motor.max_current_a; 0: the field is not weakened", WITHOUT_VOLTAGE_DRIVE},
     {"speed_loop", "bandwidth_hz", "Hz", 0, 1000, OPTIONAL, tuning<&T::speed_bandwidth_hz>, "of the closed speed loop; 0: by the motor"},
     {"speed_loop", "low_speed_bandwidth_hz", "Hz", -1, 1000, OPTIONAL, tuning<&T::low_speed_bandwidth_hz>, "likewise at low speed, where dead time makes more ripple; 0: the same; -1: by rule", WITH_STARTUP},
     {"speed_loop", "damping", "", 0.1, 10, NEEDED, tuning<&T::speed_damping>, "of the closed speed loop"},

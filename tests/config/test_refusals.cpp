@@ -454,7 +454,7 @@ void a_speed_whose_emf_exceeds_the_bus_is_named_with_what_is_allowed()
     expect_speed(
         "2073",
         " the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct leave, and "
-        "current_loop.weakening_pct = 0 does not weaken the field",
+        "current_loop.weakening_pct = 0 or drive.method = \"voltage_phase\" does not weaken the field",
         {"current_loop.weakening_pct=0"});
     expect_speed(
         "2241",
