@@ -77,9 +77,7 @@ static void enter(drive_t *drive, drive_state_t state)
 
 static void follow(drive_t *drive, drive_event_t event)
 {
-    if (event != DRIVE_EVENT_NONE) {
-        enter(drive, transitions_next(drive->state, event));
-    }
+    enter(drive, transitions_next(drive->state, event));
 }
 
 /* A fault is latched: in FAULT another one changes nothing. */
