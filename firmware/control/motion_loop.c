@@ -79,10 +79,6 @@ int32_t speed_loop_accelerate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, s
     return fx_clamp(torque, range.lower, range.upper);
 }
 
-/*
- * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the damping: that of
- * the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3.
- */
 static uint32_t is_heavy(const speed_loop_t *loop)
 {
     return (loop->inertia_q17 >= SPEED_LOOP_HEAVY_Q17) ? 1U : 0U;
@@ -101,8 +97,10 @@ static const pi_cfg_t *file_gains(const speed_loop_t *loop, const speed_loop_cfg
 }
 
 /*
- * Those of the file, weaker for a heavy rotor and for a lowered bandwidth: K_p/2, K_i/4. A K_i that the shift ends at is less than one LSB of the integral
- * for the largest error.
+ * K_p is as large as the ripple of the estimate allows, whatever J is. A heavy rotor gets half of K_i, which keeps the damping: that of
+ * the file's J by √(1/ratio), and by √(2/ratio) for a heavy one, 0.82…1.15 for 0.75…3. A lowered bandwidth has K_p/2 and K_i/4.
+ *
+ * SHIFT_MAX bounds the shift of K_i. There the largest error adds less than one LSB to the integral.
  */
 static pi_cfg_t gains_in_force(const speed_loop_t *loop, const speed_loop_cfg_t *cfg)
 {
@@ -123,7 +121,7 @@ static int32_t half_speed_error(const speed_loop_cfg_t *cfg, step_t reference, s
     return fx_sat16(fx_asr(reference - measured, cfg->error_shift));
 }
 
-/* Two calls: behind a pointer to one of two gains each is 3 instructions dearer. */
+/* Two calls of pi_step(): one call with a pointer to either gains makes every speed step longer. */
 static int32_t regulate(speed_loop_t *loop, const speed_loop_cfg_t *cfg, int32_t half_error_q15,
                         int32_t feed_forward, int32_t reach)
 {

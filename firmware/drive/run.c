@@ -373,7 +373,10 @@ static void follow_ramp(drive_t *drive, step_t before, int32_t integral_before)
     lead_estimate(drive, before);
 }
 
-/* After a change of the mode the torque goes on a slope. Until it is there, the ramp neither waits nor teaches. */
+/*
+ * After a change of the mode the torque goes on a slope. Until it has arrived, the ramp does not wait and J is not learned. Apart from
+ * control_current_q(), so that a tick without a bridge does not carry it.
+ */
 RARE static void bridge_current_q(drive_t *drive)
 {
     const step_t before = drive->speed_loop.reference;

@@ -78,7 +78,7 @@ void voltage_drive_end(drive_t *drive)
     pi_reset(&drive->current_loop.pi_q, fx_sat16(s->voltage.q - modelled.q));
     speed_loop_start(&drive->speed_loop, drive->speed_loop.reference, s->current_ref.q);
     torque_filter_start(&drive->torque_filter, s->current_ref.q);
-    weakening_reset(&drive->weakening); /* of before */
+    weakening_reset(&drive->weakening); /* it has seen no bus since the voltage drive began */
     drive->voltage_drive.active = false;
     drive->voltage_drive.calm_periods = 0U;
 }

@@ -45,8 +45,8 @@ typedef struct {
 } fault_t;
 
 /*
- * No fault. Word by word: a library's memset takes 46 instructions on a Cortex-M0+. The tick is of the drive that latches a fault, and
- * stays as it is.
+ * No fault. Word by word: a library's memset takes 46 instructions on a Cortex-M0+. The tick stays as it
+ * is: the drive sets it when it latches a fault.
  */
 static inline void fault_clear(fault_t *fault)
 {

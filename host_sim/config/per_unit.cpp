@@ -88,13 +88,13 @@ void check_speed(const MotorSettings &motor, const BoardSettings &board,
                  const TuningSettings &tuning, const Model &m, const Bases &b)
 {
     const double speed = rad_s_from_rpm(motor.max_speed_rpm) * motor.pole_pairs;
-    const double least_flux =
-        motor.flux_linkage_wb - motor.inductance_d_h * deepest_current(motor, tuning);
+    const double deepest_a = deepest_current(motor, tuning);
+    const double least_flux = motor.flux_linkage_wb - motor.inductance_d_h * deepest_a;
     const Source setting = {"motor.max_speed_rpm", motor.max_speed_rpm};
     require(
         speed * std::max(least_flux, 0.0), 0,
         largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
-        deepest_current(motor, tuning) > 0
+        deepest_a > 0
             ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
               "leave, even with the field weakened by current_loop.weakening_pct of "
               "motor.max_current_a"
