@@ -100,7 +100,7 @@ current_reference_t current_reference_weakened(weakening_t *weakening, const wea
     const weakening_limits_t limits = weakening_step(weakening, in, next_d);
 
     return (current_reference_t){.d = fx_min(next_d, weakened_d(in->reference.d, limits.upper)),
-                                 .across = limits.across};
+                                 .reach = limits.reach};
 }
 
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,
@@ -109,11 +109,11 @@ torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torqu
     const bool beside = (reference->d > cfg->floor) || (reference->d < 0);
     torque_range_t left = range;
 
-    if (beside || (reference->across < CURRENT_REFERENCE_ALL)) {
+    if (beside || (reference->reach < CURRENT_REFERENCE_ALL)) {
         const int32_t square =
             fx_max((current_max * current_max) - (reference->d * reference->d), 0);
         const int32_t rest = beside ? (int32_t)trig_sqrt((uint32_t)square) : CURRENT_REFERENCE_ALL;
-        const int32_t room = fx_min(reference->across, rest);
+        const int32_t room = fx_min(reference->reach, rest);
 
         left = (torque_range_t){.lower = fx_max(range.lower, -room),
                                 .upper = fx_min(range.upper, room)};

@@ -66,7 +66,7 @@ typedef struct {
 /* What the voltage leaves. */
 typedef struct {
     int32_t d;      /* i_d*, ±16384 */
-    int32_t across; /* |i_q*| at most, 0…16384 */
+    int32_t reach; /* |i_q*| at most, 0…16384 */
 } current_reference_t;
 
 /*
@@ -83,7 +83,7 @@ current_reference_t current_reference_weakened(weakening_t *weakening, const wea
                                                int32_t next_d);
 
 /*
- * Returns the part of `range` that is left for i_q*: `across`, and on the circle of radius current_max (0…16384) what is left beside
+ * Returns the part of `range` that is left for i_q*: `reach`, and on the circle of radius current_max (0…16384) what is left beside
  * an i_d* below 0 or above `floor`. The least current is small enough to be left out. Rounded towards less current.
  */
 torque_range_t current_reference_range(const current_reference_cfg_t *cfg, torque_range_t range,

@@ -116,10 +116,12 @@ step_t torque_loop_plan(torque_loop_t *loop, const torque_loop_cfg_t *cfg,
         loop->current = in->current;
         loop->end = (uint8_t)SPEED_END_NONE;
     } else {
-        const int32_t most = current_reference_torque(in->current_max, in->flux_q13);
-        const int32_t target = fx_clamp(in->target_q28, -most, most);
+        const int32_t least = current_reference_torque(in->range.lower, in->flux_q13);
+        const int32_t most = current_reference_torque(in->range.upper, in->flux_q13);
+        const int32_t target = fx_clamp(in->target_q28, least, most);
+        const int32_t from = fx_clamp(held_back_q28(loop, in, target), least, most);
 
-        loop->reference_q28 = fx_towards(held_back_q28(loop, in, target), target, cfg->slope);
+        loop->reference_q28 = fx_towards(from, target, cfg->slope);
         loop->current = current_reference_q(loop->reference_q28, in->flux_q13);
     }
     return reference;

@@ -3,7 +3,8 @@
  * Torque control: a torque on a slope, within a window of speeds.
  *
  * The torque reference follows the torque asked for by at most `slope` a slow period. It begins with the torque that acts, so a
- * change of mode does not jump. The current for it comes from current_reference.h. The speed loop decides where the window ends
+ * change of mode does not jump. A limit that narrows i_q* takes the reference along, so a torque that leads away from it acts at once,
+ * and behind it the torque comes back on the slope. The current for it comes from current_reference.h. The speed loop decides where the window ends
  * (speed_loop_within).
  *
  * Low speed. Where the angle is found from the EMF, there is a lowest speed of RUN. Below it a current is imposed, whose torque is
@@ -44,14 +45,14 @@ typedef struct {
 
 /* What a slow period begins with. */
 typedef struct {
-    int32_t target_q28;  /* torque asked for; what is beyond current_max counts as that */
-    int32_t flux_q13;    /* ψ, 1…32767 */
-    int32_t current;     /* i_q* in force, ±16384 */
-    int32_t current_max; /* 1…16384 */
-    step_t speed;        /* of the rotor, ±2^29 */
-    step_t reference;    /* of the speed in the last slow period, ±2^29 */
-    step_t lowest;       /* lowest speed of RUN, 0…2^29; 0: there is none */
-    step_t ramp;         /* of the imposed vector, 1…2^29 */
+    int32_t target_q28;   /* torque asked for */
+    int32_t flux_q13;     /* ψ, 1…32767 */
+    int32_t current;      /* i_q* in force, ±16384 */
+    torque_range_t range; /* of i_q*, lower ≤ 0 ≤ upper; the reference stays within */
+    step_t speed;         /* of the rotor, ±2^29 */
+    step_t reference;     /* of the speed in the last slow period, ±2^29 */
+    step_t lowest;        /* lowest speed of RUN, 0…2^29; 0: there is none */
+    step_t ramp;          /* of the imposed vector, 1…2^29 */
 } torque_loop_in_t;
 
 /* Start with the torque that acts: ψ and i_q* in force. The torque is free from now on, whatever it was before. */

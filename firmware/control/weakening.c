@@ -15,23 +15,23 @@
 /* Voltages of this instant, Q14 of U_b: an X·I has room up to 2·U_b. */
 typedef struct {
     dq_t reactance_q14; /* ω·L, 0…65534 */
-    int32_t emf;        /* ω·φ, 0…VOLTS_END */
-    int32_t flux;       /* E, 0…16383 */
-    int32_t along;      /* X_d·I, 0…VOLTS_END */
-    int32_t across;     /* X_q·I, 0…VOLTS_END */
+    int32_t emf;         /* ω·φ, 0…VOLTS_END */
+    int32_t flux;        /* E, 0…16383 */
+    int32_t reactive_d;    /* X_d·I, 0…VOLTS_END */
+    int32_t reactive_q;    /* X_q·I, 0…VOLTS_END */
 } weakening_volts_t;
 
 void weakening_reset(weakening_t *weakening)
 {
-    *weakening = (weakening_t){.circle = FX_Q15_MAX}; /* the first bus is lower */
+    *weakening = (weakening_t){.valley = FX_Q15_MAX}; /* what is seen first is lower */
 }
 
 /* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
 static void find_valley(weakening_t *weakening, int32_t voltage_max)
 {
-    const int32_t risen = fx_approach(weakening->circle, voltage_max, RIPPLE_SHIFT);
+    const int32_t risen = fx_approach(weakening->valley, voltage_max, RIPPLE_SHIFT);
 
-    weakening->circle = fx_min(risen, voltage_max);
+    weakening->valley = fx_min(risen, voltage_max);
 }
 
 static void forget(weakening_t *weakening)
@@ -41,9 +41,9 @@ static void forget(weakening_t *weakening)
     }
 }
 
-static bool is_demanding(dq_t demand, int32_t circle)
+static bool is_demanding(dq_t demand, int32_t voltage_max)
 {
-    const int32_t near = fx_asr(circle * NEAR, 4U);
+    const int32_t near = fx_asr(voltage_max * NEAR, 4U);
     const int32_t square = near * near;
 
     return transforms_square(demand) > (uint32_t)square;
@@ -51,11 +51,12 @@ static bool is_demanding(dq_t demand, int32_t circle)
 
 bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
 {
-    bool near;
+    const bool near = weakening->acts || is_demanding(demand, voltage_max);
 
-    find_valley(weakening, voltage_max);
-    near = weakening->acts || is_demanding(demand, weakening->circle);
-    if (!near) {
+    if (near) {
+        find_valley(weakening, voltage_max);
+    } else {
+        weakening->valley = voltage_max;
         forget(weakening);
     }
     return near;
@@ -123,8 +124,8 @@ static weakening_volts_t volts_of(const weakening_in_t *in, int32_t flux_q15)
                                  .q = fx_asr(in->speed_q15 * model->reactance_q_q13, 14U)};
     volts.emf = fx_min(fx_asr(in->speed_q15 * model->emf_q13, 14U), VOLTS_END);
     volts.flux = flux_volts(flux_q15);
-    volts.along = reactive_volts(volts.reactance_q14.d, in->current_max);
-    volts.across = reactive_volts(volts.reactance_q14.q, in->current_max);
+    volts.reactive_d = reactive_volts(volts.reactance_q14.d, in->current_max);
+    volts.reactive_q = reactive_volts(volts.reactance_q14.q, in->current_max);
     return volts;
 }
 
@@ -147,7 +148,7 @@ static int32_t ellipse_d(const weakening_in_t *in, const weakening_volts_t *volt
 {
     const int32_t across = reactive_volts(volts->reactance_q14.q, in->reference.q);
     const int32_t left = other_leg(volts->flux, across) - volts->emf;
-    const int32_t size = current_of_volts(fx_abs(left), volts->along, in->current_max);
+    const int32_t size = current_of_volts(fx_abs(left), volts->reactive_d, in->current_max);
 
     return (left < 0) ? -size : size;
 }
@@ -158,20 +159,20 @@ static int32_t ellipse_q(const weakening_in_t *in, const weakening_volts_t *volt
 {
     const int32_t along = volts->emf + reactive_volts(volts->reactance_q14.d, current_d);
 
-    return current_of_volts(other_leg(volts->flux, along), volts->across, in->current_max);
+    return current_of_volts(other_leg(volts->flux, along), volts->reactive_q, in->current_max);
 }
 
 /* i_d where the circle of the current meets the ellipse. 0: all of the circle lies within the ellipse there. */
 static int32_t circle_d(const weakening_in_t *in, const weakening_volts_t *volts)
 {
-    const int32_t along2 = volts->along * volts->along;
-    const int32_t across2 = volts->across * volts->across;
-    const int32_t lacking = (volts->emf * volts->emf) + across2 - (volts->flux * volts->flux);
-    const int32_t half = volts->along * volts->emf;
+    const int32_t d2 = volts->reactive_d * volts->reactive_d;
+    const int32_t q2 = volts->reactive_q * volts->reactive_q;
+    const int32_t lacking = (volts->emf * volts->emf) + q2 - (volts->flux * volts->flux);
+    const int32_t half = volts->reactive_d * volts->emf;
     int32_t depth = 0;
 
     if (lacking > 0) {
-        const int32_t saliency2 = across2 - along2;
+        const int32_t saliency2 = q2 - d2;
         const uint32_t beyond =
             bits_beyond_15((uint32_t)half | (uint32_t)lacking | (uint32_t)fx_abs(saliency2));
         const int32_t half_15 = fx_usat15(fx_asr(half, beyond));
@@ -190,17 +191,17 @@ static int32_t torque_per_volt_d(const weakening_in_t *in, const weakening_volts
 {
     int32_t depth = in->current_max;
 
-    if (volts->emf < volts->along) {
+    if (volts->emf < volts->reactive_d) {
         const uint32_t saliency =
-            (uint32_t)fx_max(volts->across - volts->along, 0) * (uint32_t)volts->flux;
-        const uint32_t emf = (uint32_t)volts->across * (uint32_t)volts->emf;
+            (uint32_t)fx_max(volts->reactive_q - volts->reactive_d, 0) * (uint32_t)volts->flux;
+        const uint32_t emf = (uint32_t)volts->reactive_q * (uint32_t)volts->emf;
         const uint32_t beyond = bits_beyond_15(emf | (4U * saliency));
         const uint32_t saliency_13 = saliency >> beyond;
         const uint32_t emf_15 = emf >> beyond;
         const uint32_t square = (emf_15 * emf_15) + (8U * saliency_13 * saliency_13);
         const int32_t share = share_of(saliency_13, emf_15 + trig_sqrt(square));
 
-        depth = current_of_volts(volts->emf + part_of(share, 2 * volts->flux), volts->along,
+        depth = current_of_volts(volts->emf + part_of(share, 2 * volts->flux), volts->reactive_d,
                                  in->current_max);
     }
     return -depth;
@@ -220,38 +221,34 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
     limits->lower = circle;
     if (useful > circle) {
         limits->lower = useful;
-        limits->across = ellipse_q(in, volts, useful);
+        limits->reach = ellipse_q(in, volts, useful);
     }
     limits->upper = fx_max(limits->upper, limits->lower);
 }
 
-/* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
-static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
+/* Also where i_d* is as deep as it is of use: there a lack makes the ellipse smaller, and so the torque. */
+static void correct_voltage(weakening_t *weakening, int32_t left)
 {
-    const bool at_end = limits->upper <= limits->lower;
-    const int32_t change = fx_asr(left, INTEGRAL_SHIFT);
+    const int32_t end = fx_asr(weakening->valley, 2U);
 
-    if ((change > 0) || !at_end) {
-        const int32_t end = fx_asr(weakening->circle, 2U);
-
-        weakening->voltage = fx_clamp(weakening->voltage + change, -end, end);
-    }
+    weakening->voltage =
+        fx_clamp(weakening->voltage + fx_asr(left, INTEGRAL_SHIFT), -end, end);
 }
 
 weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted)
 {
     const int32_t length = (int32_t)trig_sqrt(transforms_square(in->voltage));
-    const int32_t available = weakening->circle - fx_asr(weakening->circle * RESERVE, 8U);
+    const int32_t available = weakening->valley - fx_asr(weakening->valley * RESERVE, 8U);
     const int32_t whole = available + weakening->voltage;
     weakening_volts_t volts = volts_of(in, whole - resistive_volts(in, in->reference, length));
-    weakening_limits_t limits = {.lower = -CURRENT_END, .across = CURRENT_END};
+    weakening_limits_t limits = {.lower = -CURRENT_END, .reach = CURRENT_END};
 
     limits.upper = ellipse_d(in, &volts);
     weakening->acts = (limits.upper < wanted) || (in->reference.d < wanted);
     if (limits.upper < wanted) {
         volts.flux = flux_volts(whole - resistive_volts(in, in->current, length));
         end_where_useless(in, &volts, wanted, &limits);
-        correct_voltage(weakening, &limits, available - length);
+        correct_voltage(weakening, available - length);
     } else {
         forget(weakening);
     }

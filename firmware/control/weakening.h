@@ -20,7 +20,7 @@
  *     the torque (MTPV)   the point of the ellipse with the largest torque. With Δx = x_q − x_d:
  *                         y = (ω·φ + 2·Δx·E² / (x_q·ω·φ + √((x_q·ω·φ)² + 8·Δx²·E²))) / x_d
  *     the magnets         `deepest` of the configuration
- * Where one of the last two ends it, i_q ends on the ellipse there: `across`.
+ * Where one of the last two ends it, i_q ends on the ellipse there: `reach`.
  *
  * Units: currents Q15 of I_b; voltages Q15 of U_b; the model as current_loop.h has it.
  * Pure, total within the ranges. Control interrupt, once per slow period.
@@ -37,7 +37,7 @@
 
 typedef struct {
     int32_t voltage; /* what E has by the integral, ±8192 */
-    int32_t circle;  /* radius that the ripple of the bus leaves: its least one of late, 0…32767 */
+    int32_t valley;  /* radius of the voltage circle that the ripple of the bus leaves: its least one of late, or that of now where the voltage does not decide, 0…32767 */
     bool acts;       /* i_d* is what the voltage allows, or on its way back */
 } weakening_t;
 
@@ -56,14 +56,15 @@ typedef struct {
 typedef struct {
     int32_t upper; /* i_d* at most, ±16384 */
     int32_t lower; /* a smaller i_d* is of no use, −16384…0; −16384 where `upper` does not decide */
-    int32_t across; /* |i_q*| at most, 0…16384 */
+    int32_t reach; /* |i_q*| at most, 0…16384 */
 } weakening_limits_t;
 
 void weakening_reset(weakening_t *weakening);
 
 /*
  * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage may decide i_d*: it does already, or the
- * demand (±32768) is above 15/16 of the lowest radius of late. If not, the integral goes back to 0 within some 100 slow periods.
+ * demand (±32768) is above 15/16 of the radius. Only then the lowest radius of late counts. Else the integral goes back to 0 within
+ * some 100 slow periods.
  */
 bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max);
 

@@ -22,9 +22,9 @@
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
 /*
- * The largest speed that anything tells of, where the drive leaves for `next`. In RUN the estimate may be what has failed. Then the
- * ramp is where the rotor was to be. Torque control has no ramp, so behind a fault the rotor may be as fast as its window allows.
- * Below RUN the speed is that of the vector. A flying start ends as it began, with open gates.
+ * The largest speed that anything tells of, where the drive leaves for `next`: the estimate, the ramp, and the vector below RUN. The
+ * estimate may be what has failed. Then the ramp is where the rotor was to be. Torque control has no ramp, so behind a fault the rotor
+ * may be as fast as its window allows. A flying start ends as it began, with open gates.
  */
 static step_t fastest_known(const drive_t *drive, drive_state_t next)
 {
@@ -34,10 +34,9 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
     if ((drive->state == DRIVE_STATE_RUN) && (next == DRIVE_STATE_FAULT) &&
         (drive->mode == (uint8_t)DRIVE_MODE_TORQUE)) {
         speed = fx_max(window->speed_forward, window->speed_backward);
-    } else if (drive->state == DRIVE_STATE_RUN) {
-        speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
     } else if (drive->state != DRIVE_STATE_FLYING_START) {
-        speed = fx_abs(drive->vector.step);
+        speed = fx_max(fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference)),
+                       fx_abs(drive->vector.step));
     } else {
         /* nothing is known yet */
     }
@@ -58,7 +57,6 @@ RARE static void begin_run(drive_t *drive)
         torque_loop_start(&drive->torque_loop, drive_flux(drive), drive->signals.current_ref.q);
     }
     torque_filter_start(&drive->torque_filter, drive->signals.current_ref.q);
-    weakening_reset(&drive->weakening);
     frame_plan_rotor(drive);
 }
 

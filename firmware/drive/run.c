@@ -32,6 +32,7 @@ void run_reset(drive_t *drive)
     drive->signals.current_ref = (dq_t){0, 0};
     drive->torque_range = (torque_range_t){-drive->derating.motoring, drive->derating.motoring};
     drive->derating.voltage = (dq_t){0, 0};
+    weakening_reset(&drive->weakening);
     drive->mode = (uint8_t)DRIVE_MODE_SPEED;
 }
 
@@ -114,7 +115,7 @@ NEVER_INLINED static void plan_torque(drive_t *drive, int32_t target_q28)
             .target_q28 = target_q28,
             .flux_q13 = drive_flux(drive),
             .current = drive_current_in_force(drive).q,
-            .current_max = cfg->derating.current_max,
+            .range = drive->torque_range,
             .speed = drive->observer.speed,
             .reference = drive->speed_loop.reference,
             .lowest = lowest_torque_speed(drive),
@@ -201,7 +202,7 @@ INLINES_ALL static void limit_current(drive_t *drive)
     const current_reference_cfg_t *const cfg = &drive->cfg->current_reference;
     const current_reference_in_t point = operating_point(drive);
     const int32_t circle = modulator_limit(&drive->cfg->modulator, drive->signals.bus);
-    current_reference_t next = {.across = CURRENT_REFERENCE_ALL};
+    current_reference_t next = {.reach = CURRENT_REFERENCE_ALL};
 
     next.d = current_reference_d(cfg, &drive->model.run_loop, &point);
     if (weakening_is_near(&drive->weakening, drive->signals.voltage, circle)) {

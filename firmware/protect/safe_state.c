@@ -3,22 +3,22 @@
 
 #include "fx.h"
 
-#define RISE_LOG2 (6U) /* 1/64 of the bus */
+#define RISE_LOG2 (6U) /* 1/64 of the bus: more than the windings give when the gates open */
 
 void safe_state_reset(safe_state_t *safe)
 {
     *safe = (safe_state_t){.phase = SAFE_STATE_OPEN};
 }
 
-static void short_motor(safe_state_t *safe)
+static void short_motor(safe_state_t *safe, safe_state_phase_t phase)
 {
-    *safe = (safe_state_t){.phase = SAFE_STATE_SHORT};
+    *safe = (safe_state_t){.phase = phase};
 }
 
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed)
 {
     if ((cfg->open_speed > 0) && (speed > cfg->open_speed)) {
-        short_motor(safe);
+        short_motor(safe, SAFE_STATE_SHORT);
     } else {
         safe_state_reset(safe);
     }
@@ -59,6 +59,13 @@ static void wait_for_slow_rotor(safe_state_t *safe, const safe_state_cfg_t *cfg,
     }
 }
 
+static void wait_for_bus(safe_state_t *safe, const safe_state_in_t *in)
+{
+    if (in->bus <= in->bus_max) {
+        short_motor(safe, SAFE_STATE_SHORT);
+    }
+}
+
 /* With open gates the diodes charge the bus: is it beyond what it bears? */
 static bool is_overcharged(safe_state_t *safe, const safe_state_in_t *in)
 {
@@ -77,8 +84,10 @@ static void seek_safe_state(safe_state_t *safe, const safe_state_cfg_t *cfg,
         safe_state_reset(safe);
     } else if (safe->phase == SAFE_STATE_SHORT) {
         wait_for_slow_rotor(safe, cfg, in);
+    } else if (safe->phase == SAFE_STATE_HELD) {
+        wait_for_bus(safe, in);
     } else if (is_overcharged(safe, in)) {
-        short_motor(safe);
+        short_motor(safe, (safe->bus_opened > 0) ? SAFE_STATE_HELD : SAFE_STATE_SHORT);
     } else {
         /* open */
     }

@@ -10,7 +10,7 @@
  * charge the bus. No observer takes part, as its loss may be the fault. What decays with L/R changes little. A
  * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
  * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn. With both
- * sensors dead nothing tells, and they open then too.
+ * sensors dead no change tells, and they open then too. Then the bus tells: where it rises again the motor stays shorted.
  *
  * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
  * the bus Q15 of U_b.
@@ -33,7 +33,8 @@ typedef struct {
 
 typedef enum {
     SAFE_STATE_OPEN = 0,
-    SAFE_STATE_SHORT, /* gates on, all low sides */
+    SAFE_STATE_SHORT, /* gates on, all low sides, while the rotor is fast */
+    SAFE_STATE_HELD,  /* likewise, while the bus is above its limit: the current has not told the speed */
     SAFE_STATE_BROKEN /* the power stage has opened the gates by itself: nothing closes them */
 } safe_state_phase_t;
 
@@ -62,15 +63,15 @@ void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t sp
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it. A bus that is still high when
- * the gates open, as nothing discharges it, does so again when it has risen by 1/64. Returns whether all low sides are to
- * be on, else the gates are to be open.
+ * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it. A bus may still be high when the gates
+ * open, as nothing discharges it. When it then rises by 1/64, the motor is shorted until the bus is within its limit. Returns
+ * whether all low sides are to be on, else the gates are to be open.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 
 static inline bool safe_state_is_short(const safe_state_t *safe)
 {
-    return safe->phase == SAFE_STATE_SHORT;
+    return (safe->phase == SAFE_STATE_SHORT) || (safe->phase == SAFE_STATE_HELD);
 }
 
 #endif

@@ -49,7 +49,7 @@ constexpr int FADE_SHIFT_MAX = 16;
 // Where derating by the bus begins, as shares of the ways from the limit to nominal and back.
 constexpr double BUS_LOW_SHARE = 0.25;
 constexpr double BUS_BRAKE_SHARE = 0.5;
-// Braking has faded out at this share of the way from bus_brake_v to bus_max_v: the bus rises on for the
+// Braking has faded out at this share of the way from bus_brake_v to the fault's limit: the bus rises on for the
 // slow period and the current loop's delay, and no rectifier takes back what came too much.
 constexpr double BUS_END_SHARE = 0.75;
 // Slower than this share of the highest speed is standing: what a motor can feed back there is lost in
@@ -136,7 +136,7 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
         require(board.trip_a, board.overcurrent_a, HUGE_VAL, {"board.trip_a", board.trip_a},
                 "board.overcurrent_a: the comparators must not trip before the drive's own limit");
     }
-    store(c.bus_max, board.bus_max_v / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
+    store(c.bus_max, acting_bus_limit(board, b) / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
           {"board.bus_max_v", board.bus_max_v}, reason);
     store(c.bus_min, board.bus_min_v / b.voltage_v * Q15, 0, MANTISSA_MAX - 1,
           {"board.bus_min_v", board.bus_min_v}, reason);
@@ -191,6 +191,7 @@ constexpr double FADE_STEPS = 2;
 void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases &b)
 {
     const double step_v = FADE_STEPS * b.voltage_v / Q15;
+    const double limit = acting_bus_limit(board, b);
     const double low =
         board.bus_low_v > 0
             ? board.bus_low_v
@@ -198,7 +199,7 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
     const double brake =
         board.bus_brake_v > 0
             ? board.bus_brake_v
-            : board.bus_nominal_v + BUS_BRAKE_SHARE * (board.bus_max_v - board.bus_nominal_v);
+            : board.bus_nominal_v + BUS_BRAKE_SHARE * (limit - board.bus_nominal_v);
     if (board.bus_low_v > 0) {
         require({"board.bus_low_v", low}, board.bus_min_v + step_v, board.bus_nominal_v,
                 "from board.bus_min_v to board.bus_nominal_v");
@@ -207,15 +208,15 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
             "board.bus_nominal_v, and room to derate motoring before it");
     if (board.bus_brake_v > 0) {
         require({"board.bus_brake_v", brake}, board.bus_nominal_v,
-                board.bus_max_v - step_v / BUS_END_SHARE,
-                "from board.bus_nominal_v to board.bus_max_v");
+                limit - step_v / BUS_END_SHARE,
+                "from board.bus_nominal_v to where the drive acts on a high bus");
     }
-    require({"board.bus_max_v", board.bus_max_v},
-            board.bus_nominal_v + step_v / BUS_END_SHARE / (1 - BUS_BRAKE_SHARE), HUGE_VAL,
+    require(limit, board.bus_nominal_v + step_v / BUS_END_SHARE / (1 - BUS_BRAKE_SHARE), HUGE_VAL,
+            {"board.bus_max_v", board.bus_max_v},
             "board.bus_nominal_v, and room to derate braking before it");
     const double steps = Q15 / b.voltage_v;
     c.bus_low = make_fade(low * steps, board.bus_min_v * steps);
-    const double end = brake + BUS_END_SHARE * (board.bus_max_v - brake);
+    const double end = brake + BUS_END_SHARE * (limit - brake);
     c.bus_high = make_fade(brake * steps, end * steps);
 }
 

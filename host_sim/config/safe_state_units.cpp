@@ -18,6 +18,10 @@ constexpr double SPAN_TICKS_MAX = 1024;
 constexpr double CHANGE_SHARE = 0.75;
 // Two of the opening speed are more than one of a rotor at 3/4 of it.
 constexpr double SETTLE_TURNS = 2;
+// A bus that has just been within its limit is found beyond it one tick later, and the gates follow at the next one.
+constexpr double ACT_TICKS = 2;
+// That is so much of the way from the nominal bus to the highest at most: the rest is for derating.
+constexpr double ROOM_SHARE = 0.5;
 
 double least_inductance(const MotorSettings &motor)
 {
@@ -126,6 +130,23 @@ double short_circuit_peak(const MotorSettings &motor, const BoardSettings &board
         std::exp(-HALF_TURN * motor.resistance_ohm / (largest_inductance(motor) * speed_el));
     return short_circuit_current(motor, speed_el) +
            largest_flux(motor, board) / least_inductance(motor) * decay;
+}
+
+double acting_bus_limit(const BoardSettings &board, const Bases &b)
+{
+    if (board.safe_state == SafeState::open) {
+        return board.bus_max_v;
+    }
+    const double largest_a = board.trip_a > 0 ? board.trip_a : board.overcurrent_a;
+    const double charge = ACT_TICKS * b.control_period_s * largest_a;
+    const double least_f = charge / (ROOM_SHARE * (board.bus_max_v - board.bus_nominal_v));
+    if (board.bus_capacitance_f < least_f) {
+        throw SettingError("board.bus_capacitance_f", board.bus_capacitance_f, {false, least_f},
+                           "with board.safe_state = \"short\": in two control periods the largest "
+                           "current may charge it by half of the way from board.bus_nominal_v to "
+                           "board.bus_max_v");
+    }
+    return board.bus_max_v - charge / board.bus_capacitance_f;
 }
 
 safe_state_cfg_t make_safe_state(const MotorSettings &motor, const BoardSettings &board,

@@ -20,6 +20,10 @@ double short_circuit_current(const MotorSettings &motor, double speed_el);
 // Its largest value behind a short circuit from any point of operation, at any speed from safe_open_speed() to speed_el.
 double short_circuit_peak(const MotorSettings &motor, const BoardSettings &board, double speed_el);
 
+// The bus in V beyond which the drive acts. With board.safe_state = "short" it is below board.bus_max_v by what the largest
+// current charges until the short circuit is there: nothing but the bus may tell of the speed.
+double acting_bus_limit(const BoardSettings &board, const Bases &b);
+
 // Refuses a highest speed at which no state of the gates is safe.
 safe_state_cfg_t make_safe_state(const MotorSettings &motor, const BoardSettings &board,
                                  const Bases &b);

@@ -74,18 +74,57 @@ void open_gates_are_the_default_and_short_no_motor()
     TEST_ASSERT_EQUAL_INT32(0, c.open_speed);
 }
 
-// 596.75 rad/s are 0.059675 rad a tick: 13.4 ticks are 0.8 rad, 210.6 two turns. The short circuit takes
-// 596.75·0.387/√(2.125² + 6.9223²) = 31.89 A, of which the sensors see 20 A; over 13 ticks it changes by 2·20·sin 0.38789.
+const Words SHORT = {"board.safe_state=short", "board.bus_capacitance_f=1e-3"};
+
+Words also(Words a, const Words &b)
+{
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+// 426.53 rad/s are 0.042653 rad a tick: 18.8 ticks are 0.8 rad, 294.6 two turns. The short circuit takes
+// 426.53·0.387/√(2.125² + 4.9477²) = 30.65 A, of which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4052.
 void the_numbers_of_the_firmware()
 {
     const Folder folder;
-    const safe_state_cfg_t c = nf::build(loaded({"board.safe_state=short"})).safe_state;
-    const double turn = 400 / (ROOT_3 * 0.387) * 1e-4;
+    const safe_state_cfg_t c = nf::build(loaded(SHORT)).safe_state;
+    const double turn = (300 - 14.094) / (ROOT_3 * 0.387) * 1e-4;
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, turn / nf::TWO_PI * 4294967296.0, c.open_speed);
-    TEST_ASSERT_EQUAL_UINT32(13, c.span_ticks);
-    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.75 * 40 * std::sin(6.5 * turn) / 40 * 32768,
+    TEST_ASSERT_EQUAL_UINT32(19, c.span_ticks);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.75 * 40 * std::sin(9.5 * turn) / 40 * 32768,
                               c.change_min);
-    TEST_ASSERT_EQUAL_UINT32(211, c.settle_ticks);
+    TEST_ASSERT_EQUAL_UINT32(295, c.settle_ticks);
+}
+
+double acting_limit(const Words &set)
+{
+    const nf::Config config = loaded(set);
+    const nf::Bases bases = nf::make_bases(config.motor, config.board);
+    const double limit = nf::acting_bus_limit(config.board, bases);
+    TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, limit / bases.voltage_v * 32768,
+                              nf::build(config).protection.bus_max);
+    return limit;
+}
+
+// Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V. Open gates ask for nothing of it.
+void a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus()
+{
+    const Folder folder;
+    expect(400 - 16, acting_limit(also(SHORT, {"board.trip_a=80"})));
+    expect(400 - 3.6, acting_limit(SHORT));
+    expect(400, acting_limit({"board.trip_a=80"}));
+}
+
+// Of the way from there to the fault's limit: derating of the braking begins at half of it, and has ended at 3/4 of the rest.
+void braking_is_derated_before_the_motor_is_shorted()
+{
+    const Folder folder;
+    const nf::Config config = loaded(also(SHORT, {"board.trip_a=80"}));
+    const double step = nf::make_bases(config.motor, config.board).voltage_v / 32768;
+    const derating_cfg_t c = nf::build(config).derating;
+    TEST_ASSERT_EQUAL_INT32(32767, derating_share(&c.bus_high, static_cast<int32_t>(346 / step)));
+    TEST_ASSERT_TRUE(derating_share(&c.bus_high, static_cast<int32_t>(361 / step)) < 32768 / 2);
+    TEST_ASSERT_EQUAL_INT32(0, derating_share(&c.bus_high, static_cast<int32_t>(376 / step)));
 }
 
 void the_short_circuit_current_by_hand()
@@ -104,12 +143,6 @@ void the_short_circuit_current_by_hand()
 }
 
 const Words FAST = {"board.bus_capacitance_f=1e-3"};
-
-Words also(Words a, const Words &b)
-{
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 void a_highest_speed_beyond_open_gates_is_refused()
 {
@@ -155,12 +188,27 @@ void a_short_circuit_that_demagnetises_is_refused()
             .c_str());
 }
 
+// The largest current, 30 A, would charge less from 310 V beyond 355 V in two periods. Without a capacitance nothing is known of it.
+void a_capacitor_too_small_to_be_caught_in_time_is_refused()
+{
+    const Folder folder;
+    const std::string rest =
+        ": does not fit the firmware; allowed: at least 0.0001334 F: with board.safe_state = \"short\": in two control periods "
+        "the largest current may charge it by half of the way from board.bus_nominal_v to board.bus_max_v";
+    expect_line(
+        {"board.safe_state=short", "board.trip_a=30", "board.bus_capacitance_f=0.000133"},
+        ("--set: board.bus_capacitance_f = 0.000133" + rest).c_str());
+    expect_line({"board.safe_state=short", "board.trip_a=30", "board.bus_capacitance_f=0"},
+                ("--set: board.bus_capacitance_f = 0" + rest).c_str());
+}
+
 // It is never shorted by a stop or a fault.
 void a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit()
 {
     const Folder folder;
-    TEST_ASSERT_EQUAL_STRING("accepted",
-                             refusal({}, {"board.safe_state=short", "board.trip_a=30"}).c_str());
+    TEST_ASSERT_EQUAL_STRING(
+        "accepted",
+        refusal({}, also(SHORT, {"board.trip_a=30", "motor.max_speed_rpm=1700"})).c_str());
 }
 
 } // namespace
@@ -180,9 +228,12 @@ int main()
     RUN_TEST(a_salient_motor_gives_the_bus_more);
     RUN_TEST(open_gates_are_the_default_and_short_no_motor);
     RUN_TEST(the_numbers_of_the_firmware);
+    RUN_TEST(a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus);
+    RUN_TEST(braking_is_derated_before_the_motor_is_shorted);
     RUN_TEST(the_short_circuit_current_by_hand);
     RUN_TEST(a_highest_speed_beyond_open_gates_is_refused);
     RUN_TEST(a_capacitor_too_small_for_the_windings_is_refused);
+    RUN_TEST(a_capacitor_too_small_to_be_caught_in_time_is_refused);
     RUN_TEST(a_short_circuit_that_trips_the_comparators_is_refused);
     RUN_TEST(a_short_circuit_that_demagnetises_is_refused);
     RUN_TEST(a_motor_that_stays_below_that_speed_is_not_asked_for_its_short_circuit);

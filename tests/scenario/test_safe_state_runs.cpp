@@ -218,8 +218,9 @@ using Fault = nf::FaultKind;
 
 struct Strike {
     const char *name;
-    std::optional<nf::FaultEntry> entry; // none: a stop
-    bool blinds = false;                 // a current is not seen any more
+    std::vector<nf::FaultEntry> entries; // none: a stop, unless the observer is lost
+    bool loses_observer = false;         // the estimate is half a turn off, and says standstill
+    bool blinds = false;                 // no current tells how fast the rotor is, only the bus
 };
 
 nf::FaultEntry lasting(Fault kind, std::optional<double> value = {})
@@ -232,24 +233,35 @@ nf::FaultEntry once(Fault kind, std::optional<double> value = {})
     return {0, kind, nf::FaultSpan::tick, value, {}};
 }
 
-// What may go wrong in RUN, and a stop. A bus sensor that stands still is not here: nothing else in the drive sees the bus, so a
-// drive that brakes overcharges it, at any speed: docs/protection.md.
+// What may go wrong in RUN, and a stop. Not here, see docs/protection.md: a bus sensor that stands still, as nothing else in the drive
+// sees the bus; a supply beyond bus_max_v; a configuration that is corrupt, which may be that of the safe state; angle sensors.
 std::vector<Strike> strikes_of(const nf::BoardSettings &board)
 {
     return {
         {"stop", {}},
-        {"overcurrent", once(Fault::overcurrent, 1.1 * board.overcurrent_a)},
-        {"adc_a_high", lasting(Fault::adc_a_high), true},
-        {"adc_b_low", lasting(Fault::adc_b_low), true},
-        {"adc_a_stuck", lasting(Fault::adc_a_stuck), true},
-        {"adc_b_stuck", lasting(Fault::adc_b_stuck), true},
-        {"adc_bus high", once(Fault::adc_bus_stuck, board.bus_max_v + 10)},
-        {"adc_bus low", once(Fault::adc_bus_stuck, board.bus_min_v - 30)},
-        {"temperature", lasting(Fault::temperature, 110)},
-        {"phase_a_open", lasting(Fault::phase_a_open)},
-        {"late_isr", lasting(Fault::late_isr)},
+        {"overcurrent", {once(Fault::overcurrent, 1.1 * board.overcurrent_a)}},
+        {"adc_a_high", {lasting(Fault::adc_a_high)}},
+        {"adc_a_low", {lasting(Fault::adc_a_low)}},
+        {"adc_b_high", {lasting(Fault::adc_b_high)}},
+        {"adc_b_low", {lasting(Fault::adc_b_low)}},
+        {"adc_a_stuck", {lasting(Fault::adc_a_stuck)}},
+        {"adc_b_stuck", {lasting(Fault::adc_b_stuck)}},
+        {"adc_a_stuck, adc_b_high",
+         {lasting(Fault::adc_a_stuck), lasting(Fault::adc_b_high)},
+         false,
+         true},
+        {"adc_bus high", {once(Fault::adc_bus_stuck, board.bus_max_v + 10)}},
+        {"adc_bus low", {once(Fault::adc_bus_stuck, board.bus_min_v - 30)}},
+        {"supply low", {lasting(Fault::bus_voltage, board.bus_min_v - 30)}},
+        {"temperature", {lasting(Fault::temperature, 110)}},
+        {"phase_a_open", {lasting(Fault::phase_a_open)}},
+        {"phase_b_open", {lasting(Fault::phase_b_open)}},
+        {"phase_c_open", {lasting(Fault::phase_c_open)}},
+        {"late_isr", {lasting(Fault::late_isr)}},
+        {"observer lost", {}, true},
         {"rotor_jump", {{0, Fault::rotor_jump, nf::FaultSpan::instant, 150, {}}}},
-        {"break_input", once(Fault::break_input)},
+        {"rotor_blocked", {lasting(Fault::rotor_blocked)}},
+        {"break_input", {once(Fault::break_input)}},
     };
 }
 
@@ -314,9 +326,14 @@ public:
     }
     void strike(const Strike &what)
     {
-        if (what.entry) {
-            injection.begin(*what.entry, now);
-        } else {
+        for (const nf::FaultEntry &entry : what.entries) {
+            injection.begin(entry, now);
+        }
+        if (what.loses_observer) {
+            drive_t &drive = sim.seam().drive;
+            rotor_position_step(&drive.position, INT32_MIN); // half a turn
+            drive.observer.speed = 0;
+        } else if (what.entries.empty()) {
             sim.request(0);
         }
     }
@@ -390,14 +407,6 @@ private:
     double believed_rad_s_ = 0; // in the tick before; 0: it did not drive
 };
 
-// Where the drive learns of the speed by the bus alone, it shorts the motor in the tick behind the one at which the bus was
-// high: two periods of the largest current. A current that the drive does not see ends at the comparators.
-double bus_limit_v(const nf::BoardSettings &board, const Strike &strike)
-{
-    const double largest_a = strike.blinds ? board.trip_a : board.overcurrent_a;
-    return board.bus_max_v + 2 * largest_a / board.pwm_frequency_hz / board.bus_capacitance_f;
-}
-
 // A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
 double broken_bus_v(const nf::Config &config, double rpm)
 {
@@ -421,12 +430,14 @@ void assert_survived(const Machine &machine, const Ride &ride, const Strike &str
                      const std::string &what)
 {
     const double limit = ride.is_broken() ? broken_bus_v(ride.config, machine.load_rpm)
-                                          : bus_limit_v(ride.config.board, strike);
+                                          : ride.config.board.bus_max_v;
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.bus_v <= limit, what.c_str());
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.current_a <= current_limit_a(ride), what.c_str());
-    TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
     TEST_ASSERT_FALSE_MESSAGE(ride.opened_fast, what.c_str());
-    TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
+    if (!strike.blinds) {
+        TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
+        TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
+    }
 }
 
 std::string told(const Ride &ride, const Strike &strike, double rpm, double load_rpm)

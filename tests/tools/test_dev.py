@@ -116,7 +116,7 @@ class Demo(Dev):
     def test_each_scenario_of_the_report_is_run(self):
         self.demo()
         runs = (self.root / "runs.log").read_text(encoding="utf-8")
-        for scenario in ("s1", "s2", "s3", "s4", "s5", "s_weakening"):
+        for scenario in ("s1", "s2", "s3", "s4", "s5", "s_weakening", "s_weakening_compressor"):
             self.assertIn(f"run {scenario} --trace build/runs/{scenario}.csv", runs)
 
     def test_a_run_that_is_meant_to_break_its_limits_says_what_it_shows(self):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Figures: the panels of the paper, shared ranges, and the same bytes for the same run."""
 
+import itertools
 import math
 import unittest
 
@@ -130,10 +131,10 @@ class Figures(FolderTest):
 class Weakening(FolderTest):
     """The plane of the currents, of a run of made-up motor data."""
 
-    def run_with(self, rated_speed_rpm):
+    def run_with(self, rated_speed_rpm, inductance_q_h=0.01):
         self.run_files("s1")
         run, = read_runs(self.folder)
-        actual = {"resistance_ohm": 2.0, "inductance_d_h": 0.01, "inductance_q_h": 0.01, "flux_linkage_wb": 0.4}
+        actual = {"resistance_ohm": 2.0, "inductance_d_h": 0.01, "inductance_q_h": inductance_q_h, "flux_linkage_wb": 0.4}
         return Run("s_weakening", run.trace.cut(0.0), {
             "parameters": {name: {"actual": value} for name, value in actual.items()},
             "motor": {"pole_pairs": 2, "rated_speed_rpm": rated_speed_rpm, "max_current_a": 10.0}})
@@ -153,9 +154,20 @@ class Weakening(FolderTest):
         self.assertGreater(-braking, fast)
         self.assertTrue(math.isnan(motor.limits([20000], 179.0, 1)[0]))
 
+    def test_no_other_current_has_more_torque_than_the_line_of_a_salient_motor(self):
+        motor = weakening.Motor(self.run_with(1000.0, inductance_q_h=0.03).metrics)
+        for i_q in (-9.0, 2.0, 6.0):
+            i_d = motor.most_torque_d(i_q)
+            size = math.hypot(i_d, i_q)
+            torque = abs(motor.torque(i_d, i_q))
+            for turn in (-0.02, 0.02):
+                angle = math.atan2(i_q, i_d) + turn
+                self.assertLess(abs(motor.torque(size * math.cos(angle), size * math.sin(angle))), torque)
+        self.assertFalse(weakening.Motor(self.run_with(1000.0).metrics).is_salient())
+
     def test_it_fits_both_widths(self):
-        run = self.run_with(1000.0)
-        for shape in (style.PRINT, style.NARROW):
+        for run, shape in itertools.product((self.run_with(1000.0), self.run_with(1000.0, inductance_q_h=0.03)),
+                                            (style.PRINT, style.NARROW)):
             figure = weakening.draw(run, shape)
             self.assertEqual([ax.get_title(loc="left") for ax in figure.axes], ["(a) torque over speed", "(b) currents"])
             text = svg(figure, shape, "plane", weakening.WORDS)

@@ -277,20 +277,20 @@ static void test_weakening_ends_where_the_magnets_bear_no_more(void)
     const current_reference_t there = weakened(-3000, 0, 3000);
 
     TEST_ASSERT_EQUAL_INT32(-3000, there.d);
-    TEST_ASSERT_LESS_THAN_INT32(CURRENT_MAX, there.across);
+    TEST_ASSERT_LESS_THAN_INT32(CURRENT_MAX, there.reach);
 }
 
 /* `upper` is above what is wanted: the voltage leaves all of i_q*. */
 static void test_where_weakening_does_not_decide_all_of_i_q_is_left(void)
 {
-    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, weakened(-5000, -5000, 9000).across);
+    TEST_ASSERT_EQUAL_INT32(CURRENT_REFERENCE_ALL, weakened(-5000, -5000, 9000).reach);
 }
 
 /* ---- the range of i_q* ---- */
 
-static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t across, int32_t most)
+static torque_range_t range_beside(torque_range_t range, int32_t d, int32_t reach, int32_t most)
 {
-    const current_reference_t reference = {.d = d, .across = across};
+    const current_reference_t reference = {.d = d, .reach = reach};
 
     return current_reference_range(&cfg, range, &reference, most);
 }

@@ -559,6 +559,16 @@ static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
     TEST_ASSERT_EQUAL_INT(DRIVE_STATE_FAULT, drive.state);
 }
 
+/* A load may drive the rotor on while the vector is slow. */
+static void test_below_run_the_estimate_tells_the_speed_too(void)
+{
+    run_at(OPEN_SPEED + 100000, 0);
+    drive.state = DRIVE_STATE_HANDOVER;
+    make_overcurrent(&in);
+    tick();
+    assert_short();
+}
+
 /* The estimate and the reference, which follows it, are of a slow rotor. */
 static void leave_torque_control(step_t forward, step_t backward, bool by_fault)
 {
@@ -1398,6 +1408,7 @@ int main(void)
     RUN_TEST(test_a_fault_of_a_fast_rotor_shorts_the_motor_in_its_tick);
     RUN_TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed);
     RUN_TEST(test_a_fault_of_a_slow_rotor_opens_the_gates);
+    RUN_TEST(test_below_run_the_estimate_tells_the_speed_too);
     RUN_TEST(test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows);
     RUN_TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow);
     RUN_TEST(test_while_the_motor_is_shorted_nothing_begins);

@@ -190,6 +190,25 @@ static void test_a_bus_that_stays_high_does_not_keep_a_slow_motor_shorted(void)
     TEST_ASSERT_TRUE(step((ab_t){0, 0}, BUS_MAX + 1));
 }
 
+/* As both sensors are dead: the current tells of no speed, and the bus rises all the same. */
+static void test_a_bus_that_rises_again_keeps_the_motor_shorted_until_it_is_within_its_limit(void)
+{
+    const int32_t high = BUS_MAX + 1000;
+    uint32_t count = 0U;
+
+    safe.bus_opened = BUS_MAX + 100;
+    TEST_ASSERT_TRUE(step((ab_t){0, 0}, high));
+    for (int k = 0; k < 10000; k++) {
+        TEST_ASSERT_TRUE(step((ab_t){0, 0}, BUS_MAX + 1));
+    }
+    TEST_ASSERT_TRUE(safe_state_is_short(&safe));
+    while (step((ab_t){0, 0}, BUS_MAX) && (count < 1000U)) {
+        count++;
+    }
+    TEST_ASSERT_UINT32_WITHIN(CFG.span_ticks, SETTLE, count);
+    TEST_ASSERT_EQUAL_INT(SAFE_STATE_OPEN, safe.phase);
+}
+
 static void test_what_is_broken_stays_open_until_it_is_reset(void)
 {
     safe_state_leave(&safe, &CFG, OPEN_SPEED + 1);
@@ -234,6 +253,7 @@ int main(void)
     RUN_TEST(test_a_fast_span_begins_the_time_anew);
     RUN_TEST(test_a_bus_above_its_limit_shorts_the_motor);
     RUN_TEST(test_a_bus_that_stays_high_does_not_keep_a_slow_motor_shorted);
+    RUN_TEST(test_a_bus_that_rises_again_keeps_the_motor_shorted_until_it_is_within_its_limit);
     RUN_TEST(test_what_is_broken_stays_open_until_it_is_reset);
     RUN_TEST(test_the_largest_numbers_stay_within_what_is_stated);
     return UNITY_END();

@@ -29,7 +29,7 @@ void setUp(void)
     cfg = (torque_loop_cfg_t){
         .slope = SLOPE, .speed_forward = FORWARD, .speed_backward = BACKWARD, .load_shift = 4U};
     in = (torque_loop_in_t){.flux_q13 = FLUX,
-                            .current_max = RANGE_MAX,
+                            .range = whole,
                             .speed = 1000000,
                             .reference = 1000000,
                             .lowest = LOWEST,
@@ -69,7 +69,7 @@ static void test_the_torque_follows_on_its_slope_in_the_fewest_periods(void)
 }
 
 /* Else the way back from a torque that no motor has would take its time. */
-static void test_a_torque_beyond_the_largest_current_counts_as_that(void)
+static void test_a_torque_beyond_the_range_of_the_current_counts_as_its_end(void)
 {
     cfg.slope = 0x20000000;
     in.target_q28 = INT32_MAX;
@@ -79,6 +79,37 @@ static void test_a_torque_beyond_the_largest_current_counts_as_that(void)
     in.target_q28 = INT32_MIN;
     (void)torque_loop_plan(&loop, &cfg, &in);
     TEST_ASSERT_EQUAL_INT32(-RANGE_MAX, loop.current);
+}
+
+static void test_each_end_of_the_range_counts_for_its_sign(void)
+{
+    cfg.slope = 0x20000000;
+    in.range = (torque_range_t){.lower = -300, .upper = 700};
+    in.target_q28 = 1000 * FLUX;
+    (void)torque_loop_plan(&loop, &cfg, &in);
+    TEST_ASSERT_EQUAL_INT32(700, loop.current);
+    in.target_q28 = -1000 * FLUX;
+    (void)torque_loop_plan(&loop, &cfg, &in);
+    TEST_ASSERT_EQUAL_INT32(-300, loop.current);
+}
+
+/* Derating and a weakened field take the reference along: away from them there is nothing to wait for, and behind them no jump. */
+static void test_a_range_that_narrows_takes_the_reference_along(void)
+{
+    for (int32_t sign = -1; sign <= 1; sign += 2) {
+        torque_loop_start(&loop, FLUX, sign * 2000);
+        in.target_q28 = sign * 2000 * FLUX;
+        in.range = (torque_range_t){.lower = -500, .upper = 500};
+        (void)torque_loop_plan(&loop, &cfg, &in);
+        TEST_ASSERT_EQUAL_INT32(sign * 500, loop.current);
+        in.range = whole;
+        (void)torque_loop_plan(&loop, &cfg, &in);
+        TEST_ASSERT_EQUAL_INT32(sign * 600, loop.current);
+        in.range = (torque_range_t){.lower = -500, .upper = 500};
+        in.target_q28 = -in.target_q28;
+        (void)torque_loop_plan(&loop, &cfg, &in);
+        TEST_ASSERT_EQUAL_INT32(sign * (500 - 100), loop.current);
+    }
 }
 
 /* The torque is what was asked for: with another flux the current is another one. */
@@ -357,7 +388,7 @@ static void test_whatever_comes_stays_within_what_is_stated(void)
         in = (torque_loop_in_t){.target_q28 = seeded_i32(&seed),
                                 .flux_q13 = seeded_in(&seed, 1, 32767),
                                 .current = seeded_in(&seed, -16384, 16384),
-                                .current_max = seeded_in(&seed, 1, 16384),
+                                .range = {seeded_in(&seed, -16384, 0), seeded_in(&seed, 0, 16384)},
                                 .speed = seeded_in(&seed, -0x20000000, 0x20000000),
                                 .reference = seeded_in(&seed, -0x20000000, 0x20000000),
                                 .lowest = seeded_in(&seed, 0, 0x20000000),
@@ -367,7 +398,10 @@ static void test_whatever_comes_stays_within_what_is_stated(void)
         reference = torque_loop_plan(&loop, &cfg, &in);
         TEST_ASSERT_TRUE(abs(reference) <= 0x40000000);
         TEST_ASSERT_TRUE(abs(loop.reference_q28) <= CURRENT_REFERENCE_TORQUE_MAX);
-        TEST_ASSERT_TRUE(abs(loop.current) <= 16384);
+        if (!loop.bound) {
+            TEST_ASSERT_TRUE(loop.current >= in.range.lower);
+            TEST_ASSERT_TRUE(loop.current <= in.range.upper);
+        }
     }
 }
 
@@ -499,7 +533,9 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_the_torque_begins_with_the_one_that_acts);
     RUN_TEST(test_the_torque_follows_on_its_slope_in_the_fewest_periods);
-    RUN_TEST(test_a_torque_beyond_the_largest_current_counts_as_that);
+    RUN_TEST(test_a_torque_beyond_the_range_of_the_current_counts_as_its_end);
+    RUN_TEST(test_each_end_of_the_range_counts_for_its_sign);
+    RUN_TEST(test_a_range_that_narrows_takes_the_reference_along);
     RUN_TEST(test_with_another_flux_the_torque_stays);
     RUN_TEST(test_away_from_an_end_the_torque_begins_with_the_one_that_acts);
     RUN_TEST(test_a_bridge_goes_by_the_slope_until_its_loop_is_within);

@@ -12,6 +12,7 @@ TITLES = {
     "s4": "voltage drive with the sensor's angle, load of 3 N·m from 0.1 s on",
     "s5": "voltage drive with the estimated angle, load of 3 N·m from 0.1 s on",
     "s_weakening": "2600 rpm both ways with a weakened field, load of 3 N·m at 2600 rpm",
+    "s_weakening_compressor": "6500 rpm both ways with a weakened field, salient compressor motor, load of 0.8 N·m at 6500 rpm",
 }
 METRICS = {     # key: name, unit
     "speed_error_max_rpm": ("speed error, largest", "rpm"),

@@ -18,12 +18,15 @@ GRID = 161              # of the current, along each axis
 SPEEDS = 60
 RAD_S_PER_RPM = math.pi / 30
 LIMIT = {"color": LIGHT["command"], "linewidth": 1.0, "linestyle": (0, (4, 2))}
+MOST = {"color": LIGHT["muted"], "linewidth": 1.0}
+SALIENT = 0.01          # of L_d: less makes no line to see
 CIRCLE = {"color": LIGHT["muted"], "linewidth": 1.0, "linestyle": (0, (1, 1.2))}
 BELOW = {"color": LIGHT["third"], "linewidth": 0.8}
 ABOVE = {"color": LIGHT["actual"], "linewidth": 0.8}
 WORDS = ("(a) Torque in the direction of turning, over the speed; dashed: the most that the current and the voltage of the bus leave. (b) The "
          "currents in their plane; dashed: the voltage ellipse of the highest speed, dotted: the largest current. Beyond rated speed the "
-         "current keeps within both, by what the drive leaves of the bus.")
+         "current keeps within both, by what the drive leaves of the bus. Of a salient motor the grey line has the most torque for a "
+         "current (MTPA): up to rated speed the currents are on it.")
 
 
 class Motor:
@@ -44,6 +47,14 @@ class Motor:
 
     def torque(self, i_d, i_q):
         return 1.5 * self.pole_pairs * (self.flux + (self.l_d - self.l_q) * i_d) * i_q
+
+    def is_salient(self):
+        return self.l_q - self.l_d > SALIENT * self.l_d
+
+    def most_torque_d(self, i_q):
+        """i_d with the most torque that a current of this i_q makes."""
+        half = self.flux / (2 * (self.l_q - self.l_d))
+        return half - np.hypot(half, i_q)
 
     def plane(self):
         """The currents of a grid of the circle's left half."""
@@ -98,17 +109,23 @@ def draw_currents(ax, motor, locus):
                linestyles=[LIMIT["linestyle"]])
     turn = np.linspace(0, 2 * math.pi, 200)
     ax.plot(motor.current * np.cos(turn), motor.current * np.sin(turn), **CIRCLE)
+    if motor.is_salient():
+        i_q = np.linspace(-motor.current, motor.current, GRID)
+        inside = np.hypot(motor.most_torque_d(i_q), i_q) <= motor.current
+        ax.plot(motor.most_torque_d(i_q)[inside], i_q[inside], **MOST)
     locus.plot(ax, locus.i_d, locus.i_q)
     ax.set(xlabel="d current, A", ylabel="q current, A", xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     ax.set_title("(b) currents")
 
 
-def legend(figure, locus, shape):
+def legend(figure, motor, shape):
     marks = {"up to rated speed": BELOW, "beyond": ABOVE, "bound by voltage": LIMIT, "largest current": CIRCLE}
+    if motor.is_salient():
+        marks["MTPA"] = MOST
     title = TITLE if shape.titled else None
     figure.legend(handles=[Line2D([], [], label=name, **how) for name, how in marks.items()], loc="upper left", title=title,
                   title_fontproperties={"size": shape.font + 2}, alignment="left", bbox_to_anchor=(0.0, 1.0), frameon=False,
-                  ncols=4 if shape.columns > 1 else 2, handlelength=1.8, columnspacing=1.3, borderaxespad=0.4)
+                  ncols=len(marks) if shape.columns > 1 else 2, handlelength=1.8, columnspacing=1.3, borderaxespad=0.4)
 
 
 def draw(run, shape):
@@ -122,5 +139,5 @@ def draw(run, shape):
             "left": 0.6 / shape.width, "right": 1 - 0.15 / shape.width, "top": top, "bottom": 0.13 / rows, "wspace": 0.25, "hspace": 0.35})
         draw_torque(axes[0], motor, locus)
         draw_currents(axes[1], motor, locus)
-        legend(figure, locus, shape)
+        legend(figure, motor, shape)
     return figure
