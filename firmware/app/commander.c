@@ -67,7 +67,8 @@ int32_t commander_torque_max(const app_t *app)
     int32_t most = 0;
 
     if (cfg != NULL) {
-        most = current_reference_torque(cfg->derating.current_max, cfg->current_loop.emf_q13);
+        most = current_reference_torque_max(&cfg->current_reference, &cfg->current_loop,
+                                            cfg->derating.current_max);
     }
     return most;
 }

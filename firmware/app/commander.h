@@ -28,7 +28,7 @@ void commander_set_speed(app_t *app, step_t speed);
 /* Torque mode with this torque from now on, Q28 of T_b. The caller keeps to commander_torque_max(). */
 void commander_set_torque(app_t *app, int32_t torque_q28);
 
-/* The torque of the motor's largest current at the flux of the configuration, Q28 of T_b; 0 before the drive is initialised. */
+/* The largest torque of the motor's largest current, by the configuration, Q28 of T_b; 0 before the drive is initialised. */
 int32_t commander_torque_max(const app_t *app);
 
 /*

@@ -10,6 +10,8 @@
 #define MTPA_SHIFT (2U)
 #define MTPA_SCALE (4)
 #define Q13_TO_C (16384) /* half of Q15: c has twice the saliency */
+#define OF_TORQUE (1)    /* i_q: −i_q²/(c + √(c² + i_q²)) */
+#define OF_VECTOR (2)    /* |i|: −i²/(c + √(c² + 2·i²)) */
 #define GIVES_WAY (4)    /* twice the slope of −|i_q*|, the deepest MTPA, at floor_shift 1 */
 #define FALL_SHIFT (2U)  /* of a weakened i_d*, a slow period */
 #define RISE_SHIFT (3U)
@@ -34,9 +36,9 @@ static int32_t least_current_d(const current_reference_cfg_t *cfg, const current
     return least;
 }
 
-/* i_d of the largest torque that |i| can have, at this i_q. saliency_q13: X_q − X_d > 0. */
-static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13,
-                             int32_t current_q)
+/* i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: what `current` is, OF_TORQUE or OF_VECTOR. */
+static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13, int32_t current,
+                             int32_t squares)
 {
     const int32_t magnet = (model->emf_q13 * Q13_TO_C) / saliency_q13; /* c, Q15 of I_b */
     int32_t depth = 0;
@@ -46,28 +48,28 @@ static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q
         const uint32_t shift = large ? MTPA_SHIFT : 0U;
         const int32_t scale = large ? MTPA_SCALE : 1;
         const int32_t c = fx_min(fx_asr(magnet, shift), MTPA_SQUARE_MAX);
-        const int32_t q = fx_asr(fx_abs(current_q), shift);
-        const int32_t square = (c * c) + (q * q);
+        const int32_t size = fx_asr(fx_abs(current), shift);
+        const int32_t square = (c * c) + (squares * size * size);
         const int32_t root = (int32_t)trig_sqrt((uint32_t)square);
         const int32_t whole = fx_max((c + root) * scale, 1);
 
-        depth = (current_q * current_q) / whole;
+        depth = (current * current) / whole;
     }
     return -fx_min(depth, CURRENT_END);
 }
 
-static int32_t mtpa_d(const current_loop_cfg_t *model, int32_t current_q)
+static int32_t mtpa_d(const current_loop_cfg_t *model, int32_t current, int32_t squares)
 {
     const int32_t saliency_q13 = model->reactance_q_q13 - model->reactance_d_q13;
 
-    return (saliency_q13 > 0) ? most_torque_d(model, saliency_q13, current_q) : 0;
+    return (saliency_q13 > 0) ? most_torque_d(model, saliency_q13, current, squares) : 0;
 }
 
 /* What the torque asks of i_d*. */
 static int32_t wanted_d(const current_reference_cfg_t *cfg, const current_loop_cfg_t *model,
                         const current_reference_in_t *in)
 {
-    const int32_t most = (cfg->most_torque != 0U) ? mtpa_d(model, in->present.q) : 0;
+    const int32_t most = (cfg->most_torque != 0U) ? mtpa_d(model, in->present.q, OF_TORQUE) : 0;
 
     return fx_max(least_current_d(cfg, in), most);
 }
@@ -127,6 +129,16 @@ int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_
     const int32_t of_reluctance = fx_asr(difference * current_d, Q15_BITS);
 
     return fx_clamp(model->emf_q13 + of_reluctance, 1, FX_Q15_MAX);
+}
+
+int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
+                                     const current_loop_cfg_t *model, int32_t current_max)
+{
+    const int32_t d = (cfg->most_torque != 0U) ? mtpa_d(model, current_max, OF_VECTOR) : 0;
+    const int32_t square = (current_max * current_max) - (d * d);
+    const int32_t q = (int32_t)trig_sqrt((uint32_t)square);
+
+    return current_reference_torque(q, current_reference_flux(model, d));
 }
 
 int32_t current_reference_q(int32_t torque_q28, int32_t flux_q13)

@@ -65,7 +65,7 @@ typedef struct {
 
 /* What the voltage leaves. */
 typedef struct {
-    int32_t d;      /* i_d*, ±16384 */
+    int32_t d;     /* i_d*, ±16384 */
     int32_t reach; /* |i_q*| at most, 0…16384 */
 } current_reference_t;
 
@@ -97,6 +97,13 @@ static inline int32_t current_reference_torque(int32_t current_q, int32_t flux_q
 {
     return current_q * flux_q13;
 }
+
+/*
+ * Returns the largest torque of a current of this amplitude (1…16384), Q28: with MTPA where it is on. Rounded down; the voltage is not
+ * looked at. From any context.
+ */
+int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
+                                     const current_loop_cfg_t *model, int32_t current_max);
 
 /* Returns i_q* of a torque (Q28, any) at ψ (Q13, 1…32767): rounded towards zero, saturated at ±16384. One division. */
 int32_t current_reference_q(int32_t torque_q28, int32_t flux_q13);

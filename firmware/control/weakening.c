@@ -15,15 +15,15 @@
 /* Voltages of this instant, Q14 of U_b: an X·I has room up to 2·U_b. */
 typedef struct {
     dq_t reactance_q14; /* ω·L, 0…65534 */
-    int32_t emf;         /* ω·φ, 0…VOLTS_END */
-    int32_t flux;        /* E, 0…16383 */
-    int32_t reactive_d;    /* X_d·I, 0…VOLTS_END */
-    int32_t reactive_q;    /* X_q·I, 0…VOLTS_END */
+    int32_t emf;        /* ω·φ, 0…VOLTS_END */
+    int32_t flux;       /* E, 0…16383 */
+    int32_t reactive_d; /* X_d·I, 0…VOLTS_END */
+    int32_t reactive_q; /* X_q·I, 0…VOLTS_END */
 } weakening_volts_t;
 
 void weakening_reset(weakening_t *weakening)
 {
-    *weakening = (weakening_t){.valley = FX_Q15_MAX}; /* what is seen first is lower */
+    *weakening = (weakening_t){.valley = FX_Q15_MAX}; /* the first bus is lower */
 }
 
 /* A demand that fits the mean of a rippling bus would be cut off in each of its valleys. */
@@ -41,9 +41,9 @@ static void forget(weakening_t *weakening)
     }
 }
 
-static bool is_demanding(dq_t demand, int32_t voltage_max)
+static bool is_demanding(dq_t demand, int32_t circle)
 {
-    const int32_t near = fx_asr(voltage_max * NEAR, 4U);
+    const int32_t near = fx_asr(circle * NEAR, 4U);
     const int32_t square = near * near;
 
     return transforms_square(demand) > (uint32_t)square;
@@ -51,12 +51,11 @@ static bool is_demanding(dq_t demand, int32_t voltage_max)
 
 bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max)
 {
-    const bool near = weakening->acts || is_demanding(demand, voltage_max);
+    bool near;
 
-    if (near) {
-        find_valley(weakening, voltage_max);
-    } else {
-        weakening->valley = voltage_max;
+    find_valley(weakening, voltage_max);
+    near = weakening->acts || is_demanding(demand, weakening->valley);
+    if (!near) {
         forget(weakening);
     }
     return near;
@@ -226,13 +225,17 @@ static void end_where_useless(const weakening_in_t *in, const weakening_volts_t 
     limits->upper = fx_max(limits->upper, limits->lower);
 }
 
-/* Also where i_d* is as deep as it is of use: there a lack makes the ellipse smaller, and so the torque. */
-static void correct_voltage(weakening_t *weakening, int32_t left)
+/* Where i_d* is as deep as it is of use, a lack of voltage is not for the integral: less torque is the answer. */
+static void correct_voltage(weakening_t *weakening, const weakening_limits_t *limits, int32_t left)
 {
-    const int32_t end = fx_asr(weakening->valley, 2U);
+    const bool at_end = limits->upper <= limits->lower;
+    const int32_t change = fx_asr(left, INTEGRAL_SHIFT);
 
-    weakening->voltage =
-        fx_clamp(weakening->voltage + fx_asr(left, INTEGRAL_SHIFT), -end, end);
+    if ((change > 0) || !at_end) {
+        const int32_t end = fx_asr(weakening->valley, 2U);
+
+        weakening->voltage = fx_clamp(weakening->voltage + change, -end, end);
+    }
 }
 
 weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *in, int32_t wanted)
@@ -248,7 +251,7 @@ weakening_limits_t weakening_step(weakening_t *weakening, const weakening_in_t *
     if (limits.upper < wanted) {
         volts.flux = flux_volts(whole - resistive_volts(in, in->current, length));
         end_where_useless(in, &volts, wanted, &limits);
-        correct_voltage(weakening, available - length);
+        correct_voltage(weakening, &limits, available - length);
     } else {
         forget(weakening);
     }

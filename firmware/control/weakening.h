@@ -12,7 +12,7 @@
  *
  * E is the voltage of the bus, where its ripple is lowest, less 3/256, which the current control keeps, less what the resistance takes along the voltage,
  * R·(i·v)/|v|. An integral finds what the model does not know: while `upper` decides i_d*, E grows by what the mean demand leaves
- * of the bus, and sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
+ * of the bus, and, above `lower`, sinks by what it lacks. It is an integral of volts, so one gain suits every motor.
  *
  * A deeper i_d than `lower` is of no use. Three things end it, the first of them counts:
  *     the current         circle and ellipse meet. With y = −i_d/I, x = X·I:
@@ -37,7 +37,7 @@
 
 typedef struct {
     int32_t voltage; /* what E has by the integral, ±8192 */
-    int32_t valley;  /* radius of the voltage circle that the ripple of the bus leaves: its least one of late, or that of now where the voltage does not decide, 0…32767 */
+    int32_t valley;  /* the least radius of the voltage circle of late, 0…32767 */
     bool acts;       /* i_d* is what the voltage allows, or on its way back */
 } weakening_t;
 
@@ -63,8 +63,7 @@ void weakening_reset(weakening_t *weakening);
 
 /*
  * Once a slow period: the radius of the circle at this bus, 0…32767. Returns whether the voltage may decide i_d*: it does already, or the
- * demand (±32768) is above 15/16 of the radius. Only then the lowest radius of late counts. Else the integral goes back to 0 within
- * some 100 slow periods.
+ * demand (±32768) is above 15/16 of the lowest radius of late. If not, the integral goes back to 0 within some 100 slow periods.
  */
 bool weakening_is_near(weakening_t *weakening, dq_t demand, int32_t voltage_max);
 

@@ -22,9 +22,9 @@
 #define OFFSET_SUM_MAX (0x10000000) /* of 2^12 counts */
 
 /*
- * The largest speed that anything tells of, where the drive leaves for `next`: the estimate, the ramp, and the vector below RUN. The
- * estimate may be what has failed. Then the ramp is where the rotor was to be. Torque control has no ramp, so behind a fault the rotor
- * may be as fast as its window allows. A flying start ends as it began, with open gates.
+ * The largest speed that anything tells of, where the drive leaves for `next`. The estimate may be what has failed. Then the ramp is
+ * where the rotor was to be. Torque control has no ramp, so behind a fault the rotor may be as fast as its window allows. PROBE has a
+ * vector only. A flying start ends as it began, with open gates.
  */
 static step_t fastest_known(const drive_t *drive, drive_state_t next)
 {
@@ -34,9 +34,10 @@ static step_t fastest_known(const drive_t *drive, drive_state_t next)
     if ((drive->state == DRIVE_STATE_RUN) && (next == DRIVE_STATE_FAULT) &&
         (drive->mode == (uint8_t)DRIVE_MODE_TORQUE)) {
         speed = fx_max(window->speed_forward, window->speed_backward);
+    } else if (drive->state == DRIVE_STATE_PROBE) {
+        speed = fx_abs(drive->vector.step);
     } else if (drive->state != DRIVE_STATE_FLYING_START) {
-        speed = fx_max(fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference)),
-                       fx_abs(drive->vector.step));
+        speed = fx_max(fx_abs(drive->observer.speed), fx_abs(drive->speed_loop.reference));
     } else {
         /* nothing is known yet */
     }
@@ -235,7 +236,7 @@ static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_
 static drive_event_t begin_calibration(drive_t *drive)
 {
     drive->calibration = (calibration_t){.sum_a = 0};
-    safe_state_reset(&drive->safe_state);
+    safe_state_clear(&drive->safe_state);
     speed_loop_init(&drive->speed_loop);
     return DRIVE_EVENT_CALIBRATE;
 }

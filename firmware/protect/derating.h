@@ -4,7 +4,7 @@
  *
  *     i²t          current_max below 90 % heat, linearly down to the continuous current at 100 %
  *     temperature  current_max up to the warning, linearly down to 0 at the limit; at the limit also a fault
- *     high bus     braking only: full up to bus_brake_v, linearly down to 0 at bus_max_v
+ *     high bus     braking only: full up to bus_brake_v, linearly down to 0 before the over-voltage fault
  *     low bus      motoring only: full from bus_low_v on, linearly down to 0 at bus_min_v
  *     bus current  one limit for the current from the supply (motoring), one for the current into it (braking)
  *

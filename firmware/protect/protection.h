@@ -16,7 +16,7 @@
 
 typedef struct {
     int32_t current_max; /* |phase current|, Q15 of I_b, 1…16382 */
-    int32_t bus_max; /* Q15 of U_b, 1…32766; where a fault may short the motor, less than the bus bears */
+    int32_t bus_max;     /* Q15 of U_b, 1…32766 */
     int32_t bus_min;
     int32_t offset_max; /* |sensor offset|, Q15 of I_b */
 } protection_cfg_t;

@@ -3,22 +3,34 @@
 
 #include "fx.h"
 
-#define RISE_LOG2 (6U) /* 1/64 of the bus: more than the windings give when the gates open */
+#define RISE_LOG2 (8U)      /* 1/256 of the bus: above the noise of its sensor */
+#define HIGH_BUS_SHIFT (3U) /* 1/8 of the current: 1/64 of the windings' energy */
 
 void safe_state_reset(safe_state_t *safe)
 {
     *safe = (safe_state_t){.phase = SAFE_STATE_OPEN};
 }
 
-static void short_motor(safe_state_t *safe, safe_state_phase_t phase)
+void safe_state_clear(safe_state_t *safe)
 {
-    *safe = (safe_state_t){.phase = phase};
+    safe->phase = SAFE_STATE_OPEN;
+}
+
+static void short_motor(safe_state_t *safe)
+{
+    *safe = (safe_state_t){.phase = SAFE_STATE_SHORT};
+}
+
+/* What a dead sensor shows from now on is no change. */
+static void hold_shorted(safe_state_t *safe, ab_t current)
+{
+    *safe = (safe_state_t){.phase = SAFE_STATE_HELD, .before = current};
 }
 
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed)
 {
     if ((cfg->open_speed > 0) && (speed > cfg->open_speed)) {
-        short_motor(safe, SAFE_STATE_SHORT);
+        short_motor(safe);
     } else {
         safe_state_reset(safe);
     }
@@ -29,9 +41,16 @@ void safe_state_break(safe_state_t *safe)
     *safe = (safe_state_t){.phase = SAFE_STATE_BROKEN};
 }
 
-/* The rotor is too fast for open gates: the current has changed by more than that of a slow one. Looked at where a span ends. */
-static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t current)
+static int32_t large_change(const safe_state_cfg_t *cfg, const safe_state_in_t *in)
 {
+    return (in->bus > in->bus_max) ? fx_max(fx_asr(cfg->change_min, HIGH_BUS_SHIFT), 1)
+                                   : cfg->change_min;
+}
+
+/* The current has changed by more than that of a slow rotor. Looked at where a span ends. */
+static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
+{
+    const ab_t current = in->current;
     bool fast = false;
 
     safe->ticks++;
@@ -39,7 +58,7 @@ static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t curren
         const int32_t alpha = fx_abs(current.alpha - safe->before.alpha);
         const int32_t beta = fx_abs(current.beta - safe->before.beta);
 
-        fast = fx_max(alpha, beta) >= cfg->change_min;
+        fast = fx_max(alpha, beta) >= large_change(cfg, in);
         safe->before = current;
         safe->ticks = 0U;
     }
@@ -49,7 +68,7 @@ static bool is_fast(safe_state_t *safe, const safe_state_cfg_t *cfg, ab_t curren
 static void wait_for_slow_rotor(safe_state_t *safe, const safe_state_cfg_t *cfg,
                                 const safe_state_in_t *in)
 {
-    if (is_fast(safe, cfg, in->current)) {
+    if (is_fast(safe, cfg, in)) {
         safe->slow_ticks = 0U;
     } else if (safe->slow_ticks < cfg->settle_ticks) {
         safe->slow_ticks++;
@@ -59,10 +78,10 @@ static void wait_for_slow_rotor(safe_state_t *safe, const safe_state_cfg_t *cfg,
     }
 }
 
-static void wait_for_bus(safe_state_t *safe, const safe_state_in_t *in)
+static void wait_for_bus(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in)
 {
-    if (in->bus <= in->bus_max) {
-        short_motor(safe, SAFE_STATE_SHORT);
+    if (is_fast(safe, cfg, in) || (in->bus <= in->bus_max)) {
+        short_motor(safe);
     }
 }
 
@@ -85,11 +104,13 @@ static void seek_safe_state(safe_state_t *safe, const safe_state_cfg_t *cfg,
     } else if (safe->phase == SAFE_STATE_SHORT) {
         wait_for_slow_rotor(safe, cfg, in);
     } else if (safe->phase == SAFE_STATE_HELD) {
-        wait_for_bus(safe, in);
-    } else if (is_overcharged(safe, in)) {
-        short_motor(safe, (safe->bus_opened > 0) ? SAFE_STATE_HELD : SAFE_STATE_SHORT);
-    } else {
+        wait_for_bus(safe, cfg, in);
+    } else if (!is_overcharged(safe, in)) {
         /* open */
+    } else if (safe->bus_opened > 0) {
+        hold_shorted(safe, in->current);
+    } else {
+        short_motor(safe);
     }
 }
 

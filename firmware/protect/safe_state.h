@@ -9,8 +9,11 @@
  * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so it measures what would
  * charge the bus. No observer takes part, as its loss may be the fault. What decays with L/R changes little. A
  * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
- * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn. With both
- * sensors dead no change tells, and they open then too. Then the bus tells: where it rises again the motor stays shorted.
+ * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn. With a bus
+ * above its limit a change is large from an eighth on: the bus has no room for the energy of the windings.
+ *
+ * With both sensors dead no change tells, and the gates open too. Then the bus tells: where it rises again although the gates
+ * opened, the motor is held in the short circuit until the bus is within its limit or a large change shows that the sensors live.
  *
  * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
  * the bus Q15 of U_b.
@@ -34,7 +37,7 @@ typedef struct {
 typedef enum {
     SAFE_STATE_OPEN = 0,
     SAFE_STATE_SHORT, /* gates on, all low sides, while the rotor is fast */
-    SAFE_STATE_HELD,  /* likewise, while the bus is above its limit: the current has not told the speed */
+    SAFE_STATE_HELD, /* likewise, while the bus is above its limit: the current has not told the speed */
     SAFE_STATE_BROKEN /* the power stage has opened the gates by itself: nothing closes them */
 } safe_state_phase_t;
 
@@ -56,6 +59,9 @@ typedef struct {
 /* Open, and nothing is broken. */
 void safe_state_reset(safe_state_t *safe);
 
+/* The same for a user who clears a fault: the bus may still be what it was. */
+void safe_state_clear(safe_state_t *safe);
+
 /* The drive stops to drive in this tick, at no more than this speed, 0…2^30. Faster than cfg->open_speed: short. */
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed);
 
@@ -64,8 +70,8 @@ void safe_state_break(safe_state_t *safe);
 
 /*
  * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it. A bus may still be high when the gates
- * open, as nothing discharges it. When it then rises by 1/64, the motor is shorted until the bus is within its limit. Returns
- * whether all low sides are to be on, else the gates are to be open.
+ * open, as nothing discharges it; then it shorts the motor again when it has risen by 1/256. Returns whether all low sides are to be on,
+ * else the gates are to be open.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 

@@ -52,6 +52,8 @@ constexpr double BUS_BRAKE_SHARE = 0.5;
 // Braking has faded out at this share of the way from bus_brake_v to the fault's limit: the bus rises on for the
 // slow period and the current loop's delay, and no rectifier takes back what came too much.
 constexpr double BUS_END_SHARE = 0.75;
+// The firmware's steps that lie between the ends of a fade at least.
+constexpr double FADE_STEPS = 2;
 // Slower than this share of the highest speed is standing: what a motor can feed back there is lost in
 // its own resistance but for a watt.
 constexpr double STANDSTILL = 1.0 / 64;
@@ -82,6 +84,19 @@ constexpr double HALF_WAVE_S = 0.5;
 constexpr double HALF_WAVE_PERIODS = 60000; // what the firmware counts to
 constexpr double PERIODS_MAX = 1e6;         // what a counter of periods is set to at most
 
+// What the field is weakened by, with i_d down to −deepest_a.
+const char *weakened_by(const MotorSettings &motor, double deepest_a)
+{
+    if (deepest_a <= 0) {
+        return "and current_loop.weakening_pct = 0 or drive.method = \"voltage_phase\" does not "
+               "weaken the field";
+    }
+    return deepest_a == motor.demagnetising_current_a
+               ? "even with the field weakened by motor.demagnetising_current_a"
+               : "even with the field weakened by current_loop.weakening_pct of "
+                 "motor.max_current_a";
+}
+
 // The voltage that is left of the EMF at the highest speed when i_d weakens the field as far as it may, within the circle of the
 // nominal bus. And the observer turns its currents by the small angle of a PWM period.
 void check_speed(const MotorSettings &motor, const BoardSettings &board,
@@ -91,16 +106,12 @@ void check_speed(const MotorSettings &motor, const BoardSettings &board,
     const double deepest_a = deepest_current(motor, tuning);
     const double least_flux = motor.flux_linkage_wb - motor.inductance_d_h * deepest_a;
     const Source setting = {"motor.max_speed_rpm", motor.max_speed_rpm};
-    require(
-        speed * std::max(least_flux, 0.0), 0,
-        largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
-        deepest_a > 0
-            ? "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-              "leave, even with the field weakened by current_loop.weakening_pct of "
-              "motor.max_current_a"
-            : "above it the motor's EMF exceeds what board.bus_nominal_v and board.duty_margin_pct "
-              "leave, and current_loop.weakening_pct = 0 or drive.method = \"voltage_phase\" does "
-              "not weaken the field");
+    require(speed * std::max(least_flux, 0.0), 0,
+            largest_ratio(board) * board.bus_nominal_v * (1 - WEAKENING_RESERVE), setting,
+            fmt::format("above it the motor's EMF exceeds what board.bus_nominal_v and "
+                        "board.duty_margin_pct leave, {}",
+                        weakened_by(motor, deepest_a))
+                .c_str());
     require(
         speed * motor.flux_linkage_wb, 0, EMF_MOST * b.voltage_v, setting,
         "above it the motor's EMF exceeds 1.9 times board.bus_full_scale_v, which the firmware's "
@@ -136,7 +147,11 @@ protection_cfg_t make_protection(const BoardSettings &board, const Bases &b)
         require(board.trip_a, board.overcurrent_a, HUGE_VAL, {"board.trip_a", board.trip_a},
                 "board.overcurrent_a: the comparators must not trip before the drive's own limit");
     }
-    store(c.bus_max, acting_bus_limit(board, b) / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
+    const double step_v = FADE_STEPS * b.voltage_v / Q15;
+    require({"board.bus_max_v", board.bus_max_v},
+            board.bus_nominal_v + step_v / BUS_END_SHARE / (1 - BUS_BRAKE_SHARE), HUGE_VAL,
+            "board.bus_nominal_v, and room to derate braking before it");
+    store(c.bus_max, acting_bus_limit(board) / b.voltage_v * Q15, 1, MANTISSA_MAX - 1,
           {"board.bus_max_v", board.bus_max_v}, reason);
     store(c.bus_min, board.bus_min_v / b.voltage_v * Q15, 0, MANTISSA_MAX - 1,
           {"board.bus_min_v", board.bus_min_v}, reason);
@@ -184,14 +199,11 @@ void set_heat(derating_cfg_t &c, const MotorSettings &motor, double period_s)
     c.heat = make_fade(HEAT_WARN * Q14, Q14);
 }
 
-// The firmware's steps that lie between the ends of a fade at least.
-constexpr double FADE_STEPS = 2;
-
 // Without a level of its own the bus derates a share of the way from the limit: then that limit is the key.
 void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases &b)
 {
     const double step_v = FADE_STEPS * b.voltage_v / Q15;
-    const double limit = acting_bus_limit(board, b);
+    const double limit = acting_bus_limit(board);
     const double low =
         board.bus_low_v > 0
             ? board.bus_low_v
@@ -207,13 +219,9 @@ void set_bus_derating(derating_cfg_t &c, const BoardSettings &board, const Bases
     require({"board.bus_min_v", board.bus_min_v}, 0, board.bus_nominal_v - step_v / BUS_LOW_SHARE,
             "board.bus_nominal_v, and room to derate motoring before it");
     if (board.bus_brake_v > 0) {
-        require({"board.bus_brake_v", brake}, board.bus_nominal_v,
-                limit - step_v / BUS_END_SHARE,
+        require({"board.bus_brake_v", brake}, board.bus_nominal_v, limit - step_v / BUS_END_SHARE,
                 "from board.bus_nominal_v to where the drive acts on a high bus");
     }
-    require(limit, board.bus_nominal_v + step_v / BUS_END_SHARE / (1 - BUS_BRAKE_SHARE), HUGE_VAL,
-            {"board.bus_max_v", board.bus_max_v},
-            "board.bus_nominal_v, and room to derate braking before it");
     const double steps = Q15 / b.voltage_v;
     c.bus_low = make_fade(low * steps, board.bus_min_v * steps);
     const double end = brake + BUS_END_SHARE * (limit - brake);

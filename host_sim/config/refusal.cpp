@@ -278,10 +278,21 @@ Origin home_of(const Config &config, const Field &field)
                      error.reason));
 }
 
+// When to act on a high bus follows from its capacitor.
+void check_safe_state(const Config &config)
+{
+    if (config.board.safe_state != SafeState::open &&
+        config.origins.count("board.bus_capacitance_f") == 0) {
+        fail(config.origins.at("board.safe_state"), "board.safe_state", "\"short\"",
+             "board.bus_capacitance_f is not written", "\"open\", or \"short\" with it");
+    }
+}
+
 } // namespace
 
 void check_orders(const Config &config)
 {
+    check_safe_state(config);
     for (const Order &order : ORDERS) {
         if (config.origins.count(order.smaller) != 0 && config.origins.count(order.larger) != 0) {
             check_order(config, *find_field(order.smaller), *find_field(order.larger));

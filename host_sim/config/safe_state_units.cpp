@@ -20,7 +20,9 @@ constexpr double CHANGE_SHARE = 0.75;
 constexpr double SETTLE_TURNS = 2;
 // A bus that has just been within its limit is found beyond it one tick later, and the gates follow at the next one.
 constexpr double ACT_TICKS = 2;
-// That is so much of the way from the nominal bus to the highest at most: the rest is for derating.
+// A bus that is still high when the gates open may rise by this share before the motor is shorted again: safe_state.c.
+constexpr double RISE = 1.0 / 256;
+// The charge of these ticks is so much of the way from the nominal bus to the highest at most: the rest is for derating.
 constexpr double ROOM_SHARE = 0.5;
 
 double least_inductance(const MotorSettings &motor)
@@ -40,10 +42,24 @@ double winding_square(const MotorSettings &motor, const BoardSettings &board)
            board.bus_capacitance_f;
 }
 
+double acting_limit_of_short(const BoardSettings &board)
+{
+    const double largest_a = board.trip_a > 0 ? board.trip_a : board.overcurrent_a;
+    const double charge = ACT_TICKS / board.pwm_frequency_hz * largest_a;
+    const double least_f = charge / (ROOM_SHARE * (board.bus_max_v - board.bus_nominal_v));
+    if (board.bus_capacitance_f < least_f) {
+        throw SettingError("board.bus_capacitance_f", board.bus_capacitance_f, {false, least_f},
+                           "with board.safe_state = \"short\": in two control periods the largest "
+                           "current may charge it by half of the way from board.bus_nominal_v to "
+                           "board.bus_max_v");
+    }
+    return board.bus_max_v * (1 - RISE) - charge / board.bus_capacitance_f;
+}
+
 // The line-to-line EMF that charges the bus from bus_v to its limit at most: C/2·(V² − v²) ≤ W + U·C·(V − v).
 double emf_from(double bus_v, double square, const BoardSettings &board)
 {
-    const double most_v = board.bus_max_v;
+    const double most_v = acting_bus_limit(board);
     return (most_v + bus_v) / 2 - square / (2 * (most_v - bus_v));
 }
 
@@ -54,7 +70,7 @@ double bearable_emf(const MotorSettings &motor, const BoardSettings &board)
         return board.bus_max_v;
     }
     const double square = winding_square(motor, board);
-    const double room = std::pow(board.bus_max_v, 2) - std::pow(board.bus_nominal_v, 2);
+    const double room = std::pow(acting_bus_limit(board), 2) - std::pow(board.bus_nominal_v, 2);
     require(square, 0, room, {"board.bus_capacitance_f", board.bus_capacitance_f, -1},
             "below it the energy of the motor's windings at board.overcurrent_a alone charges the "
             "bus beyond board.bus_max_v");
@@ -108,6 +124,11 @@ void check_short(const MotorSettings &motor, const BoardSettings &board, double 
 
 } // namespace
 
+double acting_bus_limit(const BoardSettings &board)
+{
+    return board.safe_state == SafeState::open ? board.bus_max_v : acting_limit_of_short(board);
+}
+
 double safe_open_speed(const MotorSettings &motor, const BoardSettings &board)
 {
     const double saliency = std::abs(motor.inductance_q_h - motor.inductance_d_h);
@@ -130,23 +151,6 @@ double short_circuit_peak(const MotorSettings &motor, const BoardSettings &board
         std::exp(-HALF_TURN * motor.resistance_ohm / (largest_inductance(motor) * speed_el));
     return short_circuit_current(motor, speed_el) +
            largest_flux(motor, board) / least_inductance(motor) * decay;
-}
-
-double acting_bus_limit(const BoardSettings &board, const Bases &b)
-{
-    if (board.safe_state == SafeState::open) {
-        return board.bus_max_v;
-    }
-    const double largest_a = board.trip_a > 0 ? board.trip_a : board.overcurrent_a;
-    const double charge = ACT_TICKS * b.control_period_s * largest_a;
-    const double least_f = charge / (ROOM_SHARE * (board.bus_max_v - board.bus_nominal_v));
-    if (board.bus_capacitance_f < least_f) {
-        throw SettingError("board.bus_capacitance_f", board.bus_capacitance_f, {false, least_f},
-                           "with board.safe_state = \"short\": in two control periods the largest "
-                           "current may charge it by half of the way from board.bus_nominal_v to "
-                           "board.bus_max_v");
-    }
-    return board.bus_max_v - charge / board.bus_capacitance_f;
 }
 
 safe_state_cfg_t make_safe_state(const MotorSettings &motor, const BoardSettings &board,

@@ -84,9 +84,9 @@ struct BoardSettings {
     double bus_full_scale_v = 0;     // the voltage base U_b
     double bus_nominal_v = 0;
     double bus_min_v = 0;   // under-voltage fault while running
-    double bus_max_v = 0;   // over-voltage fault
+    double bus_max_v = 0;   // what the bus bears
     double bus_low_v = 0;   // below it motoring is derated; 0: a quarter of the way up to nominal
-    double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the maximum
+    double bus_brake_v = 0; // above it braking is derated; 0: half way from nominal to the fault
     double bus_current_max_a = 0;      // of the supply, motoring; 0: no limit
     double bus_regeneration_max_a = 0; // back into it, braking; 0: no limit
     double overcurrent_a = 0;

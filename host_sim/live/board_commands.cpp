@@ -215,7 +215,8 @@ double BoardCommands::torque_max_nm()
 {
     const drive_cfg_t cfg = follower_.block_in_force().cfg;
     return follower_.bases().torque_nm() / Q28 *
-           current_reference_torque(cfg.derating.current_max, cfg.current_loop.emf_q13);
+           current_reference_torque_max(&cfg.current_reference, &cfg.current_loop,
+                                        cfg.derating.current_max);
 }
 
 Answer BoardCommands::torque(const std::string &value)

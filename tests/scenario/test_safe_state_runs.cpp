@@ -233,6 +233,11 @@ nf::FaultEntry once(Fault kind, std::optional<double> value = {})
     return {0, kind, nf::FaultSpan::tick, value, {}};
 }
 
+const Strike BLIND = {"adc_a_stuck, adc_b_high",
+                      {lasting(Fault::adc_a_stuck), lasting(Fault::adc_b_high)},
+                      false,
+                      true};
+
 // What may go wrong in RUN, and a stop. Not here, see docs/protection.md: a bus sensor that stands still, as nothing else in the drive
 // sees the bus; a supply beyond bus_max_v; a configuration that is corrupt, which may be that of the safe state; angle sensors.
 std::vector<Strike> strikes_of(const nf::BoardSettings &board)
@@ -246,8 +251,9 @@ std::vector<Strike> strikes_of(const nf::BoardSettings &board)
         {"adc_b_low", {lasting(Fault::adc_b_low)}},
         {"adc_a_stuck", {lasting(Fault::adc_a_stuck)}},
         {"adc_b_stuck", {lasting(Fault::adc_b_stuck)}},
-        {"adc_a_stuck, adc_b_high",
-         {lasting(Fault::adc_a_stuck), lasting(Fault::adc_b_high)},
+        BLIND,
+        {"adc_a_high, adc_b_low",
+         {lasting(Fault::adc_a_high), lasting(Fault::adc_b_low)},
          false,
          true},
         {"adc_bus high", {once(Fault::adc_bus_stuck, board.bus_max_v + 10)}},
@@ -276,6 +282,10 @@ double largest_torque_nm(const nf::MotorSettings &motor)
 {
     return 1.5 * motor.pole_pairs * motor.flux_linkage_wb * motor.max_current_a;
 }
+
+// Of the speed up to which opening is safe. The gates open below 3/4 of its change of the current, which goes with the sine of the
+// angle of a span.
+constexpr double DWELL = 0.6;
 
 class Ride
 {
@@ -326,6 +336,7 @@ public:
     }
     void strike(const Strike &what)
     {
+        struck = now;
         for (const nf::FaultEntry &entry : what.entries) {
             injection.begin(entry, now);
         }
@@ -337,15 +348,22 @@ public:
             sim.request(0);
         }
     }
-    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there, then lets it come to rest.
+    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there. It dwells where the rotor is just slow
+    // enough for open gates, goes on once more, and lets it come to rest. At last the bus is discharged.
     void outlive(double rpm)
     {
         held_rpm = rpm;
         seconds(0.4);
         sim.request(0);
         seconds(0.2);
+        held_rpm = DWELL * safe_rad_s / nf::rad_s_from_rpm(1);
+        seconds(0.4);
+        held_rpm = rpm;
+        seconds(0.2);
         held_rpm = 0;
         seconds(0.8);
+        sim.seam().plant.bus_v = config.board.bus_nominal_v;
+        seconds(0.1);
     }
 
     double speed() const
@@ -369,6 +387,8 @@ public:
     std::optional<double> held_rpm;
     Peak peak;
     bool was_short = false;
+    int openings = 0;               // behind a short circuit
+    std::optional<double> driven_s; // from the strike until the drive had found it, or was stopped
     // In the tick that ended driving, and the drive knew the rotor to be fast.
     bool opened_fast = false;
     double opened_rad_s = 0; // fastest at which the gates opened behind a short circuit
@@ -390,7 +410,11 @@ private:
         opened_fast |=
             believed_rad_s_ > FAST * safe_rad_s && !drives() && !is_short && !is_broken();
         believed_rad_s_ = drives() ? believed_rad_s() : 0;
+        if (!driven_s && struck > 0 && !drives()) {
+            driven_s = static_cast<double>(now - struck) * sim.bases().control_period_s;
+        }
         if (short_ && !is_short && !drives() && !is_broken()) {
+            openings++;
             opened_rad_s = std::max(opened_rad_s, std::abs(speed()));
         }
         was_short |= is_short;
@@ -403,6 +427,7 @@ private:
         }
     }
 
+    int64_t struck = 0;
     bool short_ = false;
     double believed_rad_s_ = 0; // in the tick before; 0: it did not drive
 };
@@ -426,6 +451,10 @@ double current_limit_a(const Ride &ride)
                : trip_a;
 }
 
+// The first short circuit, the one of a load that goes on once more, and the one that ends as the bus is discharged. With dead sensors
+// each may be let go by time once before the bus tells.
+constexpr int OPENINGS_MOST = 4;
+
 void assert_survived(const Machine &machine, const Ride &ride, const Strike &strike,
                      const std::string &what)
 {
@@ -434,20 +463,22 @@ void assert_survived(const Machine &machine, const Ride &ride, const Strike &str
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.bus_v <= limit, what.c_str());
     TEST_ASSERT_TRUE_MESSAGE(ride.peak.current_a <= current_limit_a(ride), what.c_str());
     TEST_ASSERT_FALSE_MESSAGE(ride.opened_fast, what.c_str());
+    TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
+    TEST_ASSERT_TRUE_MESSAGE(ride.openings <= OPENINGS_MOST, what.c_str());
     if (!strike.blinds) {
         TEST_ASSERT_TRUE_MESSAGE(ride.opened_rad_s <= ride.safe_rad_s, what.c_str());
-        TEST_ASSERT_FALSE_MESSAGE(ride.sim.out().gate_enable, what.c_str());
     }
 }
 
 std::string told(const Ride &ride, const Strike &strike, double rpm, double load_rpm)
 {
     return fmt::format("{} at {:.0f} rpm, load to {:.0f} rpm: fault {}, {}, bus {:.1f} V, phase "
-                       "{:.1f} A, opened at {:.0f} rpm",
+                       "{:.1f} A, opened {} times, at {:.0f} rpm at most, found after {:.1f} ms",
                        strike.name, rpm, load_rpm, static_cast<int>(ride.sim.drive().fault.id),
                        ride.is_broken() ? "broken" : (ride.was_short ? "shorted" : "open"),
-                       ride.peak.bus_v, ride.peak.current_a,
-                       ride.opened_rad_s / nf::rad_s_from_rpm(1));
+                       ride.peak.bus_v, ride.peak.current_a, ride.openings,
+                       ride.opened_rad_s / nf::rad_s_from_rpm(1),
+                       1e3 * ride.driven_s.value_or(NAN));
 }
 
 // Base speed, 1.3 of it, right above the speed up to which opening is safe, and the highest.
@@ -506,6 +537,39 @@ void test_with_open_gates_the_same_load_overcharges_the_bus()
     TEST_ASSERT_TRUE(ride.peak.bus_v > ride.config.board.bus_max_v);
 }
 
+// There the rise behind open gates is more than what two ticks charge.
+void test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either()
+{
+    for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
+        for (const char *capacitance : {"2e-3", "5e-3"}) {
+            Ride ride(machine, {fmt::format("plant.bus_capacitance_f={}", capacitance),
+                                fmt::format("board.bus_capacitance_f={}", capacitance)});
+            const double rpm = ride.config.motor.max_speed_rpm;
+            ride.run_at(rpm);
+            ride.strike(BLIND);
+            ride.outlive(machine.load_rpm);
+            const std::string what = told(ride, BLIND, rpm, machine.load_rpm);
+            fmt::print("{} F: {}\n", capacitance, what);
+            assert_survived(machine, ride, BLIND, what);
+        }
+    }
+}
+
+// Nothing else in the drive sees the bus: what the board then needs is in docs/protection.md.
+void test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus()
+{
+    for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {
+        Ride ride(machine);
+        ride.run_at(ride.config.motor.max_speed_rpm);
+        ride.strike({"adc_bus_stuck", {lasting(Fault::adc_bus_stuck)}});
+        ride.sim.command_speed_rpm(0);
+        ride.seconds(1);
+        fmt::print("{}: bus sensor stands still, braked from {:.0f} rpm: bus {:.1f} V\n",
+                   machine.motor, ride.config.motor.max_speed_rpm, ride.peak.bus_v);
+        TEST_ASSERT_TRUE(ride.peak.bus_v > ride.config.board.bus_max_v);
+    }
+}
+
 // Strikes at random instants of the ramp, with random loads.
 int random_strikes = 40; // of each machine
 
@@ -558,6 +622,8 @@ int main(int argc, char **argv)
     RUN_TEST(test_the_short_circuit_current_in_the_end_is_the_computed_one);
     RUN_TEST(test_no_fault_at_any_speed_overcharges_the_bus_or_exceeds_the_trip_current);
     RUN_TEST(test_with_open_gates_the_same_load_overcharges_the_bus);
+    RUN_TEST(test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either);
+    RUN_TEST(test_a_bus_sensor_that_stands_still_lets_a_brake_overcharge_the_bus);
     RUN_TEST(test_random_faults_are_survived);
     return UNITY_END();
 }

@@ -13,6 +13,7 @@
 #define ASIN_1 (1.57079632679489662)
 /* Beyond c = 131071 i_d is 0: a torque of 1/(1 + (i_q/2c)²/2) of the largest, 0.2 % less. i_d is rounded to 1 of 2000. */
 #define MTPA_LEAST (0.998)
+#define ROUNDED (1e-6) /* the grid does not meet the best angle */
 
 static current_reference_cfg_t cfg;
 static current_reference_in_t in;
@@ -161,6 +162,26 @@ static void test_the_torque_of_a_current_is_the_largest_there_is(void)
             const double torque = (1.0 - (ratio * d / 32768)) * q / 32768;
 
             TEST_ASSERT_TRUE(torque >= (MTPA_LEAST * most_torque(current, ratio)));
+        }
+    }
+}
+
+/* Of a current of this amplitude, rounded down. */
+static void test_the_largest_torque_is_that_of_the_best_angle(void)
+{
+    for (int32_t saliency = 0; saliency <= 28672; saliency += 1024) {
+        for (int32_t current = 2000; current <= CURRENT_MAX; current += 2000) {
+            motor.reactance_q_q13 = motor.reactance_d_q13 + saliency;
+            cfg.most_torque = 1U;
+            const double ratio = (double)saliency / motor.emf_q13;
+            const double most = most_torque(current / 32768.0, ratio) * motor.emf_q13 * 32768.0;
+            const double found = current_reference_torque_max(&cfg, &motor, current);
+
+            TEST_ASSERT_TRUE(found <= most * (1.0 + ROUNDED));
+            TEST_ASSERT_TRUE(found >= most * MTPA_LEAST);
+            cfg.most_torque = 0U;
+            TEST_ASSERT_EQUAL_INT32(current * motor.emf_q13,
+                                    current_reference_torque_max(&cfg, &motor, current));
         }
     }
 }
@@ -377,6 +398,7 @@ int main(void)
     RUN_TEST(test_the_least_current_waits_for_its_speed);
     RUN_TEST(test_a_current_that_will_be_imposed_comes_before_the_least_one);
     RUN_TEST(test_the_torque_of_a_current_is_the_largest_there_is);
+    RUN_TEST(test_the_largest_torque_is_that_of_the_best_angle);
     RUN_TEST(test_without_a_magnet_both_axes_have_the_same_current);
     RUN_TEST(test_mtpa_is_only_for_what_asks_for_it_and_has_a_larger_l_q);
     RUN_TEST(test_the_larger_one_of_least_current_and_mtpa_counts);

@@ -553,6 +553,7 @@ static void test_where_the_estimate_is_lost_the_reference_tells_the_speed(void)
 static void test_a_fault_of_a_slow_rotor_opens_the_gates(void)
 {
     run_at(OPEN_SPEED - 1000000, OPEN_SPEED - 1000000);
+    drive.vector.step = OPEN_SPEED + 1; /* where it was caught */
     make_overcurrent(&in);
     tick();
     assert_gates_open();
@@ -567,6 +568,24 @@ static void test_below_run_the_estimate_tells_the_speed_too(void)
     make_overcurrent(&in);
     tick();
     assert_short();
+}
+
+/* Estimate and reference are those of the last run. */
+static void leave_probe(step_t vector)
+{
+    run_at(OPEN_SPEED + 100000, OPEN_SPEED + 100000);
+    drive.state = DRIVE_STATE_PROBE;
+    drive.vector.step = vector;
+    make_overcurrent(&in);
+    tick();
+}
+
+static void test_in_probe_the_vector_tells_the_speed(void)
+{
+    leave_probe(-OPEN_SPEED - 1);
+    assert_short();
+    leave_probe(OPEN_SPEED);
+    assert_gates_open();
 }
 
 /* The estimate and the reference, which follows it, are of a slow rotor. */
@@ -1409,6 +1428,7 @@ int main(void)
     RUN_TEST(test_where_the_estimate_is_lost_the_reference_tells_the_speed);
     RUN_TEST(test_a_fault_of_a_slow_rotor_opens_the_gates);
     RUN_TEST(test_below_run_the_estimate_tells_the_speed_too);
+    RUN_TEST(test_in_probe_the_vector_tells_the_speed);
     RUN_TEST(test_behind_a_fault_of_torque_control_the_rotor_may_be_as_fast_as_the_window_allows);
     RUN_TEST(test_a_stop_of_a_fast_rotor_shorts_the_motor_until_it_is_slow);
     RUN_TEST(test_while_the_motor_is_shorted_nothing_begins);
