@@ -51,7 +51,7 @@ RARE static void leave(drive_t *drive, drive_state_t next)
 }
 
 /* RUN begins with a plan of its current control, and with the torque that acts: no change of the mode is left to be bridged. */
-RARE static void begin_run(drive_t *drive)
+static void begin_run(drive_t *drive)
 {
     drive->torque_loop.bridging = false;
     if (drive->mode == (uint8_t)DRIVE_MODE_TORQUE) {

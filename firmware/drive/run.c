@@ -153,10 +153,8 @@ void run_plan(drive_t *drive, const drive_command_t *command, const rotor_positi
 /* Commanded speed and rotor speed are both so low that a current has to be imposed. */
 static bool is_slow(const drive_t *drive)
 {
-    const startup_cfg_t *const cfg = &drive->cfg->startup;
-    const bool asked = fx_abs(drive->speed_reference) < lowest_speed(drive);
-
-    return asked && (fx_abs(drive->observer.speed) < cfg->handover_speed);
+    return (fx_abs(drive->observer.speed) < drive->cfg->startup.handover_speed) &&
+           (fx_abs(drive->speed_reference) < lowest_speed(drive));
 }
 
 /*
