@@ -138,10 +138,10 @@ INLINES_ALL int32_t current_reference_torque_max(const current_reference_cfg_t *
                                                  int32_t current_max)
 {
     const int32_t d = (cfg->most_torque != 0U) ? mtpa_d(model, current_max, OF_VECTOR) : 0;
-    const int32_t square = (current_max * current_max) - (d * d);
+    const int32_t square = fx_max((current_max * current_max) - (d * d), 0);
     const int32_t q = (int32_t)trig_sqrt((uint32_t)square);
 
-    return current_reference_torque(q, current_reference_flux(model, d));
+    return current_reference_torque(fx_min(q, CURRENT_END), current_reference_flux(model, d));
 }
 
 int32_t current_reference_q(int32_t torque_q28, int32_t flux_q13)

@@ -236,7 +236,7 @@ static drive_event_t calibrate_step(drive_t *drive, const drive_in_t *in, fault_
 static drive_event_t begin_calibration(drive_t *drive)
 {
     drive->calibration = (calibration_t){.sum_a = 0};
-    safe_state_clear(&drive->safe_state);
+    safe_state_reset(&drive->safe_state);
     speed_loop_init(&drive->speed_loop);
     return DRIVE_EVENT_CALIBRATE;
 }

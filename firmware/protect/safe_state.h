@@ -9,11 +9,10 @@
  * The change of the current tells when: in the short circuit it is the EMF's, T/L·ω·φ in a tick, so it measures what would
  * charge the bus. No observer takes part, as its loss may be the fault. What decays with L/R changes little. A
  * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
- * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn. With a bus
- * above its limit a change is large from an eighth on: the bus has no room for the energy of the windings.
+ * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn.
  *
- * With both sensors dead no change tells, and the gates open too. Then the bus tells: where it rises again although the gates
- * opened, the motor is held in the short circuit until the bus is within its limit or a large change shows that the sensors live.
+ * They do not open while the bus is above its limit: it has no room for the energy of the windings. That limit also tells of a fast
+ * rotor when both sensors are dead and no change does.
  *
  * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
  * the bus Q15 of U_b.
@@ -31,13 +30,13 @@ typedef struct {
     step_t open_speed;
     uint32_t span_ticks; /* a change of the current is one over so many ticks, 0…1024 */
     int32_t change_min;  /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
-    uint32_t settle_ticks; /* for which no change is larger before the gates open, 0…2^20 */
+    uint32_t
+        settle_ticks; /* without one, with the bus within its limit, before the gates open, 0…2^20 */
 } safe_state_cfg_t;
 
 typedef enum {
     SAFE_STATE_OPEN = 0,
-    SAFE_STATE_SHORT, /* gates on, all low sides, while the rotor is fast */
-    SAFE_STATE_HELD, /* likewise, while the bus is above its limit: the current has not told the speed */
+    SAFE_STATE_SHORT, /* gates on, all low sides: the rotor is fast, or the bus above its limit */
     SAFE_STATE_BROKEN /* the power stage has opened the gates by itself: nothing closes them */
 } safe_state_phase_t;
 
@@ -45,8 +44,7 @@ typedef struct {
     safe_state_phase_t phase;
     uint32_t ticks;      /* of this span, 0…1023 */
     ab_t before;         /* current at its beginning */
-    uint32_t slow_ticks; /* without a large change, 0…2^20 */
-    int32_t bus_opened;  /* where the gates opened with a high bus, 0…32767; 0: no such bus */
+    uint32_t slow_ticks; /* without a large change and with the bus within its limit, 0…2^20 */
 } safe_state_t;
 
 /* What is measured in a tick. */
@@ -59,9 +57,6 @@ typedef struct {
 /* Open, and nothing is broken. */
 void safe_state_reset(safe_state_t *safe);
 
-/* The same for a user who clears a fault: the bus may still be what it was. */
-void safe_state_clear(safe_state_t *safe);
-
 /* The drive stops to drive in this tick, at no more than this speed, 0…2^30. Faster than cfg->open_speed: short. */
 void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t speed);
 
@@ -69,15 +64,14 @@ void safe_state_leave(safe_state_t *safe, const safe_state_cfg_t *cfg, step_t sp
 void safe_state_break(safe_state_t *safe);
 
 /*
- * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it. A bus may still be high when the gates
- * open, as nothing discharges it; then it shorts the motor again when it has risen by 1/256. Returns whether all low sides are to be on,
- * else the gates are to be open.
+ * One tick that drives nothing. A bus above its limit shorts the motor too: a load drives it, and the diodes charge the bus. Returns
+ * whether all low sides are to be on, else the gates are to be open.
  */
 bool safe_state_step(safe_state_t *safe, const safe_state_cfg_t *cfg, const safe_state_in_t *in);
 
 static inline bool safe_state_is_short(const safe_state_t *safe)
 {
-    return (safe->phase == SAFE_STATE_SHORT) || (safe->phase == SAFE_STATE_HELD);
+    return safe->phase == SAFE_STATE_SHORT;
 }
 
 #endif

@@ -20,9 +20,7 @@ constexpr double CHANGE_SHARE = 0.75;
 constexpr double SETTLE_TURNS = 2;
 // A bus that has just been within its limit is found beyond it one tick later, and the gates follow at the next one.
 constexpr double ACT_TICKS = 2;
-// A bus that is still high when the gates open may rise by this share before the motor is shorted again: safe_state.c.
-constexpr double RISE = 1.0 / 256;
-// The charge of these ticks is so much of the way from the nominal bus to the highest at most: the rest is for derating.
+// What is charged in them is at most this share of the way from the nominal bus to the highest: the rest is for derating.
 constexpr double ROOM_SHARE = 0.5;
 
 double least_inductance(const MotorSettings &motor)
@@ -53,13 +51,12 @@ double acting_limit_of_short(const BoardSettings &board)
                            "current may charge it by half of the way from board.bus_nominal_v to "
                            "board.bus_max_v");
     }
-    return board.bus_max_v * (1 - RISE) - charge / board.bus_capacitance_f;
+    return board.bus_max_v - charge / board.bus_capacitance_f;
 }
 
 // The line-to-line EMF that charges the bus from bus_v to its limit at most: C/2·(V² − v²) ≤ W + U·C·(V − v).
-double emf_from(double bus_v, double square, const BoardSettings &board)
+double emf_from(double bus_v, double square, double most_v)
 {
-    const double most_v = acting_bus_limit(board);
     return (most_v + bus_v) / 2 - square / (2 * (most_v - bus_v));
 }
 
@@ -70,12 +67,13 @@ double bearable_emf(const MotorSettings &motor, const BoardSettings &board)
         return board.bus_max_v;
     }
     const double square = winding_square(motor, board);
-    const double room = std::pow(acting_bus_limit(board), 2) - std::pow(board.bus_nominal_v, 2);
+    const double most_v = acting_bus_limit(board);
+    const double room = std::pow(most_v, 2) - std::pow(board.bus_nominal_v, 2);
     require(square, 0, room, {"board.bus_capacitance_f", board.bus_capacitance_f, -1},
             "below it the energy of the motor's windings at board.overcurrent_a alone charges the "
             "bus beyond board.bus_max_v");
-    return std::min(emf_from(board.bus_min_v, square, board),
-                    emf_from(board.bus_nominal_v, square, board));
+    return std::min(emf_from(board.bus_min_v, square, most_v),
+                    emf_from(board.bus_nominal_v, square, most_v));
 }
 
 // The largest flux linkage from which a short circuit begins: that of the largest current, and no more than the voltage

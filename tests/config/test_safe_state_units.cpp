@@ -82,21 +82,21 @@ Words also(Words a, const Words &b)
     return a;
 }
 
-// A short circuit in time: 400 V less 1/256, less what 18 A charge in two control periods, 3.6 V. From 200 V that leaves
-// 297.42 V less 5637.6/389.675: 422.1 rad/s, 0.04221 rad a tick. 19.0 ticks are 0.8 rad, 297.7 two turns. The short circuit takes
-// 422.1·0.387/√(2.125² + 4.8967²) = 30.6 A, of which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4010.
+// A short circuit in time leaves the 400 V less what 18 A charge in two control periods, 3.6 V. From 200 V that leaves 298.2 V less
+// 5637.6/392.8: 423.5 rad/s, 0.04235 rad a tick. 18.9 ticks are 0.8 rad, 296.8 two turns. The short circuit takes
+// 423.5·0.387/√(2.125² + 4.912²) = 30.6 A, of which the sensors see 20 A; over 19 ticks it changes by 2·20·sin 0.4023.
 void the_numbers_of_the_firmware()
 {
     const Folder folder;
     const safe_state_cfg_t c = nf::build(loaded(SHORT)).safe_state;
-    const double limit = 400 * (1 - 1.0 / 256) - 3.6;
+    const double limit = 400 - 3.6;
     const double turn =
         ((limit + 200) / 2 - 5637.6 / (2 * (limit - 200))) / (ROOT_3 * 0.387) * 1e-4;
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, turn / nf::TWO_PI * 4294967296.0, c.open_speed);
     TEST_ASSERT_EQUAL_UINT32(19, c.span_ticks);
     TEST_ASSERT_DOUBLE_WITHIN(ROUNDING, 0.75 * 40 * std::sin(9.5 * turn) / 40 * 32768,
                               c.change_min);
-    TEST_ASSERT_EQUAL_UINT32(298, c.settle_ticks);
+    TEST_ASSERT_EQUAL_UINT32(297, c.settle_ticks);
 }
 
 double acting_limit(const Words &set)
@@ -109,18 +109,16 @@ double acting_limit(const Words &set)
     return limit;
 }
 
-// Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V; 1/256 is left for a bus that rises again. Open gates ask for
-// nothing of it.
+// Two control periods of 80 A charge 1 mF by 16 V, of 18 A by 3.6 V. Open gates ask for nothing of it.
 void a_motor_is_shorted_two_periods_of_charge_below_the_highest_bus()
 {
     const Folder folder;
-    const double rise = 400.0 / 256;
-    expect(400 - rise - 16, acting_limit(also(SHORT, {"board.trip_a=80"})));
-    expect(400 - rise - 3.6, acting_limit(SHORT));
+    expect(400 - 16, acting_limit(also(SHORT, {"board.trip_a=80"})));
+    expect(400 - 3.6, acting_limit(SHORT));
     expect(400, acting_limit({"board.trip_a=80"}));
 }
 
-// Of the way from there to the fault's limit: derating of the braking begins at half of it, and has ended at 3/4 of the rest.
+// Of the way from nominal to the fault's limit, 384 V: derating of the braking begins at half of it, and has ended at 3/4 of the rest.
 void braking_is_derated_before_the_motor_is_shorted()
 {
     const Folder folder;
@@ -128,7 +126,7 @@ void braking_is_derated_before_the_motor_is_shorted()
     const double step = nf::make_bases(config.motor, config.board).voltage_v / 32768;
     const derating_cfg_t c = nf::build(config).derating;
     TEST_ASSERT_EQUAL_INT32(32767, derating_share(&c.bus_high, static_cast<int32_t>(346 / step)));
-    TEST_ASSERT_TRUE(derating_share(&c.bus_high, static_cast<int32_t>(361 / step)) < 32768 / 2);
+    TEST_ASSERT_TRUE(derating_share(&c.bus_high, static_cast<int32_t>(362 / step)) < 32768 / 2);
     TEST_ASSERT_EQUAL_INT32(0, derating_share(&c.bus_high, static_cast<int32_t>(376 / step)));
 }
 
@@ -169,13 +167,12 @@ void a_capacitor_too_small_for_the_windings_is_refused()
         "of the motor's windings at board.overcurrent_a alone charges the bus beyond board.bus_max_v");
 }
 
-// The safe speed is that of 392.44 V, without comparators of 394.84 V.
 void a_short_circuit_that_trips_the_comparators_is_refused()
 {
     const Folder folder;
     expect_line(
         also(FAST, {"board.safe_state=short", "board.trip_a=30"}),
-        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1744 rpm: above it a stop or a fault shorts the motor, and the peak of that current makes the comparators open the "
+        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1749 rpm: above it a stop or a fault shorts the motor, and the peak of that current makes the comparators open the "
         "gates: board.trip_a is too low for this motor");
     TEST_ASSERT_EQUAL_STRING(
         "accepted", refusal({}, also(FAST, {"board.safe_state=short", "board.trip_a=90"})).c_str());
@@ -186,7 +183,7 @@ void a_short_circuit_that_demagnetises_is_refused()
     const Folder folder;
     expect_line(
         also(FAST, {"board.safe_state=short", "motor.demagnetising_current_a=40"}),
-        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1752 rpm: above it a stop or a fault shorts the motor, and the peak of that current is beyond "
+        "motors/m.toml:10: motor.max_speed_rpm = 2000: does not fit the firmware; allowed: at most 1758 rpm: above it a stop or a fault shorts the motor, and the peak of that current is beyond "
         "motor.demagnetising_current_a");
     TEST_ASSERT_EQUAL_STRING(
         "accepted",
@@ -199,8 +196,8 @@ void a_capacitor_too_small_to_be_caught_in_time_is_refused()
 {
     const Folder folder;
     const std::string rest =
-        ": does not fit the firmware; allowed: at least 0.0008889 F: with board.safe_state = \"short\": in two control periods "
-        "the largest current may charge it by half of the way from board.bus_nominal_v to board.bus_max_v";
+        ": does not fit the firmware; allowed: at least 0.0008889 F: with board.safe_state = \"short\": in two control periods the largest current may charge it by half "
+        "of the way from board.bus_nominal_v to board.bus_max_v";
     expect_line({"board.safe_state=short", "board.trip_a=200", "board.bus_capacitance_f=0.00088"},
                 ("--set: board.bus_capacitance_f = 0.00088" + rest).c_str());
     expect_line({"board.safe_state=short", "board.trip_a=200", "board.bus_capacitance_f=0"},

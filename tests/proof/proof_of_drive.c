@@ -155,6 +155,9 @@ void proof_init(void)
     check_state();
     check_regulated();
     within(drive.state, DRIVE_STATE_INIT, DRIVE_STATE_INIT);
+    within(current_reference_torque_max(&cfg.current_reference, &cfg.current_loop,
+                                        cfg.derating.current_max),
+           0, CURRENT_REFERENCE_TORQUE_MAX); /* what a user may ask for */
 }
 
 /* With a start-up there is no sensor. */

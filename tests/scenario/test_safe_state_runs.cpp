@@ -132,8 +132,8 @@ void test_up_to_the_safe_speed_open_gates_leave_the_bus_within_its_limit()
         }
         fmt::print("{} F: safe up to {:.0f} rpm, EMF {:.1f} V, highest bus {:.1f} V of {:g} V\n",
                    capacitance, rpm_of(config, safe), ROOT_3 * safe * config.motor.flux_linkage_wb,
-                   highest_v, config.board.bus_max_v);
-        TEST_ASSERT_TRUE(highest_v <= config.board.bus_max_v);
+                   highest_v, nf::acting_bus_limit(config.board));
+        TEST_ASSERT_TRUE(highest_v <= nf::acting_bus_limit(config.board));
         TEST_ASSERT_TRUE(highest_v >= BUS_SHARE_LEAST * config.board.bus_max_v);
     }
 }
@@ -283,9 +283,11 @@ double largest_torque_nm(const nf::MotorSettings &motor)
     return 1.5 * motor.pole_pairs * motor.flux_linkage_wb * motor.max_current_a;
 }
 
-// Of the speed up to which opening is safe. The gates open below 3/4 of its change of the current, which goes with the sine of the
-// angle of a span.
-constexpr double DWELL = 0.6;
+// Of the speed up to which opening is safe: where the gates open below 3/4 of its change of the current, and slower, where the current
+// is still as large.
+constexpr double DWELLS[] = {0.6, 0.3, 0.16, 0.1};
+
+constexpr int BUS_SLACK = 16; // two steps of a converter of 12 bits, in Q15: noise and rounding
 
 class Ride
 {
@@ -348,20 +350,25 @@ public:
             sim.request(0);
         }
     }
-    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there. It dwells where the rotor is just slow
-    // enough for open gates, goes on once more, and lets it come to rest. At last the bus is discharged.
+    // Whatever still drives is stopped; the load goes with the rotor to a speed and stays there. It dwells where the rotor is slow
+    // enough for open gates, goes up in between, and lets it come to rest. At last the bus is discharged.
     void outlive(double rpm)
     {
         held_rpm = rpm;
         seconds(0.4);
         sim.request(0);
         seconds(0.2);
-        held_rpm = DWELL * safe_rad_s / nf::rad_s_from_rpm(1);
-        seconds(0.4);
-        held_rpm = rpm;
-        seconds(0.2);
+        for (const double share : DWELLS) {
+            held_rpm = share * safe_rad_s / nf::rad_s_from_rpm(1);
+            seconds(0.2);
+            held_rpm = rpm;
+            seconds(0.1);
+        }
         held_rpm = 0;
         seconds(0.8);
+        TEST_ASSERT_TRUE(!sim.out().gate_enable ||
+                         sim.plant().bus_v > sim.bases().voltage_v / 32768 *
+                                                 (sim.cfg().protection.bus_max - BUS_SLACK));
         sim.seam().plant.bus_v = config.board.bus_nominal_v;
         seconds(0.1);
     }
@@ -451,9 +458,8 @@ double current_limit_a(const Ride &ride)
                : trip_a;
 }
 
-// The first short circuit, the one of a load that goes on once more, and the one that ends as the bus is discharged. With dead sensors
-// each may be let go by time once before the bus tells.
-constexpr int OPENINGS_MOST = 4;
+// The short circuit of the stop or the fault ends once. One that a high bus begins ends only as the bus is discharged.
+constexpr int OPENINGS_MOST = 2;
 
 void assert_survived(const Machine &machine, const Ride &ride, const Strike &strike,
                      const std::string &what)
@@ -537,7 +543,7 @@ void test_with_open_gates_the_same_load_overcharges_the_bus()
     TEST_ASSERT_TRUE(ride.peak.bus_v > ride.config.board.bus_max_v);
 }
 
-// There the rise behind open gates is more than what two ticks charge.
+// There the drive acts closest to what the bus bears.
 void test_with_a_large_capacitor_dead_sensors_do_not_overcharge_it_either()
 {
     for (const Machine &machine : {COMPRESSOR, MOTOR_A}) {

@@ -184,6 +184,8 @@ static void test_the_largest_torque_is_that_of_the_best_angle(void)
                                     current_reference_torque_max(&cfg, &motor, current));
         }
     }
+    TEST_ASSERT_EQUAL_INT32(CURRENT_MAX * motor.emf_q13,
+                            current_reference_torque_max(&cfg, &motor, CURRENT_MAX));
 }
 
 static void test_without_a_magnet_both_axes_have_the_same_current(void)
