@@ -271,8 +271,8 @@ std::vector<Strike> strikes_of(const nf::BoardSettings &board)
     };
 }
 
-// Of the speed up to which opening is safe: in a tick the estimate changes by less.
-constexpr double FAST = 1.02;
+// Of the speed up to which opening is safe: rounding of the drive's numbers.
+constexpr double FAST = 1.001;
 
 // A load that holds a speed whatever the motor does: twice the largest torque, and so stiff that an excess decays in 3 ms.
 constexpr double LOAD_SHARE = 2;
@@ -414,9 +414,9 @@ private:
                 TEST_ASSERT_EQUAL_UINT16(0, compare);
             }
         }
-        opened_fast |=
-            believed_rad_s_ > FAST * safe_rad_s && !drives() && !is_short && !is_broken();
-        believed_rad_s_ = drives() ? believed_rad_s() : 0;
+        opened_fast |= drove_ && !drives() && !is_short && !is_broken() &&
+                       believed_rad_s() > FAST * safe_rad_s;
+        drove_ = drives();
         if (!driven_s && struck > 0 && !drives()) {
             driven_s = static_cast<double>(now - struck) * sim.bases().control_period_s;
         }
@@ -436,7 +436,7 @@ private:
 
     int64_t struck = 0;
     bool short_ = false;
-    double believed_rad_s_ = 0; // in the tick before; 0: it did not drive
+    bool drove_ = false; // in the tick before
 };
 
 // A break opens the gates at any speed: the bus goes to the EMF and, as an undamped circuit, as far beyond.
