@@ -192,11 +192,11 @@ void LiveRun::warn_of_a_slow_line()
     }
 }
 
-// A script's first command finds a drive that is known.
+// A script's first command finds a drive whose command is known: a state alone does not have it.
 void LiveRun::get_into_step()
 {
     const double until_s = channel_.now_s() + IN_STEP_S;
-    while (!follower_.shadow().is_in_step() && channel_.now_s() < until_s && !is_over()) {
+    while (!follower_.shadow().command() && channel_.now_s() < until_s && !is_over()) {
         step();
     }
 }
