@@ -21,6 +21,7 @@ FILE = tomllib.loads(BOARD.read_text(encoding="utf-8"))["board"]
 TICKS_PER_S = FILE["pwm_frequency_hz"]
 HALF_PERIOD = round(FILE["timer_clock_hz"] / TICKS_PER_S / 2)
 SCRIPT = b"speed 600\nrun\n"
+LAST = b"wait 0.2\n"  # what is shown is up to two segments behind the board
 LOAD_NM = 2.0
 LOOK_TICKS = 100     # from one look at what is said to the next
 LOAD_TICKS = 3000    # behind the begin of RUN
@@ -74,6 +75,7 @@ class Session:
         self.port.tick(FAULT_TICKS - LOAD_TICKS)
         self.port.broken = OPEN_PHASE
         self.port.tick(END_TICKS - FAULT_TICKS)
+        self.live.stdin.write(LAST)
         self.live.stdin.close()
         for _ in range(LONGEST_TICKS):
             if self.live.poll() is not None:
