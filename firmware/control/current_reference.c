@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "current_reference.h"
 
-#include "inlining.h"
 #include "trig.h"
 
 #define CURRENT_END (16384)
@@ -132,10 +131,8 @@ int32_t current_reference_flux(const current_loop_cfg_t *model, int32_t current_
     return fx_clamp(model->emf_q13 + of_reluctance, 1, FX_Q15_MAX);
 }
 
-/* A copy of MTPA of its own: that of the tick stays a part of the tick. */
-INLINES_ALL int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
-                                                 const current_loop_cfg_t *model,
-                                                 int32_t current_max)
+int32_t current_reference_torque_max(const current_reference_cfg_t *cfg,
+                                     const current_loop_cfg_t *model, int32_t current_max)
 {
     const int32_t d = (cfg->most_torque != 0U) ? mtpa_d(model, current_max, OF_VECTOR) : 0;
     const int32_t square = fx_max((current_max * current_max) - (d * d), 0);
