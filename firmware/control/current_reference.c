@@ -36,7 +36,7 @@ static int32_t least_current_d(const current_reference_cfg_t *cfg, const current
     return least;
 }
 
-/* i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: what `current` is, OF_TORQUE or OF_VECTOR. */
+/* i_d of the largest torque that |i| can have. saliency_q13: X_q − X_d > 0. squares: OF_TORQUE if `current` is i_q, OF_VECTOR if it is |i|. */
 static int32_t most_torque_d(const current_loop_cfg_t *model, int32_t saliency_q13, int32_t current,
                              int32_t squares)
 {

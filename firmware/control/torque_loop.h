@@ -3,9 +3,9 @@
  * Torque control: a torque on a slope, within a window of speeds.
  *
  * The torque reference follows the torque asked for by at most `slope` a slow period. It begins with the torque that acts, so a
- * change of mode does not jump. A limit that narrows i_q* takes the reference along, so a torque that leads away from it acts at once,
- * and behind it the torque comes back on the slope. The current for it comes from current_reference.h. The speed loop decides where the window ends
- * (speed_loop_within).
+ * change of mode does not jump. The reference stays within the range of i_q*: a torque that leads away from a limit acts at once, and
+ * when the limit ends, the torque comes back on the slope. The current for it comes from current_reference.h. The speed loop decides
+ * where the window ends (speed_loop_within).
  *
  * Low speed. Where the angle is found from the EMF, there is a lowest speed of RUN. Below it a current is imposed, whose torque is
  * what the load takes, and only a speed can be asked for. So the window ends at the lowest speed, in the direction in which the

@@ -11,8 +11,8 @@
  * phase whose wire is open, a sensor that stands still or one that clips leaves a change that is large twice in each
  * electrical turn. The gates open when no change over span_ticks was large for settle_ticks, more than a turn.
  *
- * They do not open while the bus is above its limit: it has no room for the energy of the windings. That limit also tells of a fast
- * rotor when both sensors are dead and no change does.
+ * They do not open while the bus is above its limit: it has no room for the energy of the windings. When both sensors are dead no
+ * change is large, and only a bus above its limit tells of a fast rotor.
  *
  * Called from drive_step in each tick that drives nothing. Pure, total. Speeds are steps per tick, currents Q15 of I_b,
  * the bus Q15 of U_b.
@@ -30,8 +30,8 @@ typedef struct {
     step_t open_speed;
     uint32_t span_ticks; /* a change of the current is one over so many ticks, 0…1024 */
     int32_t change_min;  /* a smaller change is that of a rotor slow enough, Q15 of I_b, 0…32767 */
-    uint32_t
-        settle_ticks; /* without one, with the bus within its limit, before the gates open, 0…2^20 */
+    /* the gates open after so many ticks without a larger change and with the bus within its limit, 0…2^20 */
+    uint32_t settle_ticks;
 } safe_state_cfg_t;
 
 typedef enum {

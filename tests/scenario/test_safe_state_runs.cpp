@@ -366,6 +366,7 @@ public:
         }
         held_rpm = 0;
         seconds(0.8);
+        // At rest only a high bus keeps the motor shorted.
         TEST_ASSERT_TRUE(!sim.out().gate_enable ||
                          sim.plant().bus_v > sim.bases().voltage_v / 32768 *
                                                  (sim.cfg().protection.bus_max - BUS_SLACK));
